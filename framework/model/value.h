@@ -1,0 +1,68 @@
+// A piece of a description as data: what a scene file says, or what C++ gives in its place. Every piece knows where it stood.
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "framework/support/export.h"
+
+namespace lockstep {
+
+/// Where a value stood: line and column count from 1; line 0 = given in C++.
+struct Where {
+  std::shared_ptr<const std::string> file;
+  int line = 0, column = 0;
+  /// "four_bar.json:4:64", or "" for C++.
+  LOCKSTEP_API std::string text() const;
+};
+
+/// null, true/false, number, text, list or object (its members in the order of the file).
+class Value {
+ public:
+  struct Member;
+  using List = std::vector<Value>;
+  using Object = std::vector<Member>;
+
+  Value() = default;
+  Value(bool b) : data_(b) {}                                // NOLINT: a description reads like data
+  Value(double x) : data_(x) {}                              // NOLINT
+  Value(int x) : data_(static_cast<double>(x)) {}            // NOLINT
+  Value(const char* s) : data_(std::string(s)) {}            // NOLINT
+  Value(std::string s) : data_(std::move(s)) {}              // NOLINT
+  Value(List items) : data_(std::move(items)) {}             // NOLINT
+  LOCKSTEP_API Value(Object members);                        // NOLINT
+  LOCKSTEP_API static Value list(std::initializer_list<double> numbers);
+  LOCKSTEP_API static Value object(std::initializer_list<std::pair<const char*, Value>> members);
+
+  bool is_null() const { return std::holds_alternative<std::monostate>(data_); }
+  const bool* boolean() const { return std::get_if<bool>(&data_); }
+  const double* number() const { return std::get_if<double>(&data_); }
+  const std::string* text() const { return std::get_if<std::string>(&data_); }
+  const List* list() const { return std::get_if<List>(&data_); }
+  const Object* object() const { return std::get_if<Object>(&data_); }
+  List* list() { return std::get_if<List>(&data_); }
+  Object* object() { return std::get_if<Object>(&data_); }
+
+  /// Member of an object by name, nullptr when absent or when this is no object.
+  LOCKSTEP_API const Value* find(std::string_view key) const;
+  /// "a number", "a text", "a list of 3", ... for messages.
+  LOCKSTEP_API std::string kind() const;
+
+  Where where;
+
+ private:
+  std::variant<std::monostate, bool, double, std::string, List, Object> data_;
+};
+
+struct Value::Member {
+  std::string key;
+  Value value;
+  Where where;  ///< of the key
+};
+
+}  // namespace lockstep
