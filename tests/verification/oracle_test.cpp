@@ -3,6 +3,7 @@
 // Equalities tested, each to 1e-12 times max(1, |value|), on the file's entries and on random configurations:
 //   C, Ct, Cd, Cdd, Cq, Qc     the paper's literal equations = exact derivatives of the constraint = the file
 //   Jh, Qhat, rho, e           exact derivatives of the constraint = the file
+//   functions, reactions       exact derivatives, virtual work = the file
 //   (2.2)  Cd = Jh v + Ct = Cq qd + Ct,  Cdd = Jh acc - Qhat = Cq qdd - Qc
 //   (2.10) Jh = Cq blockdiag(1, G1^T/4, 1, G2^T/4)
 //   (2.11) Qhat = Qc + (1/4)(|w1|^2 + |w2|^2) e on the rotational rows, Qhat = Qc on the translational rows
@@ -18,6 +19,7 @@
 #include "tests/support/constraint.h"
 #include "tests/support/dual.h"
 #include "tests/support/lock_checks.h"
+#include "tests/support/lock_functions.h"
 #include "tests/support/paper_lock.h"
 #include "tests/support/paths.h"
 
@@ -239,5 +241,53 @@ TEST_CASE("the oracles agree at half and full turns with every set of laws", "[v
     place_body_1(c, full);
     CHECK((error_quaternion(c) - full).norm() < 1e-14);
     check_all(c);
+  }
+}
+
+TEST_CASE("functions of relative coordinates are what lock-checks.json says", "[verification][oracle]") {
+  const LockChecks checks = stored_checks();
+  for (const LockCheck& check : checks.entries) {
+    unsigned n_compared = 0;
+    auto compare = [&](const std::string& name, const auto& phi) {
+      const std::string path = "functions." + name + ".";
+      INFO(check.name << " " << name);
+      const FunctionTerms terms = function_terms(phi, check.input, check.function_law);
+      auto number = [&](const char* key, double value) {
+        if (!check.has(path + key)) return;
+        CHECK(difference(Eigen::MatrixXd::Constant(1, 1, value), check.at(path + key)) < kTolerance);
+        ++n_compared;
+      };
+      number("value", terms.C);
+      number("Ct", terms.Ct);
+      number("Cdot", terms.Cd);
+      number("Qhat", terms.Qhat);
+      if (!check.has(path + "J")) return;
+      CHECK(difference(terms.Jh, check.at(path + "J")) < kTolerance);
+      ++n_compared;
+    };
+    compare("screw", Screw{checks.screw_pitch});
+    compare("rack", Rack{checks.rack_radius});
+    compare("universal", Universal{});
+    compare("distance2", Distance2{});
+    compare("distance1", Distance1{});
+    const auto n_stored = std::count_if(check.expected.begin(), check.expected.end(),
+                                        [](const auto& item) { return item.first.rfind("functions.", 0) == 0; });
+    CHECK(n_compared == static_cast<unsigned>(n_stored));
+    CHECK(n_compared >= 18);
+  }
+}
+
+TEST_CASE("reactions by virtual work are what lock-checks.json says", "[verification][oracle]") {
+  for (const LockCheck& check : stored_checks().entries) {
+    INFO(check.name);
+    const Vector6 lam = check.at("reaction.lam");
+    const Reaction r = reaction(check.input, lam);
+    CHECK(difference(r.force_on_1, check.at("reaction.force_on_1_at_P_world")) < kTolerance);
+    CHECK(difference(r.torque_on_1, check.at("reaction.torque_on_1_world")) < kTolerance);
+    CHECK(difference(r.torque_on_1_P_axes, check.at("reaction.torque_on_1_P_axes")) < kTolerance);
+    CHECK(difference(r.torque_on_1_D_axes, check.at("reaction.torque_on_1_D_axes")) < kTolerance);
+    CHECK(difference(r.torque_on_2_at_S, check.at("reaction.torque_on_2_at_S_world")) < kTolerance);
+    CHECK(difference(Eigen::MatrixXd::Constant(1, 1, power_of_laws(check.input, lam)),
+                     check.at("reaction.power_of_laws")) < kTolerance);
   }
 }
