@@ -1,0 +1,96 @@
+// Dynamics: everything that an integrator may ask of a mechanism.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/dynamics/stabilization.h"
+#include "framework/kkt/linear_solver.h"
+#include "framework/system/system.h"
+
+namespace lockstep {
+
+/// Counters of work done, for reports and charts.
+struct WorkCount {
+  long evaluations = 0, factors = 0, projections = 0, corrections = 0;
+};
+
+struct ProjectReport {
+  double before = 0, after = 0;  ///< |C|, metres
+  double before_v = 0;           ///< |Jh v + Ct|, m/s
+  int rounds = 0;
+  bool converged = true;
+};
+
+struct DynamicsOptions {
+  Formulation formulation = Formulation::omega;
+  Stabilization stabilization;
+};
+
+class LOCKSTEP_API Dynamics {
+ public:
+  /// The system is set up if it was not. The solver must not be null.
+  Dynamics(System& system, std::unique_ptr<LinearSolver> solver, DynamicsOptions options = {});
+  ~Dynamics();
+
+  const System& system() const { return system_; }
+  const DynamicsOptions& options() const { return options_; }
+  const LinearSolver& solver() const { return *solver_; }
+
+  /// (2.1), (2.9) with the chosen stabilisation: d/dt of q, v and s at this state. Throws NonFiniteError, SolveError.
+  void rate(const State&, StateRate& out);
+  /// The same, keeping a, lambda and rows for `values()`.
+  const Evaluated& evaluate(const State&);
+  /// Of the last rate() or evaluate().
+  const Evaluated& values() const { return *values_; }
+  const Inputs& inputs() const { return in_; }
+
+  /// Least mass-weighted move onto C = 0 (exponential update), then onto Jh v = -Ct; quaternions normalised first.
+  ProjectReport project(State&);
+  /// Only the velocity level.
+  void project_velocity(State&);
+  /// |C| in metres: over the rows of the present set (numerics page); and |Jh v + Ct| in m/s.
+  double violation(const State&);
+  double violation_v(const State&);
+
+  /// q (+) h v on the unit sphere (exponential update).
+  void advance(State&, double h, const VecX& v) const;
+  void normalize(State&) const;
+  /// After an accepted step.
+  void accept(State&);
+
+  WorkCount& work() { return work_; }
+  const SolveReport& last_solve() const { return solve_report_; }
+
+  // -- what assembly and analyses build on
+  /// Rows and forces at this state; afterwards rows() and force() are complete.
+  void gather(const State&);
+  const RowTable& rows() const { return rows_; }
+  const VecX& force() const { return f_; }
+  /// M a + Jh^T lambda = f, Jh a = c at the last gathered state (6 a slot; particles' last three are 0). Counts a factor
+  /// when the state is new.
+  const SolveReport& solve(const VecX& f, const VecX& c, VecX& a, VecX& lambda);
+  /// Largest |c| with the norm of the numerics page: metres, radians times L, half turns times 2 L.
+  double norm(const VecX& c) const;
+
+ private:
+  struct Matrix;  // the chosen formulation's view of the rows
+  void prepare(const State&);
+  void check_finite(const State&);
+
+  System& system_;
+  std::unique_ptr<LinearSolver> solver_;
+  DynamicsOptions options_;
+  std::unique_ptr<Matrix> matrix_;
+  std::vector<Motion> motions_;
+  std::vector<bool> modes_;
+  RowTable rows_;
+  VecX f_, c_, a_, lambda_;
+  Inputs in_;
+  std::unique_ptr<Evaluated> values_;
+  SolveReport solve_report_;
+  WorkCount work_;
+};
+
+}  // namespace lockstep

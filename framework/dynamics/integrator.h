@@ -1,0 +1,53 @@
+// Integrator: one step of a method. Registered by name, built in or from a plugin.
+#pragma once
+
+#include <string>
+
+#include "framework/dynamics/dynamics.h"
+#include "framework/model/state.h"
+#include "framework/support/snapshot.h"
+
+namespace lockstep {
+
+struct IntegratorInfo {
+  std::string name;
+  int order = 1;
+  bool implicit = false, adaptive = false;
+  int evaluations = 1;  ///< of the equations of motion, a step
+};
+
+/// Error weights: atol_x + relative |increment scale| for positions and rotations (m, rad), atol_v = atol_x / (1 s).
+struct Tolerance {
+  double relative = 1e-6;
+  double atol_x = 1e-8;
+};
+
+struct StepReport {
+  double h = 0;              ///< step made, s
+  double h_next = 0;         ///< step advised; 0: the method has no opinion (fixed step)
+  double error = 0;          ///< estimate against the tolerance, 1 = just met; 0 where there is none
+  int rejected = 0;          ///< tries thrown away before this step
+  double violation = 0;      ///< |C| before projection, m
+};
+
+class LOCKSTEP_API Integrator {
+ public:
+  virtual ~Integrator();
+  virtual IntegratorInfo info() const = 0;
+  /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
+  virtual void begin(Dynamics&, const State&) = 0;
+  /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An adaptive
+  /// method may step less; a rejected try leaves no trace. Throws StepError.
+  virtual StepReport step(Dynamics&, State& state, double h) = 0;
+  /// State inside the last step, t0 <= t <= t1, not projected; the method's own dense output. Default: cubic Hermite would
+  /// be a lie about its order, so a method without one returns false and the simulation lands on the wanted times instead.
+  virtual bool dense(double t, State& out) const;
+  virtual void set_tolerance(const Tolerance&);
+  /// First step by the method's own guess; 0: none (fixed step).
+  virtual double first_step(Dynamics&, const State&);
+  /// History and controller: with the State all that a checkpoint or a step taken back needs.
+  virtual void save(Snapshot&) const;
+  virtual void restore(const Snapshot&);
+};
+
+}  // namespace lockstep

@@ -1,0 +1,51 @@
+// Force: anything that pushes without holding. Writes into the sum, never into the bodies.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/kkt/sums.h"
+#include "framework/lock/lock.h"
+#include "framework/support/export.h"
+
+namespace lockstep {
+
+class LOCKSTEP_API Force {
+ public:
+  explicit Force(std::string name);
+  virtual ~Force();
+  Force(const Force&) = delete;
+  Force& operator=(const Force&) = delete;
+
+  const std::string& name() const { return name_; }
+  virtual std::string_view type() const = 0;
+
+  // -- description
+  virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
+  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual std::vector<Quantity> quantities() const;        ///< "length" m, "force" N, ... for the recorder
+  virtual double quantity(int k, const Inputs&) const;
+
+  // -- setup: called once the bodies have their slots
+  virtual void setup() = 0;
+
+  // -- evaluation
+  virtual void apply(const Inputs&, WrenchSum& out) const = 0;
+  virtual double potential(const Inputs&) const;           ///< J; asked only while energy is recorded; default 0
+  virtual double dissipation(const Inputs&) const;         ///< W taken out by dampers, >= 0; default 0
+
+  // -- what the force remembers (turn counters)
+  virtual int n_memory() const { return 0; }
+  virtual void start_memory(std::span<double> z) const;
+  virtual void accept(const Inputs&, std::span<double> z) const;
+  int first_memory() const { return first_memory_; }
+  void place(int first_memory) { first_memory_ = first_memory; }  ///< called by System::setup
+
+ private:
+  std::string name_;
+  int first_memory_ = 0;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,11 @@
+#include "framework/kkt/auxiliary.h"
+
+#include <algorithm>
+
+namespace lockstep {
+
+Auxiliary::~Auxiliary() = default;
+
+void Auxiliary::start(std::span<double> s) const { std::fill(s.begin(), s.end(), 0.0); }
+
+}  // namespace lockstep

@@ -1,0 +1,43 @@
+// Auxiliary: states of the user's own that are integrated with the mechanism: controllers, actuators, quadratures.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "framework/kkt/rows.h"
+#include "framework/model/inputs.h"
+#include "framework/support/export.h"
+
+namespace lockstep {
+
+/// The inputs together with what the solution made of them. Views, valid during the call.
+struct Evaluated {
+  const Inputs& in;
+  const VecX& a;        ///< 6 a slot: acceleration (world), angular acceleration (slot axes)
+  const VecX& lambda;   ///< one a row of `rows`
+  const RowTable& rows;
+};
+
+class LOCKSTEP_API Auxiliary {
+ public:
+  explicit Auxiliary(std::string name) : name_(std::move(name)) {}
+  virtual ~Auxiliary();
+  Auxiliary(const Auxiliary&) = delete;
+  Auxiliary& operator=(const Auxiliary&) = delete;
+
+  const std::string& name() const { return name_; }
+  virtual int size() const = 0;
+  /// Values at the start; default: zeros.
+  virtual void start(std::span<double> s) const;
+  /// d/dt of its slice of State::s. Its own values stand at in.s[first() ...].
+  virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
+
+  int first() const { return first_; }  ///< where its slice begins in State::s
+  void place(int first) { first_ = first; }  ///< called by System::setup
+
+ private:
+  std::string name_;
+  int first_ = 0;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,80 @@
+// Lock: the root of all links. A link is what the user touches; a lock is the constraint it is made of.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/kkt/rows.h"
+#include "framework/model/inputs.h"
+#include "framework/model/marker.h"
+#include "framework/support/export.h"
+
+namespace lockstep {
+
+class Lock;
+/// Links of one type and one pattern, gathered by one call.
+using Group = std::span<const Lock* const>;
+
+/// A number that a link or a force can tell about itself beyond what every link has: name and unit of a recorder channel.
+struct Quantity {
+  std::string name, unit;
+};
+
+class LOCKSTEP_API Lock {
+ public:
+  explicit Lock(std::string name);
+  virtual ~Lock();
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+
+  const std::string& name() const { return name_; }
+  virtual std::string_view type() const = 0;  ///< "revolute": the name in files, logs and errors
+
+  // -- description
+  /// Marker pairs, P before S; the first is the one whose P carries the reaction in the recorder.
+  virtual std::vector<std::pair<const Marker*, const Marker*>> pairs() const = 0;
+  virtual int row_count() const = 0;             ///< rows while the link is active; constant between two setups
+  virtual RowKind row_kind(int k) const = 0;
+  virtual std::string row_name(int k) const = 0; ///< "x", "e1", "phi": for messages and channels
+  virtual int drive_row(int k) const;            ///< number of the drive that row k belongs to; -1: the joint itself
+  virtual int n_drives() const;
+  virtual Quantity drive(int d) const;           ///< name ("rz") and unit (rad, m) of drive d
+  /// Instants in (t0, t1) where one of its laws jumps.
+  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual std::vector<Quantity> quantities() const;
+  virtual double quantity(int k, const Inputs&) const;
+
+  // -- setup: called once the bodies have their slots
+  virtual void setup() = 0;                      ///< folds markers into slots; throws ModelError naming the link
+  virtual SlotList slots() const = 0;            ///< whose columns its rows touch
+  /// Links with equal dynamic type, pattern, row count and slot count make a group. `pattern` packs whatever a kernel is
+  /// chosen by: mask, laws present, parallel markers, grounded sides.
+  virtual unsigned pattern() const { return 0; }
+
+  // -- evaluation
+  /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.
+  virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
+
+  // -- what the link integrates or remembers
+  virtual int n_states() const { return 0; }     ///< in State::s, from first_state()
+  virtual void start_states(std::span<double> s) const;
+  virtual void state_rates(const Inputs&, std::span<double> sd) const;
+  virtual int n_memory() const { return 0; }     ///< in State::z, from first_memory()
+  virtual void start_memory(std::span<double> z) const;
+  virtual void accept(const Inputs&, std::span<double> z) const;  ///< after an accepted step
+
+  int number() const { return number_; }         ///< in the system; index of its bit in State::modes
+  int first_state() const { return first_state_; }
+  int first_memory() const { return first_memory_; }
+  void place(int number, int first_state, int first_memory);  ///< called by System::setup
+
+  bool active_at_start = true;
+
+ private:
+  std::string name_;
+  int number_ = -1, first_state_ = 0, first_memory_ = 0;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,33 @@
+// Snapshot: numbers saved in order and restored in the same order; what an integrator keeps beside the State.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <vector>
+
+namespace lockstep {
+
+class Snapshot {
+ public:
+  void put(double x) { numbers_.push_back(x); }
+  template <class V> void put_all(const V& v) {
+    put(static_cast<double>(v.size()));
+    for (decltype(v.size()) i = 0; i < v.size(); ++i) put(v[i]);
+  }
+  double get() const {
+    assert(at_ < numbers_.size());
+    return numbers_[at_++];
+  }
+  template <class V> void get_all(V& v) const {
+    v.resize(static_cast<decltype(v.size())>(get()));
+    for (decltype(v.size()) i = 0; i < v.size(); ++i) v[i] = get();
+  }
+  void rewind() const { at_ = 0; }
+  void clear() { numbers_.clear(), at_ = 0; }
+
+ private:
+  std::vector<double> numbers_;
+  mutable std::size_t at_ = 0;
+};
+
+}  // namespace lockstep

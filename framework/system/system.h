@@ -1,0 +1,128 @@
+// System: who exists and how they are connected. Description only; it is const while anything is evaluated.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "framework/force/force.h"
+#include "framework/kkt/auxiliary.h"
+#include "framework/lock/lock.h"
+#include "framework/model/state.h"
+
+namespace lockstep {
+
+/// Where two markers of a new link coincide at the start: one point and one set of axes, in the world.
+inline Pose at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
+/// The same with the markers' z axis along `z` (any length; x and y are chosen).
+LOCKSTEP_API Pose at(const Vec3& x, const Vec3& z);
+
+class LOCKSTEP_API System {
+ public:
+  struct Options {
+    Vec3 gravity = Vec3::Zero();  ///< m/s^2, world
+  };
+  System() : System(Options{}) {}
+  explicit System(Options options);
+  ~System();
+  System(System&&) noexcept;
+  System& operator=(System&&) noexcept;
+
+  // -- description; names are unique per kind, everything stays where it is in memory
+  Body& ground() { return *ground_; }
+  Body& add_body(const std::string& name, const MassProperties&, const Pose& home = {});
+  Body& add_body(const std::string& name, const Shape& shape) { return add_body(name, shape.mass, shape.home); }
+  Body& add_particle(const std::string& name, double mass, const Vec3& x);
+  Body& add_fixed(const std::string& name, const Pose& home = {});
+  Marker& add_marker(const std::string& name, Body&, const Pose& local = {});
+  Marker& add_marker_at(const std::string& name, Body&, const Pose& world);  ///< by its pose in the world at the start
+  Lock& add(std::unique_ptr<Lock>);
+  Force& add(std::unique_ptr<Force>);
+  Auxiliary& add(std::unique_ptr<Auxiliary>);
+  /// A link of type L between two bodies, both markers ("<name>.P" and "<name>.S") at one pose in the world.
+  template <class L, class... Args>
+  L& add(const std::string& name, Body& p, Body& s, const Pose& world, Args&&... args) {
+    Marker& P = add_marker_at(name + ".P", p, world);
+    Marker& S = add_marker_at(name + ".S", s, world);
+    return add<L>(name, P, S, std::forward<Args>(args)...);
+  }
+  /// A link or force of type L on existing markers.
+  template <class L, class... Args>
+  L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
+    return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
+  }
+  Vec3 gravity() const { return options_.gravity; }
+  void set_gravity(const Vec3& g) { options_.gravity = g; }
+
+  // -- finding; throws ModelError with the closest name
+  Body& body(const std::string& name) const;
+  Marker& marker(const std::string& name) const;
+  Lock& link(const std::string& name) const;
+  Force& force(const std::string& name) const;
+  const std::deque<Body>& bodies() const { return bodies_; }      ///< the ground is the first
+  const std::deque<Marker>& markers() const { return markers_; }
+  const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }
+  const std::vector<std::unique_ptr<Force>>& forces() const { return forces_; }
+  const std::vector<std::unique_ptr<Auxiliary>>& auxiliaries() const { return auxiliaries_; }
+
+  // -- setup: slots, folded markers, states, memory, groups. Throws ModelError. Automatic when the description changed.
+  void setup();
+  bool ready() const { return ready_; }
+  int n_slots() const { return static_cast<int>(slot_bodies_.size()); }
+  const Body& body_of_slot(int slot) const { return *slot_bodies_[static_cast<std::size_t>(slot)]; }
+  int n_velocities() const { return n_velocities_; }              ///< unknown velocities: 6 a body, 3 a particle
+  int n_states() const { return n_states_; }
+  /// The state at the start: home poses, start velocities, start values; not yet assembled.
+  State start() const;
+
+  // -- evaluation
+  /// Row table for the links in force; groups stand one after another. Allocates only beyond what was there.
+  void lay_out(const std::vector<bool>& modes, RowTable& table) const;
+  /// Poses and twists of ground and slots (quaternions normalised) from the state.
+  void motions(const State&, std::vector<Motion>& out) const;
+  /// Rows of every active link, group by group.
+  void gather_rows(const Inputs&, RowTable& table) const;
+  /// Gravity, -w x J w and all forces; f: 6 a slot.
+  void gather_forces(const Inputs&, VecX& f) const;
+  /// Rates of State::s; `values` as solved.
+  void state_rates(const Evaluated& values, VecX& sd) const;
+  /// After an accepted step: turn counters of links and forces.
+  void accept(const Inputs&, State&) const;
+  /// Instants in (t0, t1) where any law jumps, sorted.
+  std::vector<double> breakpoints(double t0, double t1) const;
+
+  /// "row e1 of link 'C'" for a row of the table; for messages.
+  std::string row_name(const RowTable& table, int row) const;
+  /// Longest arm of a marker on its body, at least 1e-6 m: turns angles into lengths in norms (numerics page).
+  double length() const { return length_; }
+
+ private:
+  void changed() { ready_ = false; }
+  void setup_slots();
+  void setup_links();
+  void setup_forces();
+
+  Options options_;
+  std::deque<Body> bodies_;
+  std::deque<Marker> markers_;
+  std::vector<std::unique_ptr<Lock>> links_;
+  std::vector<std::unique_ptr<Force>> forces_;
+  std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
+  Body* ground_ = nullptr;
+
+  bool ready_ = false;
+  std::vector<Body*> slot_bodies_;
+  std::vector<int> group_order_;  ///< link numbers, groups one after another
+  int n_velocities_ = 0, n_states_ = 0, n_memory_ = 0;
+  double length_ = 1e-6;
+};
+
+/// Pose of a body's frame in the world.
+LOCKSTEP_API Pose pose(const Body&, const State&);
+/// v: velocity of the body's frame origin (world); w: body axes.
+LOCKSTEP_API Twist twist(const Body&, const State&);
+
+}  // namespace lockstep

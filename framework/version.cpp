@@ -1,0 +1,7 @@
+#include "framework/version.h"
+
+namespace lockstep {
+
+const char* library_version() { return kVersion; }
+
+}  // namespace lockstep
