@@ -27,5 +27,6 @@ endif()
 # and both compilers give the same digits.
 add_library(lockstep_own INTERFACE)
 target_compile_options(lockstep_own INTERFACE
-  -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+  -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 warns of its own std::string
 target_compile_definitions(lockstep_own INTERFACE BOOST_DLL_USE_STD_FS)  # Boost.DLL from headers alone

@@ -26,7 +26,8 @@ enum class Form {
 
 /// The dimension of a number; strings with a unit are converted to SI ("12 mm", "30 deg", "1200 rpm").
 enum class Unit { none, length, angle, time, mass, speed, angular_speed, acceleration, angular_acceleration, force, torque,
-                  inertia, density, stiffness, torsion_stiffness, damping, torsion_damping, frequency };
+                  inertia, density, stiffness, torsion_stiffness, damping, torsion_damping, frequency,
+                  any };  // any: what its user takes it for (the amplitude of a law); every unit is taken, and turned into SI
 
 struct Key {
   std::string name;
@@ -44,13 +45,14 @@ struct TypeInfo {
   Keys keys;
 };
 
-/// Makes the laws that stand inside other things; the registry is one.
+/// Makes the laws that stand inside other things; the registry is one. `owner` names the law's place in messages:
+/// "link 'A', law".
 class LOCKSTEP_API LawSource {
  public:
   virtual ~LawSource();
-  virtual LawPtr<MotionLaw> scalar_law(const Value&) const = 0;
-  virtual LawPtr<TranslationLaw> translation_law(const Value&) const = 0;
-  virtual LawPtr<RotationLaw> rotation_law(const Value&) const = 0;
+  virtual LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner) const = 0;
+  virtual LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner) const = 0;
+  virtual LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner) const = 0;
 };
 
 /// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next move:
@@ -59,6 +61,8 @@ class LOCKSTEP_API Params {
  public:
   /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through `checked`.
   Params(std::initializer_list<std::pair<const char*, Value>> members = {});
+  /// An object as it stands in a scene, not checked yet either.
+  static Params unchecked(Value object);
   /// `owner` names the thing in messages: "link 'A'", "link 'A', drive.law".
   Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws);
 
@@ -81,15 +85,32 @@ class LOCKSTEP_API Params {
   const Value& value(std::string_view key) const;  ///< as written; null when absent
 
   const std::string& owner() const { return owner_; }
+  const Where& where() const { return object_.where; }  ///< of the object
   /// Throws SceneError: place of `key`, owner, key, `problem` (value, limit, next move).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 
  private:
   const Key& key_of(std::string_view key) const;
+  Value given_or_default(const Key&) const;
+  std::string place_of(std::string_view key) const;  // "link 'A', law.slope"
+  const LawSource& law_source(const Key&) const;
+  void check_known() const;
+  void check_form(const Key&) const;
   Value object_;
   std::vector<Key> keys_;
   std::string owner_;
   const LawSource* laws_ = nullptr;
 };
+
+/// The place of a part in its owner, for messages: part_of("link 'A'", "law") is "link 'A', law"; part_of("link 'A', law", "slope")
+/// is "link 'A', law.slope".
+LOCKSTEP_API std::string part_of(const std::string& owner, std::string_view part);
+
+/// "number", "choice", "translation law", ... for `describe` and the schema.
+LOCKSTEP_API std::string name_of(Form);
+
+/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not JSON or not of the key's
+/// form, a choice without choices.
+LOCKSTEP_API void check(const TypeInfo&);
 
 }  // namespace lockstep

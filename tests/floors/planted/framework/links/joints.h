@@ -1,0 +1,3 @@
+#pragma once
+#include "framework/lock/lock.h"
+#include "framework/system/system.h"

@@ -1,0 +1,2 @@
+#include "framework/builtins.h"
+#include "framework/links/joints.h"

@@ -1,0 +1,5 @@
+#pragma once
+#include "framework/model/body.h"
+
+#  include "framework/links/joints.h"
+#include "kernel.h"

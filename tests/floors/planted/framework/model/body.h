@@ -1,0 +1,3 @@
+#pragma once
+#include "framework/kkt/rows.h"
+#include "framework/support/text.h"
