@@ -85,8 +85,8 @@ const TypeInfo& ScaledLaw::info() {
   static const TypeInfo info{"scale",
                              "y = offset + factor law(t)",
                              {{"law", Form::law, Unit::none, "", "the law that is scaled"},
-                              {"factor", Form::number, Unit::none, "1", "what its value is multiplied by"},
-                              {"offset", Form::number, Unit::none, "0", "what is added then"}}};
+                              {"factor", Form::number, Unit::any, "1", "what its value is multiplied by"},
+                              {"offset", Form::number, Unit::any, "0", "what is added then"}}};
   return info;
 }
 

@@ -11,7 +11,7 @@ LawValue Constant::at(double) const { return {value_, 0.0, 0.0}; }
 const TypeInfo& Constant::info() {
   static const TypeInfo info{"constant",
                              "y = value",
-                             {{"value", Form::number, Unit::none, "", "the value, in the unit of what it drives"}}};
+                             {{"value", Form::number, Unit::any, "", "the value, in the unit of what it drives"}}};
   return info;
 }
 

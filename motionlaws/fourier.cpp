@@ -38,9 +38,9 @@ const TypeInfo& Fourier::info() {
       "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
       {{"omega", Form::number, Unit::angular_speed, "absent", "base circular frequency; this or frequency"},
        {"frequency", Form::number, Unit::frequency, "absent", "base cycles per second; this or omega"},
-       {"offset", Form::number, Unit::none, "0", "mean value"},
-       {"cosines", Form::numbers, Unit::none, "[]", "a_1, a_2, ..."},
-       {"sines", Form::numbers, Unit::none, "[]", "b_1, b_2, ..."}}};
+       {"offset", Form::number, Unit::any, "0", "mean value"},
+       {"cosines", Form::numbers, Unit::any, "[]", "a_1, a_2, ..."},
+       {"sines", Form::numbers, Unit::any, "[]", "b_1, b_2, ..."}}};
   return info;
 }
 

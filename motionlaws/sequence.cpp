@@ -79,7 +79,7 @@ const TypeInfo& Sequence::info() {
       "laws one after another, each on its own time from 0",
       {{"durations", Form::numbers, Unit::time, "", "how long each law runs"},
        {"laws", Form::laws, Unit::none, "", "as many laws"},
-       {"continue", Form::boolean, Unit::none, "true", "each law goes on from the value at which the one before ended"},
+       {"continue", Form::boolean, Unit::none, "false", "each law goes on from the value at which the one before ended"},
        {"outside", Form::choice, Unit::none, "\"hold\"", "before and after: value held, or first and last law run on", {"hold", "run_on"}},
        {"t0", Form::number, Unit::time, "0", "start of the first law"}}};
   return info;

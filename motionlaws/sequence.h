@@ -16,7 +16,7 @@ struct Piece {
 
 struct SequenceSettings {
   double t0 = 0;        ///< start of the first piece, s
-  bool chained = true;  ///< each piece goes on from the value at which the one before ended; false: values as the laws give them
+  bool chained = false;  ///< each piece goes on from the value at which the one before ended
   bool run_on = false;  ///< outside: first and last law run on; false: y is held there, at rest
 };
 
