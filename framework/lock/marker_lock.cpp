@@ -1,0 +1,240 @@
+#include "framework/lock/marker_lock.h"
+
+#include <algorithm>
+
+#include "framework/support/error.h"
+
+namespace lockstep {
+
+MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
+    : Lock(std::move(name)), p_(&p), s_(&s), mask_(mask), rows_(mask) {
+  if (p.body == s.body)
+    throw ModelError("link '" + this->name() + "': both markers are on body '" + p.body->name +
+                     "'; a link joins two bodies, put P or S on another one");
+}
+MarkerLock::~MarkerLock() = default;
+
+void MarkerLock::move(LawPtr<TranslationLaw> law) {
+  if (!any(mask_, Mask::xyz))
+    throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
+                     "\" holds none of them; drive a free axis instead");
+  move_ = std::move(law);
+}
+
+void MarkerLock::turn(LawPtr<RotationLaw> law) {
+  if (!any(mask_, Mask::e123))
+    throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
+                     "\" holds none of them; drive a free axis instead");
+  turn_ = std::move(law);
+}
+
+void MarkerLock::drive(Axis axis, LawPtr<MotionLaw> law) { add_drive({axis, std::move(law), false, 0}); }
+
+void MarkerLock::drive_speed(Axis axis, LawPtr<MotionLaw> law) {
+  add_drive({axis, std::move(law), true, n_speeds_});
+  ++n_speeds_;
+}
+
+void MarkerLock::add_drive(Drive drive) {
+  const std::string what = "link '" + name() + "': drive on " + std::string(to_string(drive.axis));
+  const Mask bit = row_of(drive.axis);
+  if (!drive.law) throw ModelError(what + " has no law; give it one");
+  if (has(mask_, bit))
+    throw ModelError(what + ": row " + std::string(lockstep::row_name(index(drive.axis))) + " is held by the mask \"" +
+                     to_string(mask_) + "\"; drive a free axis, or give the link a law by move or turn");
+  if (has(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law an axis");
+  if (is_rotation(drive.axis) && !has(mask_ | bit, Mask::e123))
+    throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
+                     "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
+  rows_ = rows_ | bit;
+  drives_.push_back(std::move(drive));
+}
+
+RowKind MarkerLock::row_kind(int k) const {
+  return row_[static_cast<std::size_t>(k)] < 3 ? RowKind::translation : RowKind::rotation;
+}
+std::string MarkerLock::row_name(int k) const { return std::string(lockstep::row_name(row_[static_cast<std::size_t>(k)])); }
+
+int MarkerLock::drive_row(int k) const {
+  for (std::size_t d = 0; d < drives_.size(); ++d)
+    if (index(drives_[d].axis) == row_[static_cast<std::size_t>(k)]) return static_cast<int>(d);
+  return -1;
+}
+
+Quantity MarkerLock::drive(int d) const {
+  const Axis axis = drives_[static_cast<std::size_t>(d)].axis;
+  return {std::string(to_string(axis)), is_rotation(axis) ? "rad" : "m"};
+}
+
+void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  MarkerFrame(*p_).breakpoints(t0, t1, out);
+  MarkerFrame(*s_).breakpoints(t0, t1, out);
+  if (move_) move_->breakpoints(t0, t1, out);
+  if (turn_) turn_->breakpoints(t0, t1, out);
+  for (const Drive& d : drives_) d.law->breakpoints(t0, t1, out);
+}
+
+namespace {
+Vec3 unit(int k) { return Vec3::Unit(k % 3); }
+
+void refuse_particle(const std::string& link, const Marker& m, Mask rows) {
+  if (m.body->freedoms != Freedoms::particle || !any(rows, Mask::e123)) return;
+  throw ModelError("link '" + link + "' holds turns (" + to_string(rows & Mask::e123) + ") of '" + m.body->name +
+                   "', which is a particle and does not turn; give it an inertia, or take those rows out of the mask");
+}
+}  // namespace
+
+void MarkerLock::setup() {
+  refuse_particle(name(), *p_, rows_);
+  refuse_particle(name(), *s_, rows_);
+  P_ = MarkerFrame(*p_);
+  S_ = MarkerFrame(*s_);
+  slots_ = {};
+  slots_.add(P_.slot);
+  slots_.add(S_.slot);
+  if (slots_.n == 0)
+    throw ModelError("link '" + name() + "': neither '" + p_->body->name + "' nor '" + s_->body->name +
+                     "' can move; join at least one moving body");
+  side1_ = slots_.position(P_.slot);
+  side2_ = slots_.position(S_.slot);
+
+  n_rows_ = 0;
+  for (int k = 0; k < 6; ++k)
+    if (has(rows_, row_bit(k))) row_[static_cast<std::size_t>(n_rows_++)] = k;
+
+  laws_ = with::nothing;
+  if (P_.slide) laws_ |= with::uP;
+  if (P_.spin) laws_ |= with::qP;
+  if (S_.slide) laws_ |= with::uS;
+  if (S_.spin) laws_ |= with::qS;
+  if (move_) laws_ |= with::p;
+  if (turn_) laws_ |= with::qD;
+  for (const Drive& d : drives_) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
+  if (P_.parallel() && S_.parallel()) laws_ |= with::parallel;
+  const unsigned sides = (side1_ < 0 ? 1u : 0u) | (side2_ < 0 ? 2u : 0u);
+  pattern_ = laws_ | static_cast<unsigned>(rows_) << 8 | static_cast<unsigned>(mask_) << 14 | sides << 20;
+
+  // A driven speed starts from the coordinate of the home poses: rho_k, or the turn of P against S about the axis.
+  speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
+  const Pose S_home = s_->body->home * s_->local, P_home = p_->body->home * p_->local;
+  const Pose rel = inverse(S_home) * P_home;
+  for (const Drive& d : drives_) {
+    if (!d.speed) continue;
+    const int k = index(d.axis) % 3;
+    speed_start_[static_cast<std::size_t>(d.state)] =
+        is_rotation(d.axis) ? 2.0 * std::atan2(rel.q.vec()[k], rel.q.w) : rel.x[k];
+  }
+}
+
+void MarkerLock::start_states(std::span<double> s) const { std::copy(speed_start_.begin(), speed_start_.end(), s.begin()); }
+
+void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
+  for (const Drive& d : drives_)
+    if (d.speed) sd[static_cast<std::size_t>(d.state)] = d.law->at(in.t).y;
+}
+
+// ---------------------------------------------------------------------------------------------------------- evaluation
+
+/// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a larger
+/// set enters as zero.
+struct MarkerLockGather {
+  const Inputs& in;
+
+  LawValue value(const MarkerLock& lock, const Drive& d) const {
+    const LawValue l = d.law->at(in.t);
+    if (!d.speed) return l;
+    return {in.s[static_cast<std::size_t>(lock.first_state() + d.state)], l.y, l.yd};
+  }
+
+  ImposedTranslationT<double> imposed_translation(const MarkerLock& lock) const {
+    ImposedTranslationT<double> D;
+    if (lock.move_) {
+      const TranslationValue l = lock.move_->at(in.t);
+      D.p = l.x, D.pd = l.v, D.pdd = l.a;
+    }
+    for (const Drive& d : lock.drives_) {
+      if (is_rotation(d.axis)) continue;
+      const int k = index(d.axis);
+      const LawValue l = value(lock, d);
+      D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
+    }
+    return D;
+  }
+
+  ImposedRotationT<double> imposed_rotation(const MarkerLock& lock) const {
+    ImposedRotationT<double> D;
+    if (lock.turn_) {
+      const RotationValue l = lock.turn_->at(in.t);
+      D.q = l.q, D.w = l.w, D.a = l.a;
+    }
+    for (const Drive& d : lock.drives_) {  // q_D <- q_D Rot_k(y): at most one, the other two turns being held
+      if (!is_rotation(d.axis)) continue;
+      const Vec3 n = unit(index(d.axis));
+      const LawValue l = value(lock, d);
+      const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
+      const Mat3 At = rotation(turn).transpose();
+      const Vec3 w = At * D.w;
+      D.a = At * D.a + cross(w, Vec3(l.yd * n)) + l.ydd * n;
+      D.w = w + l.yd * n;
+      D.q = D.q * turn;
+    }
+    D.A = rotation(D.q);
+    return D;
+  }
+
+  template <unsigned kLaws> void translations(Group links, RowSpan out) const {
+    TranslationRowsT<double> r;
+    ImposedTranslationT<double> D;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+      if constexpr (kLaws & with::p) D = imposed_translation(lock);
+      translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+      const RowBlock block = out.lane(i);
+      for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
+        const int j = lock.row_[static_cast<std::size_t>(k)];
+        block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
+        block.set(lock.side1_, k, r.Jv.row(j), r.Jw1.row(j));
+        block.set(lock.side2_, k, -r.Jv.row(j), r.Jw2.row(j));
+      }
+    }
+  }
+
+  template <unsigned kLaws> void rotations(Group links, RowSpan out) const {
+    RotationRowsT<double> r;
+    ImposedRotationT<double> D;
+    const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+      if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
+      rotation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+      const RowBlock block = out.lane(i);
+      for (int k = first; k < lock.n_rows_; ++k) {
+        const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
+        block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
+        block.set(lock.side1_, k, Vec3::Zero(), r.Jw1.row(j));
+        block.set(lock.side2_, k, Vec3::Zero(), r.Jw2.row(j));
+      }
+    }
+  }
+};
+
+void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
+  using namespace with;
+  const MarkerLockGather g{in};
+  if (any(rows_, Mask::xyz)) {
+    constexpr unsigned kMarkers = uP | uS | qS;
+    if (laws_ & kMarkers) g.translations<kMarkers | p>(links, out);
+    else if (laws_ & p) g.translations<p>(links, out);
+    else if (laws_ & parallel) g.translations<parallel>(links, out);
+    else g.translations<nothing>(links, out);
+  }
+  if (any(rows_, Mask::e123)) {
+    constexpr unsigned kMarkers = qP | qS;
+    if (laws_ & kMarkers) g.rotations<kMarkers | qD>(links, out);
+    else if (laws_ & qD) g.rotations<qD>(links, out);
+    else if (laws_ & parallel) g.rotations<parallel>(links, out);
+    else g.rotations<nothing>(links, out);
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,82 @@
+// MarkerLock: the paper's lock. Two markers, a mask, imposed laws, drives: one constraint from which joints are made.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "framework/lock/lock.h"
+#include "framework/lock/marker_frame.h"
+#include "framework/lock/mask.h"
+
+namespace lockstep {
+
+/// A drive: a law on a coordinate that the mask leaves free; exactly one row more.
+struct Drive {
+  Axis axis = Axis::rz;
+  LawPtr<MotionLaw> law;
+  bool speed = false;  ///< the law is the speed; the coordinate is integrated in State::s
+  int state = 0;       ///< then: which of the link's states
+};
+
+class LOCKSTEP_API MarkerLock : public Lock {
+ public:
+  /// P on O1, S on O2; rows of `mask` hold P at S. Both markers' bodies must differ.
+  MarkerLock(std::string name, Marker& p, Marker& s, Mask mask);
+  ~MarkerLock() override;
+
+  // -- laws
+  void move(LawPtr<TranslationLaw> law);  ///< p(t), S axes: where P is held, on the rows x y z of the mask
+  void turn(LawPtr<RotationLaw> law);     ///< q_D(t): P is held at S turned by it
+  /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other two
+  /// turns are not held has no axis of its own.
+  void drive(Axis axis, LawPtr<MotionLaw> law);
+  /// The same with the speed given, m/s or rad/s; the coordinate starts where the mechanism does and is integrated.
+  void drive_speed(Axis axis, LawPtr<MotionLaw> law);
+
+  Mask mask() const { return mask_; }     ///< the joint's own rows
+  Mask rows() const { return rows_; }     ///< with the drives'
+  const Marker& p() const { return *p_; }
+  const Marker& s() const { return *s_; }
+
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
+  int row_count() const override { return n_rows_; }
+  RowKind row_kind(int k) const override;
+  std::string row_name(int k) const override;
+  int drive_row(int k) const override;
+  int n_drives() const override { return static_cast<int>(drives_.size()); }
+  Quantity drive(int d) const override;
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
+
+  void setup() override;
+  SlotList slots() const override { return slots_; }
+  unsigned pattern() const override { return pattern_; }
+  void gather(Group, const Inputs&, RowSpan out) const override;
+
+  int n_states() const override { return n_speeds_; }
+  void start_states(std::span<double> s) const override;
+  void state_rates(const Inputs&, std::span<double> sd) const override;
+
+ private:
+  friend struct MarkerLockGather;
+  void add_drive(Drive drive);
+
+  Marker* p_;
+  Marker* s_;
+  Mask mask_, rows_;
+  LawPtr<TranslationLaw> move_;
+  LawPtr<RotationLaw> turn_;
+  std::vector<Drive> drives_;
+  int n_speeds_ = 0;
+
+  // made by setup()
+  MarkerFrame P_, S_;
+  SlotList slots_;
+  int side1_ = -1, side2_ = -1;      // where O1 and O2 stand in slots_; -1: the ground
+  int n_rows_ = 0;
+  std::array<int, 6> row_{};         // row k of the link is row row_[k] of the lock
+  unsigned pattern_ = 0, laws_ = 0;  // with::Bits of the laws present
+  std::vector<double> speed_start_;
+};
+
+}  // namespace lockstep
