@@ -22,13 +22,16 @@ bool is_law(Form form) {
   return form == Form::law || form == Form::translation_law || form == Form::rotation_law || form == Form::laws;
 }
 
-// {"type": ..., ...} or a number, also as a text with a unit: the rest is read when the law is made.
-void check_law_form(const Value& v, const std::string& context) {
-  const bool constant = v.number() != nullptr || (v.text() != nullptr && read_quantity(*v.text(), Unit::any).problem.empty());
+// {"type": ..., ...} or a constant: the rest is read when the law is made.
+void check_law_form(const Value& v, Form form, const std::string& context) {
+  const bool vector = form == Form::translation_law || form == Form::rotation_law;
+  if (vector && v.list() != nullptr) return;  // a constant vector or quaternion
+  const bool constant = (v.number() != nullptr && !vector) || (v.text() != nullptr && !vector && read_quantity(*v.text(), Unit::any).problem.empty());
   if (constant) {
     read_number(v, Unit::any, context);  // refuses NaN and infinity
   } else if (v.object() == nullptr) {
-    refuse(v.where, context, "expected a law ({\"type\": ..., and its keys}, or a number for a constant one), got " + shown(v));
+    refuse(v.where, context, std::string("expected a law ({\"type\": ..., and its keys}, or a ") +
+                                 (vector ? "list of numbers" : "number") + " for a constant one), got " + shown(v));
   } else if (v.find("type") == nullptr) {
     refuse(v.where, context, "the law has no \"type\"; add one, such as {\"type\": \"constant\", ...}");
   }
@@ -57,10 +60,10 @@ void check_value(const Value& v, const Key& key, const std::string& context) {
     case Form::points: read_points(v, key.unit, context); break;
     case Form::law:
     case Form::translation_law:
-    case Form::rotation_law: check_law_form(v, context); break;
+    case Form::rotation_law: check_law_form(v, key.form, context); break;
     case Form::laws: {
       const Value::List& items = law_list(v, context);
-      for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], item(context, i));
+      for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], Form::law, item(context, i));
       break;
     }
     case Form::any: break;
@@ -111,6 +114,12 @@ void check(const TypeInfo& info) {
 }
 
 Params::Params(std::initializer_list<std::pair<const char*, Value>> members) : object_(Value::object(members)) {}
+
+Params Params::unchecked(Value object) {
+  Params params;
+  params.object_ = std::move(object);
+  return params;
+}
 
 Params::Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws)
     : object_(std::move(object)), keys_(info.keys), owner_(std::move(owner)), laws_(laws) {

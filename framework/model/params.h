@@ -61,6 +61,8 @@ class LOCKSTEP_API Params {
  public:
   /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through `checked`.
   Params(std::initializer_list<std::pair<const char*, Value>> members = {});
+  /// An object as it stands in a scene, not checked yet either.
+  static Params unchecked(Value object);
   /// `owner` names the thing in messages: "link 'A'", "link 'A', drive.law".
   Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws);
 
@@ -83,6 +85,7 @@ class LOCKSTEP_API Params {
   const Value& value(std::string_view key) const;  ///< as written; null when absent
 
   const std::string& owner() const { return owner_; }
+  const Where& where() const { return object_.where; }  ///< of the object
   /// Throws SceneError: place of `key`, owner, key, `problem` (value, limit, next move).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 

@@ -1,5 +1,7 @@
 #include "framework/model/value.h"
 
+#include <algorithm>
+
 namespace lockstep {
 
 std::string Where::text() const {
@@ -28,6 +30,17 @@ const Value* Value::find(std::string_view key) const {
     for (const Member& member : *members)
       if (member.key == key) return &member.value;
   return nullptr;
+}
+
+Value Value::without(std::initializer_list<std::string_view> keys) const {
+  const Object* members = object();
+  if (members == nullptr) return *this;
+  Object kept;
+  for (const Member& member : *members)
+    if (std::find(keys.begin(), keys.end(), member.key) == keys.end()) kept.push_back(member);
+  Value v(std::move(kept));
+  v.where = where;
+  return v;
 }
 
 std::string Value::kind() const {

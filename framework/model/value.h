@@ -50,6 +50,8 @@ class Value {
 
   /// Member of an object by name, nullptr when absent or when this is no object.
   LOCKSTEP_API const Value* find(std::string_view key) const;
+  /// This object without the members named; what is no object stays as it is.
+  LOCKSTEP_API Value without(std::initializer_list<std::string_view> keys) const;
   /// "a number", "a text", "a list of 3", ... for messages.
   LOCKSTEP_API std::string kind() const;
 

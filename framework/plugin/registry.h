@@ -13,22 +13,14 @@
 #include "framework/force/force.h"
 #include "framework/kkt/linear_solver.h"
 #include "framework/lock/lock.h"
-#include "framework/model/marker.h"
 #include "framework/model/params.h"
+#include "framework/model/site.h"
 
 namespace lockstep {
 
-/// Where a link or force stands: its name and the markers it is given, P before S of each pair.
-struct Site {
-  std::string name;
-  std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
-  Marker& p() const { return *pairs.at(0).first; }
-  Marker& s() const { return *pairs.at(0).second; }
-};
-
 /// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
 /// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.
-template <class Product, class... Args> class Shelf {
+template <class Product, class... Args> class LOCKSTEP_API Shelf {
  public:
   using Maker = std::function<Product(Args..., const Params&)>;
   struct Entry {
@@ -38,7 +30,7 @@ template <class Product, class... Args> class Shelf {
   };
 
   template <class T> void add() { add(T::info(), &T::make); }
-  /// Throws PluginError for an empty or a taken name, or a null maker.
+  /// Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
   void add(TypeInfo info, Maker make);
   /// Throws SceneError: unknown name (with the closest), or whatever Params refuses. `laws` makes nested laws.
   Product make(const std::string& name, Args... args, const Params&, const LawSource* laws, const std::string& owner) const;
@@ -65,10 +57,11 @@ class LOCKSTEP_API Registry final : public LawSource {
   Shelf<std::unique_ptr<Integrator>> integrators;
   Shelf<std::unique_ptr<LinearSolver>> solvers;
 
-  /// The law that a Value describes: {"type": ..., keys}, a bare number = constant.
-  LawPtr<MotionLaw> scalar_law(const Value&) const override;
-  LawPtr<TranslationLaw> translation_law(const Value&) const override;
-  LawPtr<RotationLaw> rotation_law(const Value&) const override;
+  /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the law
+  /// "constant", whose first key it becomes.
+  LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const override;
+  LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const override;
+  LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const override;
 
   /// All of `other`'s entries, or none: throws PluginError naming the first name that is taken.
   void merge(const Registry& other);
