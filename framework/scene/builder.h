@@ -44,14 +44,6 @@ class Builder {
   void build();
 
  private:
-  // An object of a table with a shelf, split: what every one of its kind has, and what is its type's own.
-  struct Parts {
-    Params common;
-    Value own;
-  };
-  template <class Shelf>
-  Parts split(const Value& object, const std::string& table, const Shelf& shelf, const std::string& owner) const;
-
   void bodies(const Params& root);
   void body(const Value& object, const std::string& owner);
   void markers(const Params& root);

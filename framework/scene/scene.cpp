@@ -1,25 +1,14 @@
 #include "framework/scene/scene.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "framework/model/json.h"
 #include "framework/scene/builder.h"
+#include "framework/scene/read.h"
 #include "framework/scene/run_settings.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kFormat = 1;
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw FileError("scene \"" + path + "\" cannot be opened; check the path and that you may read it");
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || file.bad()) throw FileError("scene \"" + path + "\" cannot be read to its end; is it a file?");
-  return std::move(text).str();
-}
 
 }  // namespace
 
@@ -41,6 +30,6 @@ Scene scene_from(Value root, std::string file) {
 
 Scene scene_from_text(const std::string& text, const std::string& file) { return scene_from(read_json(text, file), file); }
 
-Scene read_scene(const std::string& path) { return scene_from_text(text_of(path), path); }
+Scene read_scene(const std::string& path) { return scene_from(read_json_file(path), path); }
 
 }  // namespace lockstep
