@@ -13,18 +13,10 @@
 #include "framework/force/force.h"
 #include "framework/kkt/linear_solver.h"
 #include "framework/lock/lock.h"
-#include "framework/model/marker.h"
 #include "framework/model/params.h"
+#include "framework/model/site.h"
 
 namespace lockstep {
-
-/// Where a link or force stands: its name and the markers it is given, P before S of each pair.
-struct LOCKSTEP_API Site {
-  std::string name;
-  std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
-  Marker& p() const { return *pairs.at(0).first; }
-  Marker& s() const { return *pairs.at(0).second; }
-};
 
 /// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
 /// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.

@@ -1,0 +1,21 @@
+// Site: where a link or force stands, handed to its maker together with its parameters.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/model/marker.h"
+#include "framework/model/params.h"
+
+namespace lockstep {
+
+/// The name of the thing and the markers it is given, P before S of each pair.
+struct Site {
+  std::string name;
+  std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
+  Marker& p() const { return *pairs.at(0).first; }
+  Marker& s() const { return *pairs.at(0).second; }
+};
+
+}  // namespace lockstep
