@@ -118,7 +118,7 @@ std::string shown(const Value& v) {
 
 double read_number(const Value& v, Unit unit, const std::string& context) {
   if (const std::string* text = v.text()) {
-    const Quantity quantity = read_quantity(*text, unit);
+    const Measured quantity = read_quantity(*text, unit);
     if (!quantity.problem.empty()) refuse(v.where, context, quantity.problem);
     return quantity.value;
   }

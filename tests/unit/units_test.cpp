@@ -58,7 +58,7 @@ TEST_CASE("texts with a unit are turned into SI", "[unit][model]") {
                         {"3 mm", Unit::any, 0.003}};
   for (const Case& c : cases) {
     INFO(c.text);
-    const Quantity q = read_quantity(c.text, c.unit);
+    const Measured q = read_quantity(c.text, c.unit);
     CHECK(q.problem.empty());
     CHECK(std::abs(q.value - c.si) <= 4e-16 * std::abs(c.si));
   }
@@ -76,7 +76,7 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
     if (unit == Unit::none) continue;
     INFO(name_of(unit));
     CHECK_FALSE(si_unit(unit).empty());
-    const Quantity one = read_quantity("1 " + si_unit(unit), unit);
+    const Measured one = read_quantity("1 " + si_unit(unit), unit);
     CHECK(one.problem.empty());
     CHECK(one.value == 1);
     CHECK(read_quantity(example_of(unit), unit).problem.empty());
