@@ -7,11 +7,12 @@
 
 #include "framework/model/marker.h"
 #include "framework/model/params.h"
+#include "framework/support/export.h"
 
 namespace lockstep {
 
 /// The name of the thing and the markers it is given, P before S of each pair.
-struct Site {
+struct LOCKSTEP_API Site {  // shown, because the shelves are templates of it
   std::string name;
   std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
   Marker& p() const { return *pairs.at(0).first; }
