@@ -28,9 +28,12 @@ Vec3 Applied::in_world_axes(const Inputs& in) const {
   if (vector_.law) f += value(vector_.law, in.t) * vector_.direction;
   for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[static_cast<std::size_t>(k)], in.t);
   switch (vector_.axes) {
-    case AppliedAxes::body: return in.slot(P_.slot).A * (body_axes_ * f);
-    case AppliedAxes::marker: return in_world(P_, in).A * f;
-    default: return f;
+    case AppliedAxes::body:
+      return in.slot(P_.slot).A * (body_axes_ * f);
+    case AppliedAxes::marker:
+      return in_world(P_, in).A * f;
+    default:
+      return f;
   }
 }
 
@@ -39,14 +42,20 @@ Keys Applied::keys(const char* value_key, Unit unit) {
           {"law", Form::law, unit, "absent", "law along \"direction\", added"},
           {"direction", Form::axis, Unit::none, "absent", "of \"law\", in the axes of \"axes\""},
           {"laws", Form::laws, unit, "absent", "three laws [x, y, z] of the components, added"},
-          {"axes", Form::choice, Unit::none, "\"world\"", "the axes that these are given in: the world's, those of p's "
-                                                          "body, or those of marker p", {"world", "body", "marker"}}};
+          {"axes",
+           Form::choice,
+           Unit::none,
+           "\"world\"",
+           "the axes that these are given in: the world's, those of p's "
+           "body, or those of marker p",
+           {"world", "body", "marker"}}};
 }
 
 AppliedVector Applied::read(const Params& params, const char* value_key) {
   AppliedVector r;
   if (!params.has(value_key) && !params.has("law") && !params.has("laws"))
-    params.refuse(value_key, std::string("nothing to apply; give \"") + value_key + "\", \"law\" with \"direction\", or \"laws\"");
+    params.refuse(value_key,
+                  std::string("nothing to apply; give \"") + value_key + "\", \"law\" with \"direction\", or \"laws\"");
   if (params.has(value_key)) r.value = params.vector3(value_key);
   if (params.has("law") != params.has("direction"))
     params.refuse("direction", params.has("law") ? "missing; \"law\" acts along a direction, such as \"x\" or [0, 1, 0]"

@@ -1,4 +1,5 @@
-// Applied: a vector of force or torque in chosen axes, constant and by laws; what applied_force and applied_torque share.
+// Applied: a vector of force or torque in chosen axes, constant and by laws; what applied_force and applied_torque
+// share.
 #pragma once
 
 #include <array>
@@ -13,10 +14,10 @@ enum class AppliedAxes { world, body, marker };
 
 /// value + law(t) direction + (laws_x, laws_y, laws_z)(t); what is left out is zero.
 struct AppliedVector {
-  Vec3 value = Vec3::Zero();                    ///< N or N m
-  LawPtr<MotionLaw> law{};                      ///< N or N m, along `direction`
-  Vec3 direction = Vec3::Zero();                ///< any length but zero; needed with `law`
-  std::array<LawPtr<MotionLaw>, 3> laws{};      ///< N or N m, the three components
+  Vec3 value = Vec3::Zero();                ///< N or N m
+  LawPtr<MotionLaw> law{};                  ///< N or N m, along `direction`
+  Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
+  std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N or N m, the three components
   AppliedAxes axes = AppliedAxes::world;
 };
 

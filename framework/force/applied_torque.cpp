@@ -40,7 +40,8 @@ void AppliedTorque::apply(const Inputs& in, WrenchSum& out) const {
 }
 
 std::vector<Quantity> AppliedTorque::quantities() const {
-  return {{"torque_on_p_world_x", "N m"}, {"torque_on_p_world_y", "N m"}, {"torque_on_p_world_z", "N m"}, {"power", "W"}};
+  return {
+      {"torque_on_p_world_x", "N m"}, {"torque_on_p_world_y", "N m"}, {"torque_on_p_world_z", "N m"}, {"power", "W"}};
 }
 
 double AppliedTorque::quantity(int k, const Inputs& in) const {

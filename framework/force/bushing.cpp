@@ -63,7 +63,8 @@ Bushing::Offset Bushing::offset(const Inputs& in) const {
   r.th = rotation_vector(conjugate(in.slot(S_.slot).e * S_.at(in.t).q) * (in.slot(P_.slot).e * P_.at(in.t).q));
   r.w = S.A.transpose() * (P.w - S.w);
   r.F = -options_.stiffness.cwiseProduct(r.d) - options_.damping.cwiseProduct(r.dd);
-  r.M = -transposed_rate(r.th, options_.torsion_stiffness.cwiseProduct(r.th)) - options_.torsion_damping.cwiseProduct(r.w);
+  r.M = -transposed_rate(r.th, options_.torsion_stiffness.cwiseProduct(r.th)) -
+        options_.torsion_damping.cwiseProduct(r.w);
   return r;
 }
 

@@ -10,15 +10,16 @@ namespace lockstep {
 /// Springs and dampers along and about the axes of S, between P and S. d = A_S' (x_P - x_S); th = rotation vector of
 /// e = q_S' q_P in the axes of S, |th| < pi: small turns.
 ///
-///   force       F = -(K d + C dd),  dd = A_S' (v_P - v_S) - w_S x d            N, S axes; F on P's body at x_P, -F on S's there
-///   torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w       N m, S axes; M on P's body, -M on S's
+///   force       F = -(K d + C dd),  dd = A_S' (v_P - v_S) - w_S x d            N, S axes; F on P's body at x_P, -F on
+///   S's there torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w       N m, S axes; M on P's body,
+///   -M on S's
 ///               J = 1 - 1/2 th~ + c th~^2,  c = (1 - (a/2) cot(a/2))/a^2,  a = |th|
 ///   potential   V = 1/2 d'K d + 1/2 th'Kt th                                   J
 ///   dissipation D = dd'C dd + w'Ct w                                           W
 ///   power       of the forces on the two bodies; = -dV/dt - D for markers that stand still   W
 ///
-/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S may not be on a
-/// particle; P may, when the rotational numbers are zero. Stiffness may be negative, damping not.
+/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S may not be on
+/// a particle; P may, when the rotational numbers are zero. Stiffness may be negative, damping not.
 class LOCKSTEP_API Bushing final : public MarkerForce {
  public:
   struct Options {

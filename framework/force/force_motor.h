@@ -7,8 +7,8 @@
 
 namespace lockstep {
 
-/// Force F = law(t) along z of S on P's body at the origin of P, the opposite on S's body at the same point. Free to move:
-/// only the force is given.
+/// Force F = law(t) along z of S on P's body at the origin of P, the opposite on S's body at the same point. Free to
+/// move: only the force is given.
 ///
 ///   force    F = law(t)                                                           N, on P's body along z of S
 ///   rate     z_S.(v_P - v_S - w_S x (x_P - x_S)) of the markers                   m/s, of P along z in the axes of S

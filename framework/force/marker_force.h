@@ -57,7 +57,8 @@ class LOCKSTEP_API MarkerForce : public Force {
 };
 
 /// What `make` makes; a ForceParameterError is refused at the place of its key (SceneError).
-template <class F> auto built(const Params& params, F make) -> decltype(make()) {
+template <class F>
+auto built(const Params& params, F make) -> decltype(make()) {
   try {
     return make();
   } catch (const ForceParameterError& e) {

@@ -28,7 +28,8 @@ const TypeInfo& SpringDamper::info() {
 std::unique_ptr<Force> SpringDamper::make(const Site& site, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_length"), k.number("preload"), {}};
   if (k.has("force")) o.force = k.law("force");
-  return built(k, [&] { return std::make_unique<SpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
+  return built(k,
+               [&] { return std::make_unique<SpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
 }
 
 void SpringDamper::setup() {
@@ -38,8 +39,8 @@ void SpringDamper::setup() {
   const double T = options_.preload - options_.stiffness * options_.free_length;
   if (length > 1e-9 || (T == 0 && !options_.force)) return;
   throw ModelError("force '" + name() + "': markers '" + p().name + "' and '" + s()->name +
-                   "' coincide at the start, so that its force (" + brief(T) +
-                   " N at length 0" + (options_.force ? ", and a law" : "") +
+                   "' coincide at the start, so that its force (" + brief(T) + " N at length 0" +
+                   (options_.force ? ", and a law" : "") +
                    ") has no direction; move one of them, or make the free length and the preload 0");
 }
 

@@ -14,18 +14,20 @@ namespace lockstep {
 ///   force       T = k (l - l0) + T0 + c ld + law(t)               N, positive = pulls; -T n on P, +T n on S
 ///   potential   V = 1/2 k (l - l0)^2 + T0 (l - l0)                J
 ///   dissipation D = c ld^2                                        W
-///   power       what it gives to the two bodies: T n.(v_S - v_P)  W; = -dV/dt - D - law ld for markers that stand still
+///   power       what it gives to the two bodies: T n.(v_S - v_P)  W; = -dV/dt - D - law ld for markers that stand
+///   still
 ///
-/// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the force
-/// is zero there. k may be negative (a spring that pushes away); c and l0 may not. Moving markers: x and v are theirs.
+/// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the
+/// force is zero there. k may be negative (a spring that pushes away); c and l0 may not. Moving markers: x and v are
+/// theirs.
 class LOCKSTEP_API SpringDamper final : public MarkerForce {
  public:
   struct Options {
-    double stiffness = 0;        ///< k, N/m
-    double damping = 0;          ///< c, N s/m, not negative
-    double free_length = 0;      ///< l0, m, not negative
-    double preload = 0;          ///< T0, N: force at l0, positive = pulls
-    LawPtr<MotionLaw> force{};   ///< N, added to the force: a linear actuator
+    double stiffness = 0;       ///< k, N/m
+    double damping = 0;         ///< c, N s/m, not negative
+    double free_length = 0;     ///< l0, m, not negative
+    double preload = 0;         ///< T0, N: force at l0, positive = pulls
+    LawPtr<MotionLaw> force{};  ///< N, added to the force: a linear actuator
   };
   /// Throws ForceParameterError (a ModelError) for a number that cannot be.
   SpringDamper(std::string name, Marker& p, Marker& s, Options options);

@@ -16,7 +16,9 @@ const TypeInfo& TorqueMotor::info() {
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
-  return built(k, [&] { return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")}); });
+  return built(k, [&] {
+    return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
+  });
 }
 
 void TorqueMotor::setup() {
@@ -31,9 +33,7 @@ void TorqueMotor::apply(const Inputs& in, WrenchSum& out) const {
   out.torque(S_.slot, -M);
 }
 
-std::vector<Quantity> TorqueMotor::quantities() const {
-  return {{"torque", "N m"}, {"rate", "rad/s"}, {"power", "W"}};
-}
+std::vector<Quantity> TorqueMotor::quantities() const { return {{"torque", "N m"}, {"rate", "rad/s"}, {"power", "W"}}; }
 
 double TorqueMotor::quantity(int k, const Inputs& in) const {
   const double T = value(options_.torque, in.t);

@@ -28,14 +28,16 @@ const TypeInfo& TorsionSpringDamper::info() {
 std::unique_ptr<Force> TorsionSpringDamper::make(const Site& site, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_angle"), k.number("preload"), {}};
   if (k.has("torque")) o.torque = k.law("torque");
-  return built(k, [&] { return std::make_unique<TorsionSpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
+  return built(
+      k, [&] { return std::make_unique<TorsionSpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
 }
 
 void TorsionSpringDamper::setup() {
   require_turning(p(), "turns");
   require_turning(*s(), "turns");
   MarkerForce::setup();
-  const Vec3 zP = rotation((p().body->home * p().local).q).col(2), zS = rotation((s()->body->home * s()->local).q).col(2);
+  const Vec3 zP = rotation((p().body->home * p().local).q).col(2),
+             zS = rotation((s()->body->home * s()->local).q).col(2);
   if (p().spin || s()->spin || 1 + zP.dot(zS) > 1e-9) return;
   throw ModelError("force '" + name() + "': the z axes of markers '" + p().name + "' and '" + s()->name +
                    "' point against one another at the start, so that there is no angle about them; turn one marker by "

@@ -17,16 +17,17 @@ namespace lockstep {
 ///   power       T g.(w_S - w_P) of the two bodies                             W; = -dV/dt - D - law thd, markers still
 ///
 /// g is the gradient of th, so that the power balance holds for axes that are not quite common too. The angle starts in
-/// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less than
-/// half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative, c not.
+/// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
+/// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
+/// c not.
 class LOCKSTEP_API TorsionSpringDamper final : public MarkerForce {
  public:
   struct Options {
-    double stiffness = 0;         ///< k, N m/rad
-    double damping = 0;           ///< c, N m s/rad, not negative
-    double free_angle = 0;        ///< th0, rad; more than a turn winds the spring up
-    double preload = 0;           ///< T0, N m: torque at th0
-    LawPtr<MotionLaw> torque{};   ///< N m, added to the torque
+    double stiffness = 0;        ///< k, N m/rad
+    double damping = 0;          ///< c, N m s/rad, not negative
+    double free_angle = 0;       ///< th0, rad; more than a turn winds the spring up
+    double preload = 0;          ///< T0, N m: torque at th0
+    LawPtr<MotionLaw> torque{};  ///< N m, added to the torque
   };
   /// Throws ForceParameterError (a ModelError) for a number that cannot be.
   TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);

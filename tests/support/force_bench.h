@@ -51,8 +51,8 @@ class SteadySpin final : public RotationLaw {
 
 struct ForceBench {
   Body a, b, ground;
-  Marker p, s, g;                ///< on a, b and the ground
-  Motion start[2];               ///< of the slots 0 and 1 at t = 0
+  Marker p, s, g;   ///< on a, b and the ground
+  Motion start[2];  ///< of the slots 0 and 1 at t = 0
   std::vector<Motion> motions{3};
   std::vector<double> z{0.0};
   double t = 0;

@@ -47,7 +47,8 @@ TEST_CASE("applied_force: in axes of the world, the body and the marker", "[unit
 TEST_CASE("applied_force: constant, law along a direction and three laws add up", "[unit][force]") {
   ForceBench bench;
   bench.at(0.5);
-  AppliedForce::Options options{.force = kF, .law = value_law([](double t) { return 10 * t; }), .direction = Vec3(0, 3, 4)};
+  AppliedForce::Options options{
+      .force = kF, .law = value_law([](double t) { return 10 * t; }), .direction = Vec3(0, 3, 4)};
   options.laws = {value_law([](double t) { return t; }), nullptr, value_law([](double t) { return t * t; })};
   AppliedForce force("push", bench.p, options);
   force.setup();

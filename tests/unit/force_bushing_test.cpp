@@ -8,9 +8,7 @@ using namespace lockstep;
 using oracle::ForceBench;
 
 namespace {
-Bushing::Options numbers() {
-  return {Vec3(100, 200, 300), Vec3(1, 2, 3), Vec3(10, 20, 30), Vec3(0.1, 0.2, 0.3)};
-}
+Bushing::Options numbers() { return {Vec3(100, 200, 300), Vec3(1, 2, 3), Vec3(10, 20, 30), Vec3(0.1, 0.2, 0.3)}; }
 }  // namespace
 
 TEST_CASE("bushing: an offset and a turn along the axes of S give the forces along them", "[unit][force]") {
@@ -71,7 +69,8 @@ TEST_CASE("bushing: wrong input is refused by name", "[unit][force]") {
   CHECK_THROWS_WITH(Bushing("rubber", bench.p, bench.s, options),
                     "force 'rubber': torsion_damping is -1; must be a finite number, 0 or more");
   bench.a.freedoms = Freedoms::particle;
-  Bushing turning("rubber", bench.p, bench.s, numbers()), moving("rubber", bench.p, bench.s, {.stiffness = Vec3(1, 1, 1)});
+  Bushing turning("rubber", bench.p, bench.s, numbers()),
+      moving("rubber", bench.p, bench.s, {.stiffness = Vec3(1, 1, 1)});
   CHECK_THROWS_AS(turning.setup(), ModelError);
   bench.b.freedoms = Freedoms::particle;
   CHECK_THROWS_AS(moving.setup(), ModelError);

@@ -38,7 +38,8 @@ TEST_CASE("force_motor: a force along z of S at P, its opposite on the same line
     CHECK(motor.quantity(2, bench.in()) == Approx(bench.power(motor)).epsilon(1e-11).margin(1e-12));
     // the rate is that of the coordinate of P along z of S
     const double rate = bench.rate_of([&] {
-      const MarkerInWorld p = in_world(MarkerFrame(bench.p), bench.in()), s = in_world(MarkerFrame(bench.s), bench.in());
+      const MarkerInWorld p = in_world(MarkerFrame(bench.p), bench.in()),
+                          s = in_world(MarkerFrame(bench.s), bench.in());
       return s.A.col(2).dot(p.x - s.x);
     });
     CHECK(motor.quantity(1, bench.in()) == Approx(rate).epsilon(1e-9).margin(1e-9));

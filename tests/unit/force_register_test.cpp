@@ -38,8 +38,9 @@ struct Shop {
 
 TEST_CASE("register_forces: every force by its name, each with help for each key", "[unit][force]") {
   Shop shop;
-  const std::vector<std::string> names{"applied_force", "applied_torque", "bushing", "force_motor",
-                                       "spring_damper", "torque_motor",   "torsion_spring_damper"};
+  const std::vector<std::string> names{"applied_force",        "applied_torque", "bushing",
+                                       "force_motor",          "spring_damper",  "torque_motor",
+                                       "torsion_spring_damper"};
   CHECK(shop.registry.forces.names() == names);
   for (const auto& [name, entry] : shop.registry.forces.entries()) {
     CHECK(entry.info.name == name);
@@ -50,7 +51,8 @@ TEST_CASE("register_forces: every force by its name, each with help for each key
 
 TEST_CASE("register_forces: keys reach what they name", "[unit][force]") {
   Shop shop;
-  const auto spring = shop.make("spring_damper", {{"stiffness", "2 N/mm"}, {"free_length", 0.1}, {"preload", 5}, {"force", 1}});
+  const auto spring =
+      shop.make("spring_damper", {{"stiffness", "2 N/mm"}, {"free_length", 0.1}, {"preload", 5}, {"force", 1}});
   const double l = shop.quantity(*spring, "length");
   CHECK(shop.quantity(*spring, "force") == Approx(2000 * (l - 0.1) + 5 + 2));
   CHECK(spring->type() == "spring_damper");
@@ -60,11 +62,13 @@ TEST_CASE("register_forces: keys reach what they name", "[unit][force]") {
   CHECK(shop.quantity(*shop.make("force_motor", {{"force", 1}}), "force") == 2);
   const auto bushing = shop.make("bushing", {{"stiffness", Value::list({1, 2, 3})}});
   CHECK(shop.quantity(*bushing, "force_on_p_link_z") == Approx(-3 * shop.quantity(*bushing, "z")));
-  const auto push = shop.make("applied_force", {{"force", Value::list({1, 0, 0})}, {"law", 1}, {"direction", "-y"}}, false);
+  const auto push =
+      shop.make("applied_force", {{"force", Value::list({1, 0, 0})}, {"law", 1}, {"direction", "-y"}}, false);
   CHECK((shop.bench.force_on(*push, 0) - Vec3(1, -2, 0)).norm() < 1e-14);
   CHECK(shop.bench.force_on(*push, 1).norm() == 0);
   const auto twist = shop.make("applied_torque", {{"torque", Value::list({1, 2, 3})}, {"axes", "marker"}});
-  CHECK((shop.bench.moment_on(*twist, 1) + in_world(MarkerFrame(shop.bench.p), shop.bench.in()).A * Vec3(1, 2, 3)).norm() < 1e-13);
+  CHECK((shop.bench.moment_on(*twist, 1) + in_world(MarkerFrame(shop.bench.p), shop.bench.in()).A * Vec3(1, 2, 3))
+            .norm() < 1e-13);
 }
 
 TEST_CASE("register_forces: wrong keys are refused at their place", "[unit][force]") {

@@ -45,7 +45,8 @@ TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are 
     TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
     spring.MarkerForce::setup();
     bench.z[0] = spring.quantity(0, bench.in());
-    const double zz = in_world(MarkerFrame(bench.p), bench.in()).A.col(2).dot(in_world(MarkerFrame(bench.s), bench.in()).A.col(2));
+    const double zz =
+        in_world(MarkerFrame(bench.p), bench.in()).A.col(2).dot(in_world(MarkerFrame(bench.s), bench.in()).A.col(2));
     if (zz < -0.8) continue;  // too near to where there is no angle for the difference
     const double Vd = bench.rate_of([&] { return spring.potential(bench.in()); });
     const double thd = bench.rate_of([&] { return spring.quantity(0, bench.in()); });
@@ -125,8 +126,9 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
 
   TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
   bench.b.freedoms = Freedoms::particle;
-  CHECK_THROWS_WITH(spring.setup(), "force 'coil' (torsion_spring_damper) turns body 'b' at marker 's', but 'b' is a particle "
-                                    "and cannot turn; give it an inertia (add_body), or use another body");
+  CHECK_THROWS_WITH(spring.setup(),
+                    "force 'coil' (torsion_spring_damper) turns body 'b' at marker 's', but 'b' is a particle "
+                    "and cannot turn; give it an inertia (add_body), or use another body");
   bench.b.freedoms = Freedoms::spatial;
 
   const Quat q = (bench.b.home * bench.s.local).q;  // z against z
