@@ -11,6 +11,8 @@
 
 namespace lockstep {
 
+class Matrix;
+
 /// Counters of work done, for reports and charts.
 struct WorkCount {
   long evaluations = 0, factors = 0, projections = 0, corrections = 0;
@@ -71,13 +73,22 @@ class LOCKSTEP_API Dynamics {
   /// M a + Jh^T lambda = f, Jh a = c at the last gathered state (6 a slot; particles' last three are 0). Counts a factor
   /// when the state is new.
   const SolveReport& solve(const VecX& f, const VecX& c, VecX& a, VecX& lambda);
+  /// C, Ct and Jh v + Ct of the gathered rows, one a row.
+  void residuals(VecX& C, VecX& Cd) const;
+  /// q moved by d (6 a slot: x in the world, turn in slot axes; exponential update).
+  void move(State&, const VecX& d) const;
   /// Largest |c| with the norm of the numerics page: metres, radians times L, half turns times 2 L.
   double norm(const VecX& c) const;
 
  private:
-  struct Matrix;  // the chosen formulation's view of the rows
   void prepare(const State&);
-  void check_finite(const State&);
+  void refactor();
+  const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
+  void check_gathered(const State&) const;
+  void check_solved(const State&) const;
+  void project_position(State&, ProjectReport&);
+  void velocity_rounds(State&);
+  void update_velocities(const State&);
 
   System& system_;
   std::unique_ptr<LinearSolver> solver_;
@@ -85,8 +96,10 @@ class LOCKSTEP_API Dynamics {
   std::unique_ptr<Matrix> matrix_;
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
+  bool laid_out_ = false, factored_ = false;
   RowTable rows_;
-  VecX f_, c_, a_, lambda_;
+  VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
+  VecX solved_f_, solved_c_, solved_a_, solved_lambda_;  // in the formulation's own unknowns
   Inputs in_;
   std::unique_ptr<Evaluated> values_;
   SolveReport solve_report_;

@@ -91,10 +91,17 @@ struct RowEntry {
   std::array<RowKind, kMaxRows> kind{};
 };
 
+/// Neighbours in the table that one call gathers.
+struct RowRun {
+  int first_entry = 0, n = 0;
+  int first_link = 0;  ///< where the run begins in the system's order of links
+};
+
 /// All active rows of the system.
 class RowTable {
  public:
   std::vector<RowEntry> entries;   ///< in the order of the table, group after group
+  std::vector<RowRun> runs;
   std::vector<int> entry_of_link;  ///< -1: not active
   int n_rows = 0;
 

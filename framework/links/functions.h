@@ -12,6 +12,7 @@ namespace lockstep {
 struct DistanceFunction {
   LawPtr<MotionLaw> length;
   static constexpr Needs kNeeds = Needs::translation;
+  static constexpr RowKind kKind = RowKind::translation;
   template <class T> T operator()(const LockCoords<T>& y) const {
     using std::sqrt;
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - of(*length, y.t);

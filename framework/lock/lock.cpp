@@ -11,6 +11,7 @@ int Lock::drive_row(int) const { return -1; }
 int Lock::n_drives() const { return 0; }
 Quantity Lock::drive(int) const { return {}; }
 void Lock::breakpoints(double, double, std::vector<double>&) const {}
+std::string Lock::blame(double) const { return {}; }
 std::vector<Quantity> Lock::quantities() const { return {}; }
 double Lock::quantity(int, const Inputs&) const { return 0; }
 

@@ -43,6 +43,8 @@ class LOCKSTEP_API Lock {
   virtual Quantity drive(int d) const;           ///< name ("rz") and unit (rad, m) of drive d
   /// Instants in (t0, t1) where one of its laws jumps.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Which of its laws is not finite at time t, in words; "" when none is (then the link itself made the NaN).
+  virtual std::string blame(double t) const;
   virtual std::vector<Quantity> quantities() const;
   virtual double quantity(int k, const Inputs&) const;
 

@@ -61,6 +61,29 @@ int MarkerLock::drive_row(int k) const {
   return -1;
 }
 
+std::string MarkerLock::blame(double t) const {
+  const auto bad = [](const auto&... x) { return !(x.allFinite() && ...); };
+  const auto frame = [&](const MarkerFrame& f, const Marker& m) -> std::string {
+    const MarkerMotion k = f.at(t);
+    return bad(k.u, k.ud, k.udd, k.A, k.w, k.a) ? "the laws of marker '" + m.name + "'" : "";
+  };
+  for (const Drive& d : drives_) {
+    const LawValue l = d.law->at(t);
+    if (!std::isfinite(l.y) || !std::isfinite(l.yd) || !std::isfinite(l.ydd))
+      return "the law of drive " + std::string(to_string(d.axis));
+  }
+  if (move_) {
+    const TranslationValue l = move_->at(t);
+    if (bad(l.x, l.v, l.a)) return "the imposed translation law";
+  }
+  if (turn_) {
+    const RotationValue l = turn_->at(t);
+    if (bad(l.q.coefficients(), l.w, l.a)) return "the imposed rotation law";
+  }
+  const std::string at_p = frame(P_, *p_);
+  return at_p.empty() ? frame(S_, *s_) : at_p;
+}
+
 Quantity MarkerLock::drive(int d) const {
   const Axis axis = drives_[static_cast<std::size_t>(d)].axis;
   return {std::string(to_string(axis)), is_rotation(axis) ? "rad" : "m"};
@@ -219,21 +242,21 @@ struct MarkerLockGather {
 };
 
 void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
-  using namespace with;
+  constexpr unsigned kParallel = with::parallel, kNothing = with::nothing, kP = with::p, kQD = with::qD;
   const MarkerLockGather g{in};
   if (any(rows_, Mask::xyz)) {
-    constexpr unsigned kMarkers = uP | uS | qS;
-    if (laws_ & kMarkers) g.translations<kMarkers | p>(links, out);
-    else if (laws_ & p) g.translations<p>(links, out);
-    else if (laws_ & parallel) g.translations<parallel>(links, out);
-    else g.translations<nothing>(links, out);
+    constexpr unsigned kMarkers = with::uP | with::uS | with::qS;
+    if (laws_ & kMarkers) g.translations<kMarkers | kP>(links, out);
+    else if (laws_ & kP) g.translations<kP>(links, out);
+    else if (laws_ & kParallel) g.translations<kParallel>(links, out);
+    else g.translations<kNothing>(links, out);
   }
   if (any(rows_, Mask::e123)) {
-    constexpr unsigned kMarkers = qP | qS;
-    if (laws_ & kMarkers) g.rotations<kMarkers | qD>(links, out);
-    else if (laws_ & qD) g.rotations<qD>(links, out);
-    else if (laws_ & parallel) g.rotations<parallel>(links, out);
-    else g.rotations<nothing>(links, out);
+    constexpr unsigned kMarkers = with::qP | with::qS;
+    if (laws_ & kMarkers) g.rotations<kMarkers | kQD>(links, out);
+    else if (laws_ & kQD) g.rotations<kQD>(links, out);
+    else if (laws_ & kParallel) g.rotations<kParallel>(links, out);
+    else g.rotations<kNothing>(links, out);
   }
 }
 

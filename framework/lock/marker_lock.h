@@ -47,6 +47,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   int n_drives() const override { return static_cast<int>(drives_.size()); }
   Quantity drive(int d) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
+  std::string blame(double t) const override;
 
   void setup() override;
   SlotList slots() const override { return slots_; }

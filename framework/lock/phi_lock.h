@@ -48,6 +48,12 @@ template <class Phi> constexpr Needs needs_of() {
   else return Needs::both;
 }
 
+/// What phi measures, for scales and norms: metres (RowKind::translation), or anything else.
+template <class Phi> constexpr RowKind kind_of() {
+  if constexpr (requires { Phi::kKind; }) return Phi::kKind;
+  else return RowKind::function;
+}
+
 /// Rows: those of the mask and its drives as in MarkerLock, then phi. Derive, give it a type() and, for files, info() and make().
 template <class Phi> class PhiLock : public MarkerLock {
  public:
@@ -56,7 +62,7 @@ template <class Phi> class PhiLock : public MarkerLock {
 
   const Phi& phi() const { return phi_; }
   int row_count() const override { return MarkerLock::row_count() + 1; }
-  RowKind row_kind(int k) const override { return is_phi(k) ? RowKind::function : MarkerLock::row_kind(k); }
+  RowKind row_kind(int k) const override { return is_phi(k) ? kind_of<Phi>() : MarkerLock::row_kind(k); }
   std::string row_name(int k) const override { return is_phi(k) ? "phi" : MarkerLock::row_name(k); }
   int drive_row(int k) const override { return is_phi(k) ? -1 : MarkerLock::drive_row(k); }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {

@@ -100,7 +100,7 @@ class LOCKSTEP_API System {
   double length() const { return length_; }
 
  private:
-  void changed() { ready_ = false; }
+  void check_new_name(const std::string& kind, const std::string& name) const;
   void setup_slots();
   void setup_links();
   void setup_forces();
@@ -115,7 +115,8 @@ class LOCKSTEP_API System {
 
   bool ready_ = false;
   std::vector<Body*> slot_bodies_;
-  std::vector<int> group_order_;  ///< link numbers, groups one after another
+  std::vector<const Lock*> ordered_;  // links, groups one after another
+  std::vector<int> group_;            // group of each of them
   int n_velocities_ = 0, n_states_ = 0, n_memory_ = 0;
   double length_ = 1e-6;
 };

@@ -1,0 +1,147 @@
+#include "framework/dynamics/matrix.h"
+
+#include <Eigen/Cholesky>
+
+namespace lockstep {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Block = Eigen::Map<RowMajor>;
+
+Mat3 inverse_of(const Mat3& J) { return J.llt().solve(Mat3::Identity()); }
+
+}  // namespace
+
+void Matrix::lay_out(const RowTable& rows) {
+  KktPattern& p = kkt_.pattern;
+  p = {};
+  const int n = system_.n_slots();
+  for (int k = 0; k < n; ++k) {
+    const bool particle = system_.body_of_slot(k).freedoms == Freedoms::particle;
+    const int width = particle ? 3 : formulation_ == Formulation::omega ? 6 : 7;
+    p.width.push_back(width);
+    p.first.push_back(p.n);
+    p.M.push_back(p.size_M);
+    p.n += width;
+    p.size_M += static_cast<std::size_t>(width * width);
+  }
+  const auto add = [&](KktLink link) {
+    link.J = p.size_J;
+    for (int i = 0; i < link.n_slots; ++i)
+      p.size_J += static_cast<std::size_t>(link.m * p.width[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])]);
+    link.first_row = p.m;
+    p.m += link.m;
+    p.links.push_back(link);
+  };
+  for (const RowEntry& e : rows.entries) add({e.link, 0, e.m, e.slots.n, e.slots.slot, e.kind, 0});
+  n_links_ = static_cast<int>(p.links.size());
+  if (formulation_ == Formulation::quaternion)
+    for (int k = 0; k < n; ++k)
+      if (p.width[static_cast<std::size_t>(k)] == 7) add({-1, 0, 1, 1, {k}, {RowKind::function}, 0});
+
+  kkt_.M.assign(p.size_M, 0.0);
+  kkt_.Minv.assign(p.size_M, 0.0);
+  kkt_.J.assign(p.size_J, 0.0);
+  kkt_.E.setZero(p.m);
+  for (int k = 0; k < n; ++k) write_mass(k, Motion{});
+}
+
+void Matrix::write_mass(int slot, const Motion& O) {
+  const auto k = static_cast<std::size_t>(slot);
+  const int width = kkt_.pattern.width[k];
+  const MassProperties& b = system_.body_of_slot(slot).mass;
+  Block M(kkt_.M.data() + kkt_.pattern.M[k], width, width), Minv(kkt_.Minv.data() + kkt_.pattern.M[k], width, width);
+  M.topLeftCorner<3, 3>() = b.mass * Mat3::Identity();
+  Minv.topLeftCorner<3, 3>() = 1.0 / b.mass * Mat3::Identity();
+  if (width == 6) {
+    M.bottomRightCorner<3, 3>() = b.J;
+    Minv.bottomRightCorner<3, 3>() = inverse_of(b.J);
+  } else if (width == 7) {  // (2.7) with k = the mean of the three eigenvalues 4 J of G^T J G
+    const Mat34 G = G_matrix(O.e);
+    const Vec4 q = O.e.coefficients();
+    const double c = 4.0 / 3.0 * b.J.trace();
+    M.bottomRightCorner<4, 4>() = G.transpose() * b.J * G + c * q * q.transpose();
+    Minv.bottomRightCorner<4, 4>() = G.transpose() * inverse_of(b.J) * G / 16.0 + q * q.transpose() / c;
+  }
+}
+
+void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
+  const KktPattern& p = kkt_.pattern;
+  if (formulation_ == Formulation::quaternion)
+    for (int k = 0; k < system_.n_slots(); ++k)
+      if (p.width[static_cast<std::size_t>(k)] == 7) write_mass(k, motions[static_cast<std::size_t>(k + 1)]);
+
+  for (int l = 0; l < static_cast<int>(p.links.size()); ++l) {
+    const KktLink& link = p.links[static_cast<std::size_t>(l)];
+    double* out = kkt_.J.data() + link.J;
+    if (l >= n_links_) {  // (2.6) Nq = q^T
+      const Quat& q = motions[static_cast<std::size_t>(link.slot[0] + 1)].e;
+      out[0] = out[1] = out[2] = 0.0;
+      out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
+      continue;
+    }
+    const RowBlock block = rows.block(rows.entries[static_cast<std::size_t>(l)]);
+    for (int i = 0; i < link.n_slots; ++i) {
+      const int slot = link.slot[static_cast<std::size_t>(i)], width = p.width[static_cast<std::size_t>(slot)];
+      for (int k = 0; k < link.m; ++k, out += width) {
+        const double* r = block.J(i, k);
+        out[0] = r[0], out[1] = r[1], out[2] = r[2];
+        if (width == 6) {
+          out[3] = r[3], out[4] = r[4], out[5] = r[5];
+        } else if (width == 7) {  // (2.12) Jh_w G
+          const Quat& q = motions[static_cast<std::size_t>(slot + 1)].e;
+          const double a = 2 * r[3], b = 2 * r[4], c = 2 * r[5];
+          out[3] = -a * q.x - b * q.y - c * q.z;
+          out[4] = a * q.w - b * q.z + c * q.y;
+          out[5] = a * q.z + b * q.w - c * q.x;
+          out[6] = -a * q.y + b * q.x + c * q.w;
+        }
+      }
+    }
+  }
+  kkt_.update_scales();
+}
+
+void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f, VecX& c) const {
+  const KktPattern& p = kkt_.pattern;
+  f.resize(p.n);
+  c.resize(p.m);
+  c.head(c6.size()) = c6;
+  int norm_row = static_cast<int>(c6.size());
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    f.segment<3>(at) = f6.segment<3>(6 * k);
+    if (width == 6) f.segment<3>(at + 3) = f6.segment<3>(6 * k + 3);
+    if (width != 7) continue;
+    const Motion& O = motions[static_cast<std::size_t>(k + 1)];
+    const Vec3 tau = f6.segment<3>(6 * k + 3);
+    if (!moving) {
+      f.segment<4>(at + 3) = G_matrix(O.e).transpose() * tau;
+      c[norm_row++] = 0.0;
+      continue;
+    }
+    // (2.4), (2.5): G^T tau - 2 G(qd)^T J w, with the moment tau free of the -w x J w that the 6-velocity form carries
+    const MassProperties& b = system_.body_of_slot(k).mass;
+    const Vec3 Jw = b.J * O.w;
+    const Quat qd = rate(O.e, O.w);
+    const double qd2 = norm2(qd), kq = 4.0 / 3.0 * b.J.trace();
+    f.segment<4>(at + 3) = G_matrix(O.e).transpose() * (tau + cross(O.w, Jw)) - 2.0 * G_matrix(qd).transpose() * Jw -
+                           kq * qd2 * O.e.coefficients();
+    c[norm_row++] = -qd2;  // (2.6)
+  }
+}
+
+void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6, VecX& lambda6) const {
+  const KktPattern& p = kkt_.pattern;
+  lambda6 = lambda.head(n_rows);
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    a6.segment<3>(6 * k) = a.segment<3>(at);
+    if (width == 3) a6.segment<3>(6 * k + 3).setZero();
+    if (width == 6) a6.segment<3>(6 * k + 3) = a.segment<3>(at + 3);
+    if (width == 7)  // (1.9) al = G qdd
+      a6.segment<3>(6 * k + 3) = G_matrix(motions[static_cast<std::size_t>(k + 1)].e) * a.segment<4>(at + 3);
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,21 @@
+#include "motionlaws/constant.h"
+
+#include "motionlaws/checks.h"
+
+namespace lockstep {
+
+Constant::Constant(double value) : value_(value) { require_finite("constant", "value", value); }
+
+LawValue Constant::at(double) const { return {value_, 0.0, 0.0}; }
+
+const TypeInfo& Constant::info() {
+  static const TypeInfo info{
+      "constant", "y = value", {{"value", Form::number, Unit::any, "", "the value, in the unit of what it drives"}}};
+  return info;
+}
+
+LawPtr<MotionLaw> Constant::make(const Params& p) {
+  return built(p, [&] { return constant(p.number("value")); });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,54 @@
+#include "motionlaws/fourier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "framework/math/types.h"
+#include "motionlaws/checks.h"
+
+namespace lockstep {
+
+Fourier::Fourier(FourierSettings k)
+    : omega_(k.omega), offset_(k.offset), a_(std::move(k.cosines)), b_(std::move(k.sines)) {
+  require_finite("fourier", "omega", omega_);
+  require_finite("fourier", "offset", offset_);
+  for (const double a : a_) require_finite("fourier", "cosines", a);
+  for (const double b : b_) require_finite("fourier", "sines", b);
+  const std::size_t n = std::max(a_.size(), b_.size());
+  a_.resize(n, 0.0);
+  b_.resize(n, 0.0);
+}
+
+LawValue Fourier::at(double t) const {
+  LawValue r{offset_, 0.0, 0.0};
+  for (std::size_t i = 0; i < a_.size(); ++i) {
+    const double w = static_cast<double>(i + 1) * omega_, c = std::cos(w * t), s = std::sin(w * t);
+    const double y = a_[i] * c + b_[i] * s;
+    r.y += y;
+    r.yd += w * (b_[i] * c - a_[i] * s);
+    r.ydd -= w * w * y;
+  }
+  return r;
+}
+
+const TypeInfo& Fourier::info() {
+  static const TypeInfo info{
+      "fourier",
+      "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
+      {{"omega", Form::number, Unit::angular_speed, "absent", "base circular frequency; this or frequency"},
+       {"frequency", Form::number, Unit::frequency, "absent", "base cycles per second; this or omega"},
+       {"offset", Form::number, Unit::any, "0", "mean value"},
+       {"cosines", Form::numbers, Unit::any, "[]", "a_1, a_2, ..."},
+       {"sines", Form::numbers, Unit::any, "[]", "b_1, b_2, ..."}}};
+  return info;
+}
+
+LawPtr<MotionLaw> Fourier::make(const Params& p) {
+  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
+  if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
+  const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+  return built(p, [&] { return fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")}); });
+}
+
+}  // namespace lockstep

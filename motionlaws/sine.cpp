@@ -1,0 +1,42 @@
+#include "motionlaws/sine.h"
+
+#include <cmath>
+
+#include "framework/math/types.h"
+#include "motionlaws/checks.h"
+
+namespace lockstep {
+
+Sine::Sine(const SineSettings& k) : k_(k) {
+  require_finite("sine", "amplitude", k.amplitude);
+  require_finite("sine", "omega", k.omega);
+  require_finite("sine", "phase", k.phase);
+  require_finite("sine", "offset", k.offset);
+}
+
+LawValue Sine::at(double t) const {
+  const double a = k_.omega * t + k_.phase;
+  const double s = k_.amplitude * std::sin(a), c = k_.amplitude * std::cos(a);
+  return {k_.offset + s, k_.omega * c, -k_.omega * k_.omega * s};
+}
+
+const TypeInfo& Sine::info() {
+  static const TypeInfo info{
+      "sine",
+      "y = offset + amplitude sin(omega t + phase)",
+      {{"amplitude", Form::number, Unit::any, "1", "half of the swing, in the unit of what it drives"},
+       {"omega", Form::number, Unit::angular_speed, "absent", "circular frequency; this or frequency"},
+       {"frequency", Form::number, Unit::frequency, "absent", "cycles per second; this or omega"},
+       {"phase", Form::number, Unit::angle, "0", "angle at t = 0"},
+       {"offset", Form::number, Unit::any, "0", "mean value"}}};
+  return info;
+}
+
+LawPtr<MotionLaw> Sine::make(const Params& p) {
+  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
+  if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
+  const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+  return built(p, [&] { return sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")}); });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,66 @@
+#include "motionlaws/spline.h"
+
+#include "motionlaws/checks.h"
+#include "motionlaws/spline_params.h"
+
+namespace lockstep {
+namespace {
+
+SplineEndRates rates_of(const SplineEndValues& e) {
+  const auto one = [](double x) { return VecX::Constant(1, x).eval(); };
+  return {one(e.start_rate), one(e.end_rate), one(e.start_acceleration), one(e.end_acceleration)};
+}
+
+SplineCurve curve_of(const Spline::Points& points, const SplineSettings& k, const SplineEndValues& ends) {
+  std::vector<double> t;
+  MatX y(static_cast<Eigen::Index>(points.size()), 1);
+  for (const auto& [time, value] : points) {
+    y(static_cast<Eigen::Index>(t.size()), 0) = value;
+    t.push_back(time);
+  }
+  return SplineCurve("spline", std::move(t), y, k, rates_of(ends));
+}
+
+}  // namespace
+
+Spline::Spline(const Points& points, const SplineSettings& k, const SplineEndValues& ends)
+    : curve_(curve_of(points, k, ends)) {}
+
+LawValue Spline::at(double t) const {
+  LawValue r;
+  curve_.at(t, &r.y, &r.yd, &r.ydd);
+  return r;
+}
+
+void Spline::breakpoints(double t0, double t1, std::vector<double>& out) const { curve_.breakpoints(t0, t1, out); }
+
+const TypeInfo& Spline::info() {
+  static const TypeInfo info = [] {
+    TypeInfo i{"spline",
+               "smooth through points [t, y] or two columns of a CSV file",
+               {{"points", Form::points, Unit::any, "absent", "[[t, y], ...], times rising; this or file"},
+                {"file", Form::text, Unit::none, "absent", "CSV file in SI units, path from the scene's folder"},
+                {"t_column", Form::text, Unit::none, "\"t\"", "name or number of the column of times"},
+                {"y_column", Form::text, Unit::none, "\"y\"", "name or number of the column of values"}}};
+    add_spline_keys(i.keys);
+    for (const char* key : {"start_rate", "end_rate"})
+      i.keys.push_back({key, Form::number, Unit::any, "0", "yd at a clamped end"});
+    for (const char* key : {"start_acceleration", "end_acceleration"})
+      i.keys.push_back({key, Form::number, Unit::any, "0", "ydd at a clamped end of degree 5"});
+    return i;
+  }();
+  return info;
+}
+
+LawPtr<MotionLaw> Spline::make(const Params& p) {
+  const SplineSettings k = spline_settings(p);
+  check_end_keys(p, k, {"start_rate", "end_rate"}, {"start_acceleration", "end_acceleration"});
+  Columns table = points_of(p, 1, p.text("t_column"), {p.text("y_column")});
+  const SplineEndRates rates = rates_of(
+      {p.number("start_rate"), p.number("end_rate"), p.number("start_acceleration"), p.number("end_acceleration")});
+  return built(p, [&]() -> LawPtr<MotionLaw> {
+    return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
+  });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,175 @@
+#include "framework/record/chart.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "framework/record/gnuplot.h"
+#include "framework/support/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+
+using namespace lockstep;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A folder for the pictures of one test.
+struct Folder {
+  Folder() : path(fs::temp_directory_path() / "lockstep_chart_test") {
+    fs::remove_all(path);
+    fs::create_directory(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string file(const std::string& name) const { return (path / name).string(); }
+  fs::path path;
+};
+
+std::string contents(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+ChartSpec two_curves() {
+  Series a{"B.force_on_p_world_x [N]", {}, {}}, b{"theory", {}, {}, SeriesStyle::dashes};
+  for (int i = 0; i <= 100; ++i) {
+    const double t = 0.01 * i;
+    a.x.push_back(t), b.x.push_back(t);
+    a.y.push_back(std::sin(t)), b.y.push_back(t);
+  }
+  return {"Sine & its tangent", "t [s]", {{"force [N]", {a, b}}}};
+}
+
+MapSpec small_map() {
+  MapSpec map;
+  map.title = "gain and step";
+  map.x_label = "step [s]", map.y_label = "gain [1/s]";
+  map.x = {1e-3, 1e-2, 1e-1}, map.y = {1, 10};
+  map.log_x = map.log_y = true;
+  map.cells = {0, 0, 1, 0, 1, 2};
+  map.kinds = {{"works", ""}, {"inaccurate", ""}, {"fails", ""}};
+  map.curves = {{"limit", {1e-3, 1e-1}, {20, 1}}};
+  return map;
+}
+
+bool is_png(const std::string& file) { return contents(file).starts_with("\x89PNG\r\n"); }
+
+const bool drawn = !find_gnuplot().empty();
+
+// Holds where gnuplot is installed, and where it is not says so as a user would see it.
+#define NEEDS_GNUPLOT(what)                                                                    \
+  if (!drawn) {                                                                                \
+    CHECK(says(message_of<FileError>([&] { what; }), {"apt-get install gnuplot-nox"}));        \
+    return;                                                                                    \
+  }
+
+}  // namespace
+
+TEST_CASE("a chart is written as SVG and PNG with its words in it", "[unit][record]") {
+  const Folder folder;
+  NEEDS_GNUPLOT(write_chart(folder.file("a.svg"), two_curves()));
+  write_chart(folder.file("a.svg"), two_curves());
+  const std::string svg = contents(folder.file("a.svg"));
+  CHECK(says(svg, {"<svg", "</svg>", "Sine &amp; its tangent", "B.force_on_p_world_x [N]", "force [N]", "t [s]", "theory"}));
+  CHECK(is_png(folder.file("a.png")));
+  write_chart(folder.file("b"), two_curves());
+  write_chart(folder.file("c.png"), two_curves());
+  for (const char* name : {"b.svg", "c.svg"}) CHECK(contents(folder.file(name)) == svg);
+}
+
+TEST_CASE("panels, logarithms, gaps and long series are drawn", "[unit][record]") {
+  const Folder folder;
+  ChartSpec spec = two_curves();
+  NEEDS_GNUPLOT(write_chart(folder.file("a"), spec));
+  Series late{"late", {}, {}, SeriesStyle::linespoints};
+  for (int i = 0; i < 20000; ++i) late.x.push_back(1e-4 * i), late.y.push_back(i == 7777 ? std::nan("") : std::exp(-1e-3 * i));
+  late.style = SeriesStyle::lines;
+  spec.panels.push_back({"decay [m]", {late}, true, {{1, 1e-3, "here"}}});
+  write_chart(folder.file("a"), spec);
+  const std::string svg = contents(folder.file("a.svg"));
+  CHECK(says(svg, {"decay [m]", "here", "force [N]"}));
+  CHECK(svg.size() < 200000);  // 20000 points would be 300 kB
+}
+
+TEST_CASE("maps and bars are drawn with their words in them", "[unit][record]") {
+  const Folder folder;
+  NEEDS_GNUPLOT(write_map(folder.file("map"), small_map()));
+  write_map(folder.file("map"), small_map());
+  CHECK(says(contents(folder.file("map.svg")), {"works", "inaccurate", "fails", "limit", "gain [1/s]"}));
+  MapSpec heat = small_map();
+  heat.kinds.clear();
+  heat.value_label = "error [m]";
+  write_map(folder.file("heat"), heat);
+  CHECK(says(contents(folder.file("heat.svg")), {"error [m]", "limit"}));
+  const BarSpec bars{"cost", "operations", {"none", "all six laws"}, {{"lock", {322, 1219}, ""}}};
+  write_bars(folder.file("bars"), bars);
+  CHECK(says(contents(folder.file("bars.svg")), {"all six laws", "1219", "operations"}));
+  CHECK(is_png(folder.file("bars.png")));
+}
+
+TEST_CASE("no text of the user's becomes a command", "[unit][record]") {
+  const Folder folder;
+  const std::string trap = folder.file("trap");
+  ChartSpec spec = two_curves();
+  NEEDS_GNUPLOT(write_chart(folder.file("a"), spec));
+  spec.title = "`touch " + trap + "`";
+  spec.x_label = "'; system('touch " + trap + "') #";
+  spec.panels[0].y_label = "\nsystem 'touch " + trap + "'\n";
+  spec.panels[0].series[0].label = "\\\" . system(\"touch " + trap + "\")";
+  spec.panels[0].notes = {{0.5, 0.5, "@trap {/:Bold x_1^2} $(touch " + trap + ")"}};
+  write_chart(folder.file("a"), spec);
+  CHECK_FALSE(fs::exists(trap));
+  CHECK(says(contents(folder.file("a.svg")), {"`touch ", "x_1^2"}));
+
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path);
+  write_chart("| touch trap #'", two_curves());
+  fs::current_path(before);
+  CHECK_FALSE(fs::exists(trap));
+  CHECK(fs::exists(folder.path / "| touch trap #'.svg"));
+}
+
+TEST_CASE("charts that cannot be are refused in words", "[unit][record]") {
+  const auto refusal = [](const auto& act) { return message_of<ModelError>(act); };
+  ChartSpec spec = two_curves();
+  spec.panels[0].series[1].y.pop_back();
+  CHECK(says(refusal([&] { write_chart("x", spec); }), {"Sine & its tangent", "theory", "101 x and 100 y"}));
+  spec = two_curves();
+  spec.panels[0].series = {{"zeros", {0, 1}, {0, -1}}};
+  spec.panels[0].log_y = true;
+  CHECK(says(refusal([&] { write_chart("x", spec); }), {"force [N]", "nothing to draw", "above zero"}));
+  spec.panels.clear();
+  CHECK(says(refusal([&] { write_chart("x", spec); }), {"no panels"}));
+  MapSpec map = small_map();
+  map.cells[0] = 3;
+  CHECK(says(refusal([&] { write_map("x", map); }), {"kind 3", "0 to 2"}));
+  map.cells.pop_back();
+  CHECK(says(refusal([&] { write_map("x", map); }), {"5 cells", "3 x 2"}));
+  map = small_map();
+  map.x[1] = map.x[0];
+  CHECK(says(refusal([&] { write_map("x", map); }), {"along x", "rise"}));
+  CHECK(says(refusal([&] { write_bars("x", {"cost", "", {"a", "b"}, {{"g", {1}, ""}}}); }), {"\"g\"", "1 values for 2"}));
+  if (drawn) {
+    const Folder folder;
+    spec = two_curves();
+    spec.panels[0].series[0].color = "red' ; system 'x";
+    CHECK(says(refusal([&] { write_chart(folder.file("a"), spec); }), {"#0072b2"}));
+    CHECK(says(message_of<FileError>([&] { write_chart("no/such/folder/a.svg", two_curves()); }), {"no/such/folder/a.svg"}));
+  }
+}
+
+TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
+  const char* const path = std::getenv("PATH");
+  const std::string before = path ? path : "";
+  const Folder folder;
+  setenv("PATH", folder.path.c_str(), 1);
+  const std::string message = message_of<FileError>([&] { write_chart(folder.file("a.svg"), two_curves()); });
+  setenv("PATH", before.c_str(), 1);
+  CHECK(says(message, {"a.svg", "gnuplot", "apt-get install gnuplot-nox"}));
+  CHECK_FALSE(fs::exists(folder.file("a.svg")));
+}
