@@ -73,10 +73,11 @@ Quat read_matrix_orientation(const Value& v, const std::string& context) {
 
 Quat read_direction_orientation(const Value& v, const std::string& context) {
   const char* names[] = {"x", "y", "z"};
-  int k[2] = {-1, -1};
+  std::vector<int> k;
   for (int i = 0; i < 3; ++i)
-    if (v.find(names[i]) != nullptr) k[k[0] < 0 ? 0 : 1] = i;
-  if (k[1] < 0) refuse(v.where, context, "one direction leaves a turn about it open; give two of \"x\", \"y\", \"z\"");
+    if (v.find(names[i]) != nullptr) k.push_back(i);
+  if (k.size() != 2)
+    refuse(v.where, context, "it gives " + std::to_string(k.size()) + " of the directions \"x\", \"y\", \"z\"; give two of them");
   const Vec3 first = read_axis(*v.find(names[k[0]]), part_of(context, names[k[0]]));
   const Vec3 given = read_axis(*v.find(names[k[1]]), part_of(context, names[k[1]]));
   const Vec3 upright = given - first.dot(given) * first;
@@ -117,7 +118,7 @@ std::string shown(const Value& v) {
 
 double read_number(const Value& v, Unit unit, const std::string& context) {
   if (const std::string* text = v.text()) {
-    const Quantity quantity = read_quantity(*text, unit);
+    const Measured quantity = read_quantity(*text, unit);
     if (!quantity.problem.empty()) refuse(v.where, context, quantity.problem);
     return quantity.value;
   }

@@ -195,13 +195,13 @@ std::string article_name_of(Unit unit) { return std::string(words_of(unit).artic
 std::string si_unit(Unit unit) { return words_of(unit).si; }
 std::string example_of(Unit unit) { return words_of(unit).example; }
 
-Quantity read_quantity(std::string_view text, Unit unit) {
+Measured read_quantity(std::string_view text, Unit unit) {
   const UnitWords& words = words_of(unit);
   const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
   if (unit == Unit::none) return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
 
   std::string_view rest = trimmed(text);
-  Quantity result;
+  Measured result;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), result.value);
   if (error == std::errc::result_out_of_range) return {0, quoted + " is beyond the range of numbers (1e-308 to 1e308)"};
   if (error != std::errc())

@@ -1,0 +1,31 @@
+#pragma once
+/// @file Error messages under test: what was thrown, and whether its words are there.
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "tests/support/catch.h"
+
+namespace lockstep::testing {
+
+/// The message of the E that `act` throws, or "no error". Any other exception fails the test.
+template <class E, class F> std::string message_of(F&& act) {
+  try {
+    std::forward<F>(act)();
+  } catch (const E& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// Every part stands in the message.
+inline void check_words(const std::string& message, std::initializer_list<std::string> parts) {
+  for (const std::string& part : parts) {
+    INFO("message: " << message);
+    INFO("missing: " << part);
+    CHECK(message.find(part) != std::string::npos);
+  }
+}
+
+}  // namespace lockstep::testing

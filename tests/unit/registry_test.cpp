@@ -1,0 +1,175 @@
+#include "framework/plugin/registry.h"
+
+#include "framework/model/json.h"
+#include "framework/support/error.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using lockstep::testing::check_words;
+using lockstep::testing::message_of;
+
+namespace {
+
+struct Constant final : MotionLaw {
+  explicit Constant(double y0) : y(y0) {}
+  static TypeInfo info() { return {"constant", "a number", {{"value", Form::number, Unit::any, "", "the number"}}}; }
+  static LawPtr<MotionLaw> make(const Params& p) { return std::make_shared<Constant>(p.number("value")); }
+  LawValue at(double) const override { return {y, 0, 0}; }
+  double y;
+};
+
+struct Scaled final : MotionLaw {
+  static TypeInfo info() {
+    return {"scale", "a law times a number", {{"factor", Form::number, Unit::none, "2", ""}, {"base", Form::law, Unit::none, "", "scaled"}}};
+  }
+  static LawPtr<MotionLaw> make(const Params& p) {
+    auto law = std::make_shared<Scaled>();
+    law->factor = p.number("factor");
+    law->base = p.law("base");
+    return law;
+  }
+  LawValue at(double t) const override { return {factor * base->at(t).y, 0, 0}; }
+  double factor = 1;
+  LawPtr<MotionLaw> base;
+};
+
+struct Still final : TranslationLaw {
+  static TypeInfo info() { return {"constant", "", {{"value", Form::vector3, Unit::length, "", "the place"}}}; }
+  static LawPtr<TranslationLaw> make(const Params& p) {
+    auto law = std::make_shared<Still>();
+    law->x = p.vector3("value");
+    return law;
+  }
+  TranslationValue at(double) const override { return {x, Vec3::Zero(), Vec3::Zero()}; }
+  Vec3 x;
+};
+
+struct Turned final : RotationLaw {
+  static TypeInfo info() { return {"constant", "", {{"value", Form::orientation, Unit::none, "", "the turn"}}}; }
+  static LawPtr<RotationLaw> make(const Params& p) {
+    auto law = std::make_shared<Turned>();
+    law->q = p.orientation("value");
+    return law;
+  }
+  RotationValue at(double) const override { return {q, Vec3::Zero(), Vec3::Zero()}; }
+  Quat q;
+};
+
+Registry some_registry() {
+  Registry registry;
+  registry.laws.add<Constant>();
+  registry.laws.add<Scaled>();
+  registry.translation_laws.add<Still>();
+  registry.rotation_laws.add<Turned>();
+  return registry;
+}
+
+std::unique_ptr<Force> no_force(const Site&, const Params&) { return nullptr; }
+
+std::string law_problem(const std::string& json) {
+  return message_of<SceneError>([&] { some_registry().scalar_law(read_json(json, "a.json"), "link 'A', drive.law"); });
+}
+
+}  // namespace
+
+TEST_CASE("a law is made by its name", "[unit][plugin]") {
+  const Registry registry = some_registry();
+  CHECK(registry.laws.make("constant", Params{{"value", 3}}, &registry, "law 'c'")->at(0).y == 3);
+  CHECK(registry.laws.make("scale", Params{{"base", 3}}, &registry, "law 's'")->at(0).y == 6);
+  CHECK(registry.laws.names() == std::vector<std::string>{"constant", "scale"});
+  CHECK(registry.laws.find("scale")->info.help == "a law times a number");
+  CHECK(registry.laws.find("ramp") == nullptr);
+}
+
+TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
+  const Registry registry = some_registry();
+  const auto problem = [&](const std::string& name) {
+    return message_of<SceneError>([&] { registry.laws.make(name, Params{}, &registry, "link 'A'"); });
+  };
+  CHECK(problem("scal") == "link 'A': unknown law \"scal\"; did you mean \"scale\"?");
+  CHECK(problem("polynomial") == "link 'A': unknown law \"polynomial\"; known: constant, scale");
+  check_words(message_of<SceneError>([&] { registry.links.make("gear", Site{}, Params{}, &registry, "link 'A'"); }), {"unknown link \"gear\""});
+}
+
+TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin]") {
+  const Registry registry = some_registry();
+  const auto y = [&](const std::string& json) { return registry.scalar_law(read_json(json, "a.json"))->at(0).y; };
+  CHECK(y("3") == 3);
+  CHECK(y("\"3 mm\"") == 0.003);
+  CHECK(y(R"({"type": "scale", "factor": 5, "base": {"type": "scale", "base": {"type": "constant", "value": 7}}})") == 70);
+  CHECK(registry.translation_law(read_json("[1, 2, \"3 mm\"]", "a.json"))->at(0).x == Vec3(1, 2, 0.003));
+  CHECK(registry.translation_law(read_json(R"({"type": "constant", "value": [1, 2, 3]})", "a.json"))->at(0).x == Vec3(1, 2, 3));
+  CHECK(registry.rotation_law(read_json("[0, 2, 0, 0]", "a.json"))->at(0).q.x == 1);
+}
+
+TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {
+  CHECK(law_problem(R"({"type": "scale", "base": {"type": "constant", "valeu": 1}})") ==
+        "a.json:1:49: link 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
+  check_words(law_problem(R"({"type": "scale", "base": {"type": "constant", "value": []}})"),
+              {"a.json:1:58: link 'A', drive.law.base.value: expected", "an empty list"});
+  CHECK(law_problem(R"({"type": "scal", "base": 1})") == "a.json:1:10: link 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
+  check_words(law_problem(R"({"base": 1})"), {"a.json:1:1: link 'A', drive.law: missing key \"type\"", "constant or scale"});
+  check_words(law_problem(R"({"type": 3})"), {"a.json:1:10: link 'A', drive.law.type: expected a text", "a number (3)"});
+  check_words(law_problem("true"), {"expected an object", "got true"});
+  check_words(law_problem("null"), {"expected an object", "got null"});
+  check_words(law_problem("[1, 2]"), {"expected a quantity", "a list of 2"});
+  check_words(law_problem(R"({"type": "scale", "factor": 2})"), {"missing key \"base\"", "scaled"});
+  check_words(message_of<SceneError>([] { Registry{}.scalar_law(Value(3), "link 'A', law"); }), {"link 'A', law: expected an object", "a number (3)"});
+}
+
+TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
+  Registry registry = some_registry();
+  registry.laws.set_origin("built in");
+  const auto problem = [](const auto& act) { return message_of<PluginError>(act); };
+  check_words(problem([&] { registry.laws.add<Constant>(); }), {"law 'constant' is there already (built in)", "another name"});
+  check_words(problem([&] { registry.laws.add({}, &Constant::make); }), {"a law has no name"});
+  check_words(problem([&] { registry.forces.add({"wind", "", {}}, nullptr); }), {"force 'wind' has no maker"});
+  check_words(problem([&] { registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, "words", ""}}}, &Constant::make); }),
+              {"law 'bad' cannot be registered", "`words`"});
+  CHECK(registry.laws.entries().size() == 2);
+}
+
+TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
+  Registry registry;
+  registry.forces.add({"wind", "", {}}, &no_force);
+  registry.forces.set_origin("storm");
+  check_words(message_of<PluginError>([&] { registry.forces.make("wind", Site{}, Params{}, nullptr, "force 'w'"); }),
+              {"force 'w'", "'wind' (storm)", "returned nothing"});
+}
+
+TEST_CASE("entries keep their origin", "[unit][plugin]") {
+  Registry registry;
+  registry.laws.add<Constant>();
+  registry.laws.set_origin("built in");
+  registry.laws.add<Scaled>();
+  registry.laws.set_origin("plugin");
+  CHECK(registry.laws.find("constant")->origin == "built in");
+  CHECK(registry.laws.find("scale")->origin == "plugin");
+}
+
+TEST_CASE("registries are merged whole or not at all", "[unit][plugin]") {
+  Registry base;
+  base.translation_laws.add<Still>();
+  base.translation_laws.set_origin("built in");
+  Registry more;
+  more.laws.add<Constant>();
+  more.forces.add({"wind", "", {}}, &no_force);
+  base.merge(more);
+  CHECK(base.laws.names() == std::vector<std::string>{"constant"});
+  CHECK(base.forces.find("wind") != nullptr);
+
+  Registry clash;  // its laws are fresh, its translation law is taken
+  clash.laws.add<Scaled>();
+  clash.translation_laws.add<Still>();
+  clash.translation_laws.set_origin("storm");
+  check_words(message_of<PluginError>([&] { base.merge(clash); }), {"translation law 'constant' (storm)", "(built in)", "another name"});
+  CHECK(base.laws.names() == std::vector<std::string>{"constant"});
+  CHECK(base.translation_laws.find("constant")->origin == "built in");
+  CHECK_THROWS_AS(base.merge(base), PluginError);
+}
+
+TEST_CASE("two registries know nothing of each other", "[unit][plugin]") {
+  const Registry one = some_registry(), other;
+  CHECK(one.laws.find("constant") != nullptr);
+  CHECK(other.laws.find("constant") == nullptr);
+}

@@ -1,0 +1,50 @@
+#include "framework/support/text.h"
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/catch.h"
+
+using namespace lockstep;
+
+namespace {
+const std::vector<std::string> kNames{"revolute", "prismatic", "spherical", "fixed"};
+}
+
+TEST_CASE("the closest name is found whatever the case", "[unit][support]") {
+  CHECK(closest_name("revolut", kNames) == "revolute");
+  CHECK(closest_name("Prismatc", kNames) == "prismatic");
+  CHECK(closest_name("sphercial", kNames) == "spherical");
+  CHECK(closest_name("fxed", kNames) == "fixed");
+}
+
+TEST_CASE("a name that is far from all gets no guess", "[unit][support]") {
+  CHECK(closest_name("gear", kNames).empty());
+  CHECK(closest_name("", kNames).empty());
+  CHECK(closest_name("fixed", {}).empty());
+}
+
+TEST_CASE("a suggestion is a guess, or the names there are", "[unit][support]") {
+  CHECK(suggestion("fixd", kNames) == "; did you mean \"fixed\"?");
+  CHECK(suggestion("gear", kNames) == "; known: revolute, prismatic, spherical, fixed");
+  CHECK(suggestion("gear", {}).empty());
+  const std::vector<std::string> many(20, "abcdefgh");
+  CHECK(suggestion("zzz", many).ends_with("abcdefgh, ..."));
+}
+
+TEST_CASE("words are joined as in a sentence", "[unit][support]") {
+  const std::vector<std::string> words{"a", "b", "c"};
+  CHECK(join(words) == "a, b and c");
+  CHECK(join(words, " or ") == "a, b or c");
+  CHECK(join(std::span(words).first(1)) == "a");
+  CHECK(join({}).empty());
+}
+
+TEST_CASE("numbers read back as the same double", "[unit][support]") {
+  CHECK(number(0.1) == "0.1");
+  CHECK(number(-1500) == "-1500");
+  for (const double x : {1.0 / 3, std::nextafter(0.1, 1), 1e-300, 5e-324, std::numeric_limits<double>::max()})
+    CHECK(std::stod("0" + number(x)) == x);
+  CHECK(brief(1.0 / 3) == "0.333");
+  CHECK(brief(123456) == "1.23e+05");
+}

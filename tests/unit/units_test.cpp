@@ -1,0 +1,114 @@
+#include "framework/model/units.h"
+
+#include "framework/math/types.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using lockstep::testing::check_words;
+
+namespace {
+
+// The factors are the definitions of the units, worked out by hand.
+struct Case {
+  const char* text;
+  Unit unit;
+  double si;
+};
+
+}  // namespace
+
+TEST_CASE("texts with a unit are turned into SI", "[unit][model]") {
+  const Case cases[] = {{"12 mm", Unit::length, 0.012},
+                        {"12mm", Unit::length, 0.012},
+                        {" 1.5e2  cm ", Unit::length, 1.5},
+                        {"-3 um", Unit::length, -3e-6},
+                        {"1 in", Unit::length, 0.0254},
+                        {"2 km", Unit::length, 2000},
+                        {"30 deg", Unit::angle, kPi / 6},
+                        {"30\u00b0", Unit::angle, kPi / 6},
+                        {"0.5 rev", Unit::angle, kPi},
+                        {"2 mrad", Unit::angle, 0.002},
+                        {"1 ms", Unit::time, 0.001},
+                        {"2 min", Unit::time, 120},
+                        {"5 g", Unit::mass, 0.005},
+                        {"5 kg", Unit::mass, 5},
+                        {"2 t", Unit::mass, 2000},
+                        {"36 km/h", Unit::speed, 10},
+                        {"1200 rpm", Unit::angular_speed, 40 * kPi},
+                        {"90 deg/s", Unit::angular_speed, kPi / 2},
+                        {"3 rad/s", Unit::angular_speed, 3},
+                        {"9810 mm/s^2", Unit::acceleration, 9.81},
+                        {"9.81 m/s\u00b2", Unit::acceleration, 9.81},
+                        {"180 deg/s^2", Unit::angular_acceleration, kPi},
+                        {"2 kN", Unit::force, 2000},
+                        {"50 N mm", Unit::torque, 0.05},
+                        {"50 N*mm", Unit::torque, 0.05},
+                        {"3 kNm", Unit::torque, 3000},
+                        {"40 kg mm^2", Unit::inertia, 4e-5},
+                        {"0.3 g/cm^3", Unit::density, 300},
+                        {"7850 kg m^-3", Unit::density, 7850},
+                        {"4.5 N/mm", Unit::stiffness, 4500},
+                        {"1 N m/deg", Unit::torsion_stiffness, 180 / kPi},
+                        {"2 N s/mm", Unit::damping, 2000},
+                        {"2 kg/s", Unit::damping, 2},
+                        {"1 N m s/rad", Unit::torsion_damping, 1},
+                        {"10 Hz", Unit::frequency, 10},
+                        {"10 1/s", Unit::frequency, 10},
+                        {"3 deg", Unit::any, kPi / 60},
+                        {"3 mm", Unit::any, 0.003}};
+  for (const Case& c : cases) {
+    INFO(c.text);
+    const Measured q = read_quantity(c.text, c.unit);
+    CHECK(q.problem.empty());
+    CHECK(std::abs(q.value - c.si) <= 4e-16 * std::abs(c.si));
+  }
+}
+
+TEST_CASE("powers of ten cost no bit", "[unit][model]") {
+  CHECK(read_quantity("12 mm", Unit::length).value == 0.012);
+  CHECK(read_quantity("0.3 um", Unit::length).value == 0.3e-6);
+  CHECK(read_quantity("7 g", Unit::mass).value == 0.007);
+}
+
+TEST_CASE("every unit understands its own SI symbol and its own example", "[unit][model]") {
+  for (int k = 0; k < static_cast<int>(Unit::any); ++k) {
+    const Unit unit = static_cast<Unit>(k);
+    if (unit == Unit::none) continue;
+    INFO(name_of(unit));
+    CHECK_FALSE(si_unit(unit).empty());
+    const Measured one = read_quantity("1 " + si_unit(unit), unit);
+    CHECK(one.problem.empty());
+    CHECK(one.value == 1);
+    CHECK(read_quantity(example_of(unit), unit).problem.empty());
+  }
+}
+
+TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]") {
+  check_words(read_quantity("30 deg", Unit::length).problem, {"\"30 deg\" is an angle", "a length is wanted", "12 mm"});
+  check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
+  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem, {"is a torque", "torsional stiffness", "N m/rad"});
+  check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});
+  check_words(read_quantity("3 kg m", Unit::mass).problem, {"of another dimension", "a mass"});
+  // No two units of the table may be confused.
+  for (int k = 1; k < static_cast<int>(Unit::any); ++k)
+    for (int l = 1; l < static_cast<int>(Unit::any); ++l)
+      if (k != l) CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
+}
+
+TEST_CASE("what cannot be read is refused with the text and what to write", "[unit][model]") {
+  check_words(read_quantity("3 mmm", Unit::length).problem, {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
+  check_words(read_quantity("3", Unit::length).problem, {"\"3\" has no unit", "without quotes"});
+  check_words(read_quantity("", Unit::length).problem, {"does not begin with a number", "12 mm"});
+  check_words(read_quantity("fast", Unit::speed).problem, {"\"fast\"", "a speed", "20 mm/s"});
+  check_words(read_quantity("1,5 mm", Unit::length).problem, {"comma", "point"});
+  check_words(read_quantity("nan mm", Unit::length).problem, {"not a finite number"});
+  check_words(read_quantity("inf mm", Unit::length).problem, {"not a finite number"});
+  check_words(read_quantity("1e999 mm", Unit::length).problem, {"range"});
+  check_words(read_quantity("1e308 km", Unit::length).problem, {"range"});
+  check_words(read_quantity("5 mm", Unit::none).problem, {"without a unit", "5 mm"});
+  check_words(read_quantity("1 N m/rad s", Unit::torsion_damping).problem, {"two ways", "N m s/rad"});
+  check_words(read_quantity("1 m/", Unit::length).problem, {"ends in a sign"});
+  check_words(read_quantity("1 m^x", Unit::length).problem, {"m^x"});
+  check_words(read_quantity("1 m^99", Unit::length).problem, {"m^99"});
+  check_words(read_quantity("1 m // s", Unit::speed).problem, {"missing"});
+}
