@@ -7,10 +7,7 @@
 
 #include "framework/model/marker.h"
 #include "framework/model/params.h"
-<<<<<<< HEAD
 #include "framework/support/error.h"
-=======
->>>>>>> model
 #include "framework/support/export.h"
 
 namespace lockstep {
