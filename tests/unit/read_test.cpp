@@ -87,8 +87,8 @@ TEST_CASE("every key and every value knows its place", "[unit][scene]") {
   CHECK(place(crank.find("at")->list()->at(2)) == "a.json:3:84");
   const Value& other = scene.find("bodies")->list()->at(1);
   CHECK(place(*other.find("name")) == "a.json:4:14");
-  CHECK(place(*other.find("fixed")) == "a.json:4:45");  // columns count characters, not bytes
-  CHECK(place(*other.find("start")) == "a.json:4:60");
+  CHECK(place(*other.find("fixed")) == "a.json:4:44");  // columns count characters, not bytes
+  CHECK(place(*other.find("start")) == "a.json:4:59");
   CHECK(place(*scene.find("run")->find("tolerance")) == "a.json:7:37");
 }
 

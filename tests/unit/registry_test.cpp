@@ -104,9 +104,9 @@ TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin
 
 TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {
   CHECK(law_problem(R"({"type": "scale", "base": {"type": "constant", "valeu": 1}})") ==
-        "a.json:1:49: link 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
+        "a.json:1:48: link 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
   check_words(law_problem(R"({"type": "scale", "base": {"type": "constant", "value": []}})"),
-              {"a.json:1:58: link 'A', drive.law.base.value: expected", "an empty list"});
+              {"a.json:1:57: link 'A', drive.law.base.value: expected", "an empty list"});
   CHECK(law_problem(R"({"type": "scal", "base": 1})") == "a.json:1:10: link 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
   check_words(law_problem(R"({"base": 1})"), {"a.json:1:1: link 'A', drive.law: missing key \"type\"", "constant or scale"});
   check_words(law_problem(R"({"type": 3})"), {"a.json:1:10: link 'A', drive.law.type: expected a text", "a number (3)"});

@@ -1,5 +1,6 @@
 #include "framework/support/text.h"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,7 @@ TEST_CASE("the closest name is found whatever the case", "[unit][support]") {
   CHECK(closest_name("Prismatc", kNames) == "prismatic");
   CHECK(closest_name("sphercial", kNames) == "spherical");
   CHECK(closest_name("fxed", kNames) == "fixed");
+  CHECK(closest_name("fxied", kNames) == "fixed");  // two letters exchanged are one slip
 }
 
 TEST_CASE("a name that is far from all gets no guess", "[unit][support]") {
@@ -43,8 +45,12 @@ TEST_CASE("words are joined as in a sentence", "[unit][support]") {
 TEST_CASE("numbers read back as the same double", "[unit][support]") {
   CHECK(number(0.1) == "0.1");
   CHECK(number(-1500) == "-1500");
-  for (const double x : {1.0 / 3, std::nextafter(0.1, 1), 1e-300, 5e-324, std::numeric_limits<double>::max()})
-    CHECK(std::stod("0" + number(x)) == x);
+  for (const double x : {1.0 / 3, std::nextafter(0.1, 1), 1e-300, 5e-324, std::numeric_limits<double>::max()}) {
+    const std::string text = number(x);
+    double back = 0;
+    std::from_chars(text.data(), text.data() + text.size(), back);
+    CHECK(back == x);
+  }
   CHECK(brief(1.0 / 3) == "0.333");
   CHECK(brief(123456) == "1.23e+05");
 }
