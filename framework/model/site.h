@@ -7,6 +7,7 @@
 
 #include "framework/model/marker.h"
 #include "framework/model/params.h"
+#include "framework/support/error.h"
 #include "framework/support/export.h"
 
 namespace lockstep {
@@ -15,8 +16,16 @@ namespace lockstep {
 struct LOCKSTEP_API Site {  // shown, because the shelves are templates of it
   std::string name;
   std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
-  Marker& p() const { return *pairs.at(0).first; }
-  Marker& s() const { return *pairs.at(0).second; }
+  /// Throw ModelError when the marker is not given.
+  Marker& p() const { return given(pairs.empty() ? nullptr : pairs.front().first, "p"); }
+  Marker& s() const { return given(pairs.empty() ? nullptr : pairs.front().second, "s"); }
+
+ private:
+  Marker& given(Marker* marker, const char* side) const {
+    if (marker == nullptr)
+      throw ModelError("'" + name + "': its type needs a marker or a body for \"" + side + "\"; add it");
+    return *marker;
+  }
 };
 
 }  // namespace lockstep

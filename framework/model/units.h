@@ -22,14 +22,14 @@ LOCKSTEP_API std::string si_unit(Unit);
 LOCKSTEP_API std::string example_of(Unit);
 
 /// What a text with a unit says: `value` in SI when `problem` is empty, else why it cannot be taken.
-struct Quantity {
+struct Measured {
   double value = 0;
   std::string problem;  ///< `"12 mmm": unknown unit "mmm"; ...`
 };
 
-/// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run of
-/// divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg, rev, turn,
-/// rpm, min, h, t, in, ft. Locale never matters.
-LOCKSTEP_API Quantity read_quantity(std::string_view text, Unit unit);
+/// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
+/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg,
+/// rev, turn, rpm, min, h, t, in, ft. Locale never matters.
+LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit);
 
 }  // namespace lockstep

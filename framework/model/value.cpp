@@ -9,8 +9,6 @@ std::string Where::text() const {
   return (file ? *file : std::string("text")) + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
 
-Value::Value(Object members) : data_(std::move(members)) {}
-
 Value Value::list(std::initializer_list<double> numbers) {
   List items;
   items.reserve(numbers.size());
@@ -48,7 +46,8 @@ std::string Value::kind() const {
   if (const bool* b = boolean()) return *b ? "true" : "false";
   if (number() != nullptr) return "a number";
   if (text() != nullptr) return "a text";
-  if (const List* items = list()) return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
+  if (const List* items = list())
+    return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
   return "an object";
 }
 

@@ -28,14 +28,15 @@ class Value {
   using List = std::vector<Value>;
   using Object = std::vector<Member>;
 
-  Value() = default;
-  Value(bool b) : data_(b) {}                                // NOLINT: a description reads like data
-  Value(double x) : data_(x) {}                              // NOLINT
-  Value(int x) : data_(static_cast<double>(x)) {}            // NOLINT
-  Value(const char* s) : data_(std::string(s)) {}            // NOLINT
-  Value(std::string s) : data_(std::move(s)) {}              // NOLINT
-  Value(List items) : data_(std::move(items)) {}             // NOLINT
-  LOCKSTEP_API Value(Object members);                        // NOLINT
+  // Not explicit: a description reads like data.
+  Value();
+  Value(bool b);            // NOLINT
+  Value(double x);          // NOLINT
+  Value(int x);             // NOLINT
+  Value(const char* s);     // NOLINT
+  Value(std::string s);     // NOLINT
+  Value(List items);        // NOLINT
+  Value(Object members);    // NOLINT
   LOCKSTEP_API static Value list(std::initializer_list<double> numbers);
   LOCKSTEP_API static Value object(std::initializer_list<std::pair<const char*, Value>> members);
 
@@ -66,5 +67,15 @@ struct Value::Member {
   Value value;
   Where where;  ///< of the key
 };
+
+// Behind Member: a vector of what is not complete may be named, but neither made nor destroyed.
+inline Value::Value() = default;
+inline Value::Value(bool b) : data_(b) {}
+inline Value::Value(double x) : data_(x) {}
+inline Value::Value(int x) : data_(static_cast<double>(x)) {}
+inline Value::Value(const char* s) : data_(std::string(s)) {}
+inline Value::Value(std::string s) : data_(std::move(s)) {}
+inline Value::Value(List items) : data_(std::move(items)) {}
+inline Value::Value(Object members) : data_(std::move(members)) {}
 
 }  // namespace lockstep

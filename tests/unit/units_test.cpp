@@ -58,7 +58,7 @@ TEST_CASE("texts with a unit are turned into SI", "[unit][model]") {
                         {"3 mm", Unit::any, 0.003}};
   for (const Case& c : cases) {
     INFO(c.text);
-    const Quantity q = read_quantity(c.text, c.unit);
+    const Measured q = read_quantity(c.text, c.unit);
     CHECK(q.problem.empty());
     CHECK(std::abs(q.value - c.si) <= 4e-16 * std::abs(c.si));
   }
@@ -76,7 +76,7 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
     if (unit == Unit::none) continue;
     INFO(name_of(unit));
     CHECK_FALSE(si_unit(unit).empty());
-    const Quantity one = read_quantity("1 " + si_unit(unit), unit);
+    const Measured one = read_quantity("1 " + si_unit(unit), unit);
     CHECK(one.problem.empty());
     CHECK(one.value == 1);
     CHECK(read_quantity(example_of(unit), unit).problem.empty());
@@ -86,17 +86,20 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
 TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]") {
   check_words(read_quantity("30 deg", Unit::length).problem, {"\"30 deg\" is an angle", "a length is wanted", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
-  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem, {"is a torque", "torsional stiffness", "N m/rad"});
+  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem,
+              {"is a torque", "torsional stiffness", "N m/rad"});
   check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});
   check_words(read_quantity("3 kg m", Unit::mass).problem, {"of another dimension", "a mass"});
   // No two units of the table may be confused.
   for (int k = 1; k < static_cast<int>(Unit::any); ++k)
     for (int l = 1; l < static_cast<int>(Unit::any); ++l)
-      if (k != l) CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
+      if (k != l)
+        CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
 }
 
 TEST_CASE("what cannot be read is refused with the text and what to write", "[unit][model]") {
-  check_words(read_quantity("3 mmm", Unit::length).problem, {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
+  check_words(read_quantity("3 mmm", Unit::length).problem,
+              {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
   check_words(read_quantity("3", Unit::length).problem, {"\"3\" has no unit", "without quotes"});
   check_words(read_quantity("", Unit::length).problem, {"does not begin with a number", "12 mm"});
   check_words(read_quantity("fast", Unit::speed).problem, {"\"fast\"", "a speed", "20 mm/s"});
