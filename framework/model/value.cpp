@@ -9,6 +9,20 @@ std::string Where::text() const {
   return (file ? *file : std::string("text")) + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
 
+Value::Value() = default;
+Value::Value(bool b) : data_(b) {}
+Value::Value(double x) : data_(x) {}
+Value::Value(int x) : data_(static_cast<double>(x)) {}
+Value::Value(const char* s) : data_(std::string(s)) {}
+Value::Value(std::string s) : data_(std::move(s)) {}
+Value::Value(List items) : data_(std::move(items)) {}
+Value::Value(Object members) : data_(std::move(members)) {}
+Value::Value(const Value&) = default;
+Value::Value(Value&&) noexcept = default;
+Value& Value::operator=(const Value&) = default;
+Value& Value::operator=(Value&&) noexcept = default;
+Value::~Value() = default;
+
 Value Value::list(std::initializer_list<double> numbers) {
   List items;
   items.reserve(numbers.size());
@@ -46,8 +60,7 @@ std::string Value::kind() const {
   if (const bool* b = boolean()) return *b ? "true" : "false";
   if (number() != nullptr) return "a number";
   if (text() != nullptr) return "a text";
-  if (const List* items = list())
-    return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
+  if (const List* items = list()) return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
   return "an object";
 }
 

@@ -1,0 +1,137 @@
+#include <limits>
+
+#include "framework/force/torsion_spring_damper.h"
+#include "tests/support/catch.h"
+#include "tests/support/force_bench.h"
+
+using namespace lockstep;
+using oracle::ForceBench;
+
+namespace {
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+TorsionSpringDamper::Options numbers() { return {3.0, 0.4, 0.7, 0.2, {}}; }
+const Quat kTilt = normalized(Quat{0.9, 0.3, -0.2, 0.25});
+
+// P turned by `angle` about z of S at the rate `rate`; S tilted in the world and turning too.
+void turn_to(ForceBench& bench, double angle, double rate) {
+  const Vec3 z = rotation(kTilt).col(2), w(0.3, -0.5, 0.2);
+  bench.place(bench.s, {Vec3(1, 0, 2), kTilt}, Vec3::Zero(), w);
+  bench.place(bench.p, {Vec3(1, 0, 2), kTilt * axis_angle(Vec3::UnitZ(), angle)}, Vec3::Zero(), w + rate * z);
+}
+}  // namespace
+
+TEST_CASE("torsion_spring_damper: about a common axis it is the textbook's", "[unit][force]") {
+  ForceBench bench;
+  auto options = numbers();
+  options.torque = oracle::value_law([](double) { return 0.05; });
+  TorsionSpringDamper spring("coil", bench.p, bench.s, options);
+  spring.setup();
+  turn_to(bench, 1.3, 2.0);
+  const double T = 3.0 * (1.3 - 0.7) + 0.2 + 0.4 * 2.0 + 0.05;
+  CHECK(spring.quantity(0, bench.in()) == Approx(1.3).epsilon(1e-14));
+  CHECK(spring.quantity(1, bench.in()) == Approx(2.0).epsilon(1e-13));
+  CHECK(spring.quantity(2, bench.in()) == Approx(T).epsilon(1e-13));
+  CHECK((bench.moment_on(spring, 0) + T * rotation(kTilt).col(2)).norm() < 1e-13);
+  CHECK((bench.moment_on(spring, 1) - T * rotation(kTilt).col(2)).norm() < 1e-13);
+  CHECK(spring.potential(bench.in()) == Approx(1.5 * 0.36 + 0.2 * 0.6).epsilon(1e-13));
+  CHECK(spring.dissipation(bench.in()) == Approx(0.4 * 4).epsilon(1e-13));
+  CHECK(spring.quantity(3, bench.in()) == Approx(-2.0 * T).epsilon(1e-13));
+}
+
+TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are not common too", "[unit][force]") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    ForceBench bench(seed);
+    for (Motion& m : bench.start) m.w *= 0.3;  // so that the difference stays on one branch
+    TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+    spring.MarkerForce::setup();
+    bench.z[0] = spring.quantity(0, bench.in());
+    const double zz =
+        in_world(MarkerFrame(bench.p), bench.in()).A.col(2).dot(in_world(MarkerFrame(bench.s), bench.in()).A.col(2));
+    if (zz < -0.8) continue;  // too near to where there is no angle for the difference
+    const double Vd = bench.rate_of([&] { return spring.potential(bench.in()); });
+    const double thd = bench.rate_of([&] { return spring.quantity(0, bench.in()); });
+    CAPTURE(seed, zz);
+    CHECK((bench.moment_on(spring, 0) + bench.moment_on(spring, 1)).norm() < 1e-12);
+    CHECK(bench.force_on(spring, 0).norm() + bench.force_on(spring, 1).norm() == 0);
+    CHECK(spring.quantity(1, bench.in()) == Approx(thd).epsilon(1e-8).margin(1e-9));
+    CHECK(bench.power(spring) == Approx(-Vd - spring.dissipation(bench.in())).epsilon(1e-8).margin(1e-9));
+    CHECK(spring.quantity(3, bench.in()) == Approx(bench.power(spring)).epsilon(1e-12).margin(1e-13));
+  }
+}
+
+TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps leave no trace", "[unit][force]") {
+  ForceBench bench;
+  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  spring.setup();
+  REQUIRE(spring.n_memory() == 1);
+  spring.start_memory(bench.z);
+  CHECK(bench.z[0] == 0);
+  const double step = 0.37;  // rad an accepted step
+  double angle = -0.9;
+  const auto accepted_to = [&](double to) {
+    const double last = bench.z[0];
+    for (double trial : {1.7, -2.9, 3.0}) {  // tried and rejected, up to nearly half a turn away
+      turn_to(bench, angle + trial, 0);
+      CHECK(spring.quantity(0, bench.in()) == Approx(angle + trial).margin(1e-11));
+      CHECK(bench.z[0] == last);
+    }
+    angle = to;
+    turn_to(bench, angle, 1.0);
+    CHECK(spring.quantity(0, bench.in()) == Approx(angle).margin(1e-11));
+    CHECK(spring.quantity(2, bench.in()) == Approx(3.0 * (angle - 0.7) + 0.2 + 0.4).margin(1e-10));
+    std::vector<double> z = bench.z;
+    spring.accept(bench.in(), z);
+    bench.z = z;
+  };
+  turn_to(bench, angle, 0);
+  spring.accept(bench.in(), bench.z);
+  while (angle < 10 * kTwoPi) accepted_to(angle + step);
+  while (angle > -10 * kTwoPi) accepted_to(angle - step);
+  CHECK(bench.z[0] == Approx(angle).margin(1e-11));
+}
+
+TEST_CASE("torsion_spring_damper: the sign of a quaternion does not matter", "[unit][force]") {
+  ForceBench bench;
+  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  spring.setup();
+  turn_to(bench, 2.5, 0.1);
+  const VecX f = bench.wrench(spring);
+  bench.start[0].e = -bench.start[0].e;
+  bench.at(0);
+  CHECK((bench.wrench(spring) - f).norm() < 1e-13);
+}
+
+TEST_CASE("torsion_spring_damper: a marker's spin is part of the angle", "[unit][force]") {
+  ForceBench bench;
+  bench.p.spin = std::make_shared<oracle::SteadySpin>(Vec3(0, 0, 1.5));
+  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  spring.setup();
+  turn_to(bench, 0.2, 0.0);
+  const Motion still[2] = {bench.start[0], bench.start[1]};
+  bench.start[0].w.setZero(), bench.start[1].w.setZero();
+  bench.at(0.4);
+  CHECK(spring.quantity(0, bench.in()) == Approx(0.2 + 0.6).epsilon(1e-13));
+  CHECK(spring.quantity(1, bench.in()) == Approx(1.5).epsilon(1e-13));
+  CHECK(still[0].w.norm() > 0);
+}
+
+TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force]") {
+  ForceBench bench;
+  CHECK_THROWS_WITH(TorsionSpringDamper("coil", bench.p, bench.s, {kNaN, 0, 0, 0, {}}),
+                    "force 'coil': stiffness is nan; must be a finite number");
+  CHECK_THROWS_WITH(TorsionSpringDamper("coil", bench.p, bench.s, {1, -2, 0, 0, {}}),
+                    "force 'coil': damping is -2; must be a finite number, 0 or more");
+  CHECK_THROWS_AS(TorsionSpringDamper("coil", bench.p, bench.s, {1, 1, kNaN, 0, {}}), ModelError);
+  CHECK_THROWS_AS(TorsionSpringDamper("coil", bench.p, bench.s, {1, 1, 1, kNaN, {}}), ModelError);
+
+  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  bench.b.freedoms = Freedoms::particle;
+  CHECK_THROWS_WITH(spring.setup(),
+                    "force 'coil' (torsion_spring_damper) turns body 'b' at marker 's', but 'b' is a particle "
+                    "and cannot turn; give it an inertia (add_body), or use another body");
+  bench.b.freedoms = Freedoms::spatial;
+
+  const Quat q = (bench.b.home * bench.s.local).q;  // z against z
+  bench.p.local = inverse(bench.a.home) * Pose{Vec3::Zero(), q * axis_angle(Vec3::UnitX(), kPi)};
+  CHECK_THROWS_AS(spring.setup(), ModelError);
+}
