@@ -23,11 +23,12 @@ struct Tolerance {
 };
 
 struct StepReport {
-  double h = 0;              ///< step made, s
-  double h_next = 0;         ///< step advised; 0: the method has no opinion (fixed step)
-  double error = 0;          ///< estimate against the tolerance, 1 = just met; 0 where there is none
-  int rejected = 0;          ///< tries thrown away before this step
-  double violation = 0;      ///< |C| before projection, m
+  double h = 0;                ///< step made, s
+  double h_next = 0;           ///< step advised; 0: the method has no opinion (fixed step)
+  double error = 0;            ///< estimate against the tolerance, 1 = just met; 0 where there is none
+  int rejected = 0;            ///< tries thrown away before this step
+  double violation = 0;        ///< |C| before projection, m
+  double violation_after = 0;  ///< |C| of the new state, m
 };
 
 class LOCKSTEP_API Integrator {
@@ -36,11 +37,14 @@ class LOCKSTEP_API Integrator {
   virtual IntegratorInfo info() const = 0;
   /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
   virtual void begin(Dynamics&, const State&) = 0;
-  /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An adaptive
-  /// method may step less; a rejected try leaves no trace. Throws StepError.
+  /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An
+  /// adaptive method may step less; a rejected try leaves no trace. Throws StepError, and whatever an evaluation
+  /// throws; `state` is then as it was.
   virtual StepReport step(Dynamics&, State& state, double h) = 0;
-  /// State inside the last step, t0 <= t <= t1, not projected; the method's own dense output. Default: cubic Hermite would
-  /// be a lie about its order, so a method without one returns false and the simulation lands on the wanted times instead.
+  /// State inside the last step, t0 <= t <= t1: unit quaternions, not projected, memory and links of t0; the method's
+  /// own dense output. As the end of the step is projected and this is not, dense(t1) differs from it by that small
+  /// move. Right after begin() it gives the state of begin(). Default: cubic Hermite would be a lie about its order, so
+  /// a method without one returns false, always, and the simulation lands on the wanted times instead.
   virtual bool dense(double t, State& out) const;
   virtual void set_tolerance(const Tolerance&);
   /// First step by the method's own guess; 0: none (fixed step).

@@ -1,0 +1,17 @@
+#include "framework/dynamics/integrator.h"
+
+namespace lockstep {
+
+Integrator::~Integrator() = default;
+
+bool Integrator::dense(double, State&) const { return false; }
+
+void Integrator::set_tolerance(const Tolerance&) {}
+
+double Integrator::first_step(Dynamics&, const State&) { return 0; }
+
+void Integrator::save(Snapshot&) const {}
+
+void Integrator::restore(const Snapshot&) {}
+
+}  // namespace lockstep

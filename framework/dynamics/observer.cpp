@@ -1,0 +1,15 @@
+#include "framework/dynamics/observer.h"
+
+namespace lockstep {
+
+Observer::~Observer() = default;
+
+void Observer::start(const Sample&) {}
+
+void Observer::step(const Sample&) {}
+
+void Observer::output(const Sample&) {}
+
+void Observer::finish(const Sample&) {}
+
+}  // namespace lockstep

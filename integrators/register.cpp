@@ -1,0 +1,19 @@
+#include "integrators/register.h"
+
+#include "framework/plugin/registry.h"
+#include "integrators/dop853.h"
+#include "integrators/dopri5.h"
+#include "integrators/rk4.h"
+#include "integrators/semi_implicit_euler.h"
+
+namespace lockstep {
+
+void register_integrators(Registry& registry) {
+  registry.integrators.add(SemiImplicitEuler::type_info(),
+                           [](const Params&) { return std::make_unique<SemiImplicitEuler>(); });
+  registry.integrators.add(Rk4::type_info(), [](const Params&) { return std::make_unique<Rk4>(); });
+  registry.integrators.add(Dopri5::type_info(), &Dopri5::make);
+  registry.integrators.add(Dop853::type_info(), &Dop853::make);
+}
+
+}  // namespace lockstep

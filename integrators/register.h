@@ -1,0 +1,13 @@
+// The integrators that come with lockstep.
+#pragma once
+
+#include "framework/support/export.h"
+
+namespace lockstep {
+
+class Registry;
+
+/// Puts semi_implicit_euler, rk4, dopri5 and dop853 on the registry's shelf.
+LOCKSTEP_API void register_integrators(Registry&);
+
+}  // namespace lockstep

@@ -1,0 +1,24 @@
+// rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.
+#pragma once
+
+#include "framework/dynamics/integrator.h"
+#include "framework/model/params.h"
+#include "integrators/runge_kutta.h"
+
+namespace lockstep {
+
+/// 4 evaluations a step, one projection. No error estimate, no dense output.
+class LOCKSTEP_API Rk4 final : public Integrator {
+ public:
+  static TypeInfo type_info();
+
+  IntegratorInfo info() const override;
+  void begin(Dynamics&, const State&) override;
+  StepReport step(Dynamics&, State&, double h) override;
+
+ private:
+  Stages stages_;
+  State end_;
+};
+
+}  // namespace lockstep
