@@ -2,11 +2,13 @@
 #include "framework/builtins.h"
 
 #include "framework/links/register.h"
+#include "motionlaws/register.h"
 
 namespace lockstep {
 
 Registry builtin_registry() {
   Registry registry;
+  register_motion_laws(registry);
   register_links(registry);
   registry.laws.set_origin("built in");
   registry.translation_laws.set_origin("built in");

@@ -60,7 +60,7 @@ std::string Builder::claim(const Params& object, const std::string& kind) {
   if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
     refuse(where, owner, "the name \"" + name + "\" is lockstep's own; choose another");
   for (const char* other : {"body", "marker", "link", "force", "event"}) {
-    const bool shared = other == kind || (kind == "marker" && std::string(other) == "body");
+    const bool shared = other == kind || (kind != "event" && std::string(other) != "event");  // a channel means one thing
     const auto found = taken_[other].find(name);
     if (shared && found != taken_[other].end())
       refuse(where, owner, "the name is taken by a " + std::string(other) + " at " + found->second.text() + "; give one of the two another");

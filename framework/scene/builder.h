@@ -29,14 +29,15 @@ std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const 
 /// A number that must be greater than zero.
 double positive(const Params&, const std::string& key, const std::string& what);
 
-/// Runs f; a ModelError of its own becomes a SceneError at `where`.
-template <class F> decltype(auto) placed(const Where& where, F&& f) {
+/// Runs f; a ModelError becomes a SceneError at `where`, `context` before its words.
+template <class F> decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
-    refuse(where, "", error.what());
+    refuse(where, context, error.what());
   }
 }
+template <class F> decltype(auto) placed(const Where& where, F&& f) { return placed(where, "", std::forward<F>(f)); }
 
 class Builder {
  public:

@@ -61,11 +61,11 @@ std::vector<Description> find_descriptions(const Registry& registry, const std::
   };
   for (const char* shelf : {"laws", "links", "forces", "integrators", "solvers"})
     for (Description& d : shelf_contents(registry, shelf)) {
-      for (const Table& table : scene_tables())
+      for (const SceneTable& table : scene_tables())
         if (table.shelf == d.shelf) d.info.keys = keys_together(table.info.keys, d.info.keys);
       look(d);
     }
-  for (const Table& table : scene_tables()) look({"scene", table.info, "built in"});
+  for (const SceneTable& table : scene_tables()) look({"scene", table.info, "built in"});
   if (found.empty()) refuse({}, "describe", "unknown name \"" + name + "\"" + suggestion(name, known));
   return found;
 }

@@ -32,7 +32,7 @@ Stabilization read_stabilization(const Params& run) {
   Stabilization s;
   const Value& v = run.value("stabilization");
   if (!run.has("stabilization")) return s;
-  const Table& table = scene_table("stabilization");
+  const SceneTable& table = scene_table("stabilization");
   if (v.object() == nullptr) {
     s.kind = kind_from(read_choice(v, table.info.keys.front().choices, "run.stabilization"));
     return s;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/analysis/assembly.h"
 #include "framework/dynamics/event.h"
 #include "framework/dynamics/simulation.h"
 #include "framework/lock/mask.h"
@@ -53,13 +54,6 @@ LOCKSTEP_API Scene read_scene(const std::string& path);
 LOCKSTEP_API Scene scene_from_text(const std::string& text, const std::string& file);
 LOCKSTEP_API Scene scene_from(Value root, std::string file = {});
 
-/// A speed that a free coordinate of a link has at the start, m/s or rad/s.
-struct StartSpeed {
-  std::string link;
-  Axis axis = Axis::rz;
-  double value = 0;
-};
-
 /// An event whose condition names a channel ("" : it has none); the condition is value(channel) - crosses.
 struct EventRequest {
   Event event;
@@ -72,7 +66,7 @@ struct EventRequest {
 struct Mechanism {
   System system;
   RunSettings run;
-  std::vector<StartSpeed> start_speeds{};
+  std::vector<VelocityTarget> start_speeds{};
   std::vector<EventRequest> events{};
 };
 

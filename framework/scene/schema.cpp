@@ -87,7 +87,7 @@ Json object_schema(const TypeInfo& info, const std::vector<Part>& parts) {
 }
 
 // The object of one type of a shelf: common keys, then the type's own, "type" fixed.
-Json typed_schema(const TypeInfo& type, const Table& common) {
+Json typed_schema(const TypeInfo& type, const SceneTable& common) {
   TypeInfo both{type.name, type.help, keys_together(common.info.keys, type.keys)};
   if (common.info.keys.empty()) both.keys.insert(both.keys.begin(), Key{"type", Form::text, Unit::none, "", ""});
   Json schema = object_schema(both, common.parts);
@@ -95,7 +95,7 @@ Json typed_schema(const TypeInfo& type, const Table& common) {
   return schema;
 }
 
-template <class Shelf> Json shelf_schema(const Shelf& shelf, const Table& common, std::vector<Json> forms = {}) {
+template <class Shelf> Json shelf_schema(const Shelf& shelf, const SceneTable& common, std::vector<Json> forms = {}) {
   for (const auto& [name, entry] : shelf.entries()) forms.push_back(typed_schema(entry.info, common));
   return {{"anyOf", Json(forms)}};
 }
@@ -134,7 +134,7 @@ Json axis_schema() {
 
 Json definitions(const Registry& registry) {
   Json defs = Json::object();
-  for (const Table& table : scene_tables()) {
+  for (const SceneTable& table : scene_tables()) {
     if (table.info.name == "scene") continue;
     if (table.shelf == "links") defs["link"] = shelf_schema(registry.links, table);
     else if (table.shelf == "forces") defs["force"] = shelf_schema(registry.forces, table);
@@ -154,7 +154,7 @@ Json definitions(const Registry& registry) {
 
 std::string scene_schema(const Registry& registry) {
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "lockstep scene"}};
-  const Table& scene = scene_table("scene");
+  const SceneTable& scene = scene_table("scene");
   for (const auto& [key, value] : object_schema(scene.info, scene.parts).items()) schema[key] = value;
   schema["properties"]["lockstep"]["const"] = 1;
   schema["$defs"] = definitions(registry);

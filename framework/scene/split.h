@@ -31,7 +31,7 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
 
 /// Checks the object against both tables and takes it apart. Throws SceneError; an unknown type with the closest one.
 template <class Shelf>
-Split split(const Value& object, const Table& table, const Shelf& shelf, const std::string& owner, const LawSource& laws) {
+Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner, const LawSource& laws) {
   const Value* type = object.find("type");
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
   if (type != nullptr && type->text() != nullptr && entry == nullptr)

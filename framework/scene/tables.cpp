@@ -12,7 +12,7 @@ Key any(std::string name, std::string help, std::vector<std::string> choices = {
 }
 Key name_key(std::string help) { return {"name", Form::text, Unit::none, "", std::move(help)}; }
 
-Table scene() {
+SceneTable scene() {
   return {{"scene", "a mechanism, how it starts, how it runs and what is recorded",
            {{"lockstep", Form::integer, Unit::none, "", "version of this format: 1"},
             {"title", Form::text, Unit::none, kAbsent, "one line that says what moves"},
@@ -52,8 +52,8 @@ std::vector<Part> mass_parts() {
           {"cylinder", Holds::object, "cylinder"}, {"sphere", Holds::object, "sphere"}};
 }
 
-Table body() {
-  Table t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name; no other body or marker has it")}}, mass_parts()};
+SceneTable body() {
+  SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name; no other thing has it")}}, mass_parts()};
   for (Key& key : mass_keys()) t.info.keys.push_back(std::move(key));
   const Keys more = {any("compound", "several parts, rigidly joined, each placed in the body's frame"),
                      {"particle", Form::number, Unit::mass, kAbsent, "mass of a particle, which has no rotation"},
@@ -68,8 +68,8 @@ Table body() {
   return t;
 }
 
-Table part() {
-  Table t{{"part", "a part of a compound body", mass_keys()}, mass_parts()};
+SceneTable part() {
+  SceneTable t{{"part", "a part of a compound body", mass_keys()}, mass_parts()};
   t.info.keys.push_back({"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of the part's frame, body frame"});
   t.info.keys.push_back({"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "axes of the part, in the body frame"});
   return t;
@@ -79,7 +79,7 @@ Key shape_mass() { return {"mass", Form::number, Unit::mass, kAbsent, "mass; or 
 Key shape_density() { return {"density", Form::number, Unit::density, kAbsent, "mass by volume; or \"mass\""}; }
 Key length_key(std::string name, std::string help) { return {std::move(name), Form::number, Unit::length, "", std::move(help)}; }
 
-std::vector<Table> shapes() {
+std::vector<SceneTable> shapes() {
   return {{{"rod", "a straight rod, its frame in the middle with x along it",
             {shape_mass(), shape_density(),
              {"from", Form::vector3, Unit::length, "", "one end (of a body: world; of a part: body frame)"},
@@ -92,7 +92,7 @@ std::vector<Table> shapes() {
           {{"sphere", "a solid sphere", {shape_mass(), shape_density(), length_key("radius", "its radius")}}}};
 }
 
-Table inertia() {
+SceneTable inertia() {
   const auto entry = [](const char* name, const char* fallback) {
     return Key{name, Form::number, Unit::inertia, fallback, "entry of the inertia matrix"};
   };
@@ -100,9 +100,9 @@ Table inertia() {
            {entry("xx", ""), entry("yy", ""), entry("zz", ""), entry("xy", "0"), entry("yz", "0"), entry("zx", "0")}}};
 }
 
-Table marker() {
+SceneTable marker() {
   return {{"marker", "a frame on a body, still or moving by laws",
-           {name_key("its name; no other marker or body has it"),
+           {name_key("its name; no other thing has it"),
             {"body", Form::text, Unit::none, "", "the body that carries it"},
             {"at", Form::vector3, Unit::length, kAbsent, "its origin, body frame"},
             {"orientation", Form::orientation, Unit::none, kAbsent, "its axes, in the body frame"},
@@ -123,9 +123,9 @@ Keys site_keys(const char* p_default) {
           {"orientation", Form::orientation, Unit::none, kAbsent, "axes of the new markers at the start, in the world"}};
 }
 
-Table link() {
-  Table t{{"link", "a joint, a lock or any other constraint between bodies",
-           {name_key("its name; no other link has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
+SceneTable link() {
+  SceneTable t{{"link", "a joint, a lock or any other constraint between bodies",
+           {name_key("its name; no other thing has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
           {{"drive", Holds::object_or_list, "drive"}, {"start", Holds::object, "start"}},
           "links"};
   for (Key& key : site_keys("")) t.info.keys.push_back(std::move(key));
@@ -138,17 +138,17 @@ Table link() {
   return t;
 }
 
-Table force() {
-  Table t{{"force", "what pushes or pulls without holding",
-           {name_key("its name; no other force has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list forces`"}}},
+SceneTable force() {
+  SceneTable t{{"force", "what pushes or pulls without holding",
+           {name_key("its name; no other thing has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list forces`"}}},
           {},
           "forces"};
   for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
-std::vector<Table> link_parts() {
-  Table velocity{{"start_velocity", "speeds of P against S at the start, S axes", {}}};
+std::vector<SceneTable> link_parts() {
+  SceneTable velocity{{"start_velocity", "speeds of P against S at the start, S axes", {}}};
   for (const char* axis : {"x", "y", "z"})
     velocity.info.keys.push_back({axis, Form::number, Unit::speed, kAbsent, std::string("along ") + axis + " of S"});
   for (const char* axis : {"rx", "ry", "rz"})
@@ -162,7 +162,7 @@ std::vector<Table> link_parts() {
           velocity};
 }
 
-std::vector<Table> events() {
+std::vector<SceneTable> events() {
   return {{{"event", "a change of the links in force between two steps",
             {name_key("its name; no other event has it"),
              {"at", Form::number, Unit::time, kAbsent, "the instant; or \"when\""},
@@ -178,7 +178,7 @@ std::vector<Table> events() {
              {"direction", Form::choice, Unit::none, "\"any\"", "the sense", {"any", "rising", "falling"}}}}}};
 }
 
-std::vector<Table> runs() {
+std::vector<SceneTable> runs() {
   return {{{"run", "how the motion is computed and what is written",
             {any("integrator", "a name of `lockstep list integrators`, or {\"type\": name, and its keys}; default \"dopri5\""),
              {"step", Form::number, Unit::time, kAbsent, "fixed step, or the largest step of an adaptive integrator"},
@@ -200,22 +200,22 @@ std::vector<Table> runs() {
              {"tolerance", Form::number, Unit::length, "1e-10", "of the constraints, m"}}}}};
 }
 
-std::vector<Table> all_tables() {
-  std::vector<Table> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
+std::vector<SceneTable> all_tables() {
+  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
   for (const auto& group : {shapes(), link_parts(), events(), runs()}) all.insert(all.end(), group.begin(), group.end());
-  for (const Table& table : all) check(table.info);
+  for (const SceneTable& table : all) check(table.info);
   return all;
 }
 
 }  // namespace
 
-const std::vector<Table>& scene_tables() {
-  static const std::vector<Table> kTables = all_tables();
+const std::vector<SceneTable>& scene_tables() {
+  static const std::vector<SceneTable> kTables = all_tables();
   return kTables;
 }
 
-const Table& scene_table(const std::string& name) {
-  for (const Table& table : scene_tables())
+const SceneTable& scene_table(const std::string& name) {
+  for (const SceneTable& table : scene_tables())
     if (table.info.name == name) return table;
   assert(false && "no such table of the scene");
   return scene_tables().front();

@@ -30,16 +30,16 @@ struct Part {
 
 /// One kind of object: its name, help and keys, and what its keys of Form::any hold. Where `shelf` is given, an object also
 /// takes the keys of the type that its key "type" names there.
-struct Table {
+struct SceneTable {
   TypeInfo info;
   std::vector<Part> parts{};
   std::string shelf{};
 };
 
 /// All of them, the scene itself first.
-LOCKSTEP_API const std::vector<Table>& scene_tables();
+LOCKSTEP_API const std::vector<SceneTable>& scene_tables();
 
 /// By name: "scene", "body", "link", "run", ... The name must exist.
-LOCKSTEP_API const Table& scene_table(const std::string& name);
+LOCKSTEP_API const SceneTable& scene_table(const std::string& name);
 
 }  // namespace lockstep

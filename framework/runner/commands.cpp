@@ -1,0 +1,125 @@
+// The command line: which verbs and options there are, and which number an error ends with.
+#include "framework/runner/commands.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "framework/scene/describe.h"
+#include "framework/support/error.h"
+#include "framework/version.h"
+
+namespace lockstep {
+namespace {
+
+void add_plugins(CLI::App& verb, Words& w) {
+  verb.add_option("--plugin", w.plugins, "load a plugin, by name or path; may be given several times")->type_name("P")->expected(1);
+}
+
+void add_scene(CLI::App& verb, Words& w) {
+  verb.add_option("scene", w.scene, "the scene file (JSON)")->required()->type_name("SCENE");
+  add_plugins(verb, w);
+}
+
+CLI::App& add_run(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand("run", "Compute the motion of a scene, write CSV and a picture");
+  add_scene(verb, w);
+  verb.add_option("--integrator", w.integrator, "see `lockstep list integrators`")->type_name("N");
+  CLI::Option* step = verb.add_option("--step", w.step, "fixed step, or the largest step of an adaptive integrator, s")->type_name("H");
+  verb.add_option("--tolerance", w.tolerance, "relative tolerance of adaptive integrators")->type_name("T")->excludes(step);
+  verb.add_option("--until", w.until, "end of the run, s")->type_name("T");
+  verb.add_option("--formulation", w.formulation, "6 velocities a body, or the paper's 7 coordinates")
+      ->check(CLI::IsMember({"omega", "quaternion"}))->type_name("F");
+  verb.add_option("--stabilization", w.stabilization, "how drift off the constraints is fought")
+      ->check(CLI::IsMember({"project", "baumgarte", "none"}))->type_name("S");
+  verb.add_option("--solver", w.solver, "see `lockstep list solvers`")->type_name("N");
+  verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")->type_name("FILE.csv");
+  verb.add_flag("--quiet", w.quiet, "say nothing but errors");
+  verb.footer("Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv");
+  return verb;
+}
+
+int exit_code_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const UsageError&) {
+    return kExitUsage;
+  } catch (const SceneError&) {
+    return kExitScene;
+  } catch (const ModelError&) {
+    return kExitScene;
+  } catch (const PluginError&) {
+    return kExitPlugin;
+  } catch (const AssemblyError&) {
+    return kExitAssembly;
+  } catch (const StepError&) {
+    return kExitStep;
+  } catch (const SolveError&) {
+    return kExitStep;
+  } catch (const NonFiniteError&) {
+    return kExitNonFinite;
+  } catch (const FileError&) {
+    return kExitFile;
+  } catch (...) {
+    return kExitFailure;
+  }
+}
+
+int guarded(const std::function<int()>& command) {
+  try {
+    return command();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lockstep: {}\n", error.what());
+    return exit_code_of(std::current_exception());
+  }
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv) {
+  CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
+  app.set_version_flag("--version", std::string("lockstep ") + kVersion);
+  app.require_subcommand(1);
+  app.footer("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.");
+  Words w;
+  std::string name;
+
+  CLI::App& run = add_run(app, w);
+  CLI::App& check = *app.add_subcommand("check", "Read and build a scene; say its bodies, unknowns, rows and degrees of freedom");
+  add_scene(check, w);
+  check.add_flag("--json", w.json, "as JSON");
+  check.footer("Example:\n  lockstep check samples/scenes/four_bar.json --json");
+  CLI::App& assemble = *app.add_subcommand("assemble", "Bring the start of a scene onto its constraints; say what moved how far");
+  add_scene(assemble, w);
+  assemble.add_flag("--json", w.json, "as JSON");
+  assemble.footer("Example:\n  lockstep assemble samples/scenes/four_bar.json");
+  CLI::App& list = *app.add_subcommand("list", "List the laws, links, forces, integrators and solvers that scenes may name");
+  list.add_option("shelf", name, "only one of them")->check(CLI::IsMember({"links", "laws", "forces", "integrators", "solvers"}))->type_name("SHELF");
+  add_plugins(list, w);
+  list.add_flag("--json", w.json, "as JSON");
+  list.footer("Example:\n  lockstep list links");
+  CLI::App& describe = *app.add_subcommand("describe", "Say what a type or an object of a scene is and which keys it takes");
+  describe.add_option("name", name, "a name of `lockstep list`, or body, marker, link, force, event, run, ...")->required()->type_name("NAME");
+  add_plugins(describe, w);
+  describe.footer("Example:\n  lockstep describe revolute");
+  CLI::App& schema = *app.add_subcommand("schema", "Print the JSON Schema of scene files, for editors");
+  add_plugins(schema, w);
+  schema.footer("Example:\n  lockstep schema > scene.schema.json");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+  return guarded([&] {
+    if (run.parsed()) return run_command(w);
+    if (check.parsed()) return check_command(w);
+    if (assemble.parsed()) return assemble_command(w);
+    if (list.parsed()) return list_command(name, w);
+    if (describe.parsed()) return describe_command(name, w);
+    return schema.parsed() ? schema_command(w) : int(kExitUsage);
+  });
+}
+
+}  // namespace lockstep

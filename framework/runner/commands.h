@@ -1,0 +1,60 @@
+// The verbs of the program `lockstep`: one function each over the public interface.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/plugin/registry.h"
+#include "framework/scene/scene.h"
+
+namespace lockstep {
+
+/// What the program ends with.
+enum Exit {
+  kExitOk = 0,
+  kExitFailure = 1,  ///< something that has no number of its own
+  kExitUsage = 2,
+  kExitScene = 3,
+  kExitPlugin = 4,
+  kExitAssembly = 5,
+  kExitStep = 6,
+  kExitNonFinite = 7,
+  kExitFile = 8,
+  kExitInterrupted = 130
+};
+
+/// Words on the command line that cannot be.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// What the command line says about a scene and how to run it. Empty: not said.
+struct Words {
+  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record;
+  std::vector<std::string> plugins;
+  bool quiet = false, json = false;
+};
+
+/// A scene with the plugins that it and the command line ask for.
+struct Loaded {
+  Registry registry;
+  Scene scene;
+};
+
+/// Built-in things and those of the plugins.
+Registry make_registry(const std::vector<std::string>& plugins);
+/// Reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws UsageError too.
+Loaded load(const Words&);
+
+int run_command(const Words&);
+int check_command(const Words&);
+int assemble_command(const Words&);
+int list_command(const std::string& shelf, const Words&);
+int describe_command(const std::string& name, const Words&);
+int schema_command(const Words&);
+
+/// Reads the command line, calls a verb, says errors on standard error. Returns an Exit.
+int run_program(int argc, const char* const* argv);
+
+}  // namespace lockstep

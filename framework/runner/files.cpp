@@ -1,0 +1,57 @@
+#include "framework/runner/files.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "framework/record/chart.h"
+#include "framework/record/gnuplot.h"
+#include "framework/support/error.h"
+
+namespace lockstep {
+
+namespace fs = std::filesystem;
+
+std::string csv_path(const std::string& record, const std::string& scene) {
+  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
+  fs::path file = record;
+  if (record.empty()) {
+    file = fs::path(folder != nullptr && *folder != 0 ? folder : ".") / fs::path(scene).stem();
+    file += ".csv";
+  }
+  std::error_code error;
+  if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
+  if (error) throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() + "; name another with --record");
+  return file.lexically_normal().string();
+}
+
+void check_writable(const std::string& file) {
+  std::error_code error;
+  const bool there = fs::exists(file, error);
+  const std::ofstream out(file, std::ios::app);
+  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another with --record");
+  if (!there) fs::remove(file, error);
+}
+
+std::vector<std::string> draw_columns(const std::string& csv, const std::string& title, const Table& table) {
+  constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
+  if (table.n_rows() < 2 || table.n_columns() < 2 || find_gnuplot().empty()) return {};
+  ChartSpec chart{title, "t [s]", {}};
+  for (const Column& column : table.columns()) {
+    if (&column == &table.columns().front()) continue;
+    const std::string label = column.unit.empty() ? "1" : column.unit;
+    Panel* panel = nullptr;
+    for (Panel& p : chart.panels)
+      if (p.y_label == label) panel = &p;
+    if (panel == nullptr) {
+      if (chart.panels.size() == kMostPanels) continue;
+      panel = &chart.panels.emplace_back(Panel{label, {}});
+    }
+    if (panel->series.size() < kMostCurves) panel->series.push_back(curve(table, table.columns().front().name, column.name, column.name));
+  }
+  const std::string base = fs::path(csv).replace_extension().string();
+  write_chart(base, chart);
+  return {base + ".svg", base + ".png"};
+}
+
+}  // namespace lockstep

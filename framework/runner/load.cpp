@@ -1,0 +1,75 @@
+// From the words of the command line to a scene and a registry.
+#include <charconv>
+#include <filesystem>
+#include <set>
+
+#include "framework/builtins.h"
+#include "framework/model/units.h"
+#include "framework/plugin/loader.h"
+#include "framework/runner/commands.h"
+#include "framework/support/text.h"
+
+namespace lockstep {
+namespace {
+
+// The plugin's own name, however it was asked for.
+std::string plugin_name(const std::string& name_or_path) {
+  const std::string stem = std::filesystem::path(name_or_path).stem().string();
+  return stem.rfind("lib", 0) == 0 ? stem.substr(3) : stem;
+}
+
+// A number of the command line, in SI or with a unit; greater than zero.
+double positive_number(const std::string& option, const std::string& text, Unit unit) {
+  double x = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    const Measured measured = read_quantity(text, unit);
+    if (!measured.problem.empty() || unit == Unit::none)
+      throw UsageError(option + ": \"" + text + "\" is no " + name_of(unit) + "; write it as in " + option + " " + (unit == Unit::none ? "1e-6" : "0.001"));
+    x = measured.value;
+  }
+  if (!(x > 0) || x > 1e300) throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
+  return x;
+}
+
+Typed typed_option(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
+  for (const std::string& k : known)
+    if (k == name) return {name, Value(Value::Object{}), {}};
+  throw UsageError(option + ": unknown name \"" + name + "\"" + suggestion(name, known));
+}
+
+void put_over(RunSettings& run, const Words& w, const Registry& registry) {
+  if (!w.integrator.empty()) run.integrator = typed_option("--integrator", w.integrator, registry.integrators.names());
+  if (!w.solver.empty()) run.solver = typed_option("--solver", w.solver, registry.solvers.names());
+  if (!w.step.empty()) run.step = positive_number("--step", w.step, Unit::time);
+  if (!w.until.empty()) run.until = positive_number("--until", w.until, Unit::time);
+  if (!w.tolerance.empty()) {
+    run.tolerance.relative = positive_number("--tolerance", w.tolerance, Unit::none);
+    run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
+  }
+  if (!w.formulation.empty()) run.formulation = w.formulation == "quaternion" ? Formulation::quaternion : Formulation::omega;
+  if (w.stabilization == "project") run.stabilization.kind = Stabilization::Kind::project;
+  if (w.stabilization == "baumgarte") run.stabilization.kind = Stabilization::Kind::baumgarte;
+  if (w.stabilization == "none") run.stabilization.kind = Stabilization::Kind::none;
+}
+
+}  // namespace
+
+Registry make_registry(const std::vector<std::string>& plugins) {
+  Registry registry = builtin_registry();
+  std::set<std::string> loaded;
+  for (const std::string& plugin : plugins)
+    if (loaded.insert(plugin_name(plugin)).second) load_plugin(registry, plugin);
+  return registry;
+}
+
+Loaded load(const Words& w) {
+  Scene scene = read_scene(w.scene);
+  std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
+  plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
+  Registry registry = make_registry(plugins);
+  put_over(scene.run, w, registry);
+  return {std::move(registry), std::move(scene)};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,69 @@
+#include "framework/runner/progress.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+
+namespace lockstep {
+namespace {
+
+// A signal reaches nothing but a variable of the whole program.
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void note_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  interrupted = 0;
+  std::signal(SIGINT, note_interrupt);
+}
+Interrupt::~Interrupt() { std::signal(SIGINT, SIG_DFL); }
+bool Interrupt::asked() const { return interrupted != 0; }
+
+std::string progress_line(double t, double until, double seconds, bool bar) {
+  constexpr int kWidth = 30;
+  const double part = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
+  std::string line;
+  if (bar) {
+    const int n = static_cast<int>(part * kWidth);
+    line = "[" + std::string(static_cast<std::size_t>(n), '#') + std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
+  }
+  line += fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
+  if (seconds > 0 && t > 0) line += fmt::format("  {:.3g} s/s  {:.0f} s to go", t / seconds, (until - t) * seconds / t);
+  return line;
+}
+
+Progress::Progress(double until, bool quiet)
+    : until_(until), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), begin_(Clock::now()), last_(begin_) {}
+
+double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+
+void Progress::at(double t) {
+  if (quiet_) return;
+  const Clock::time_point now = Clock::now();
+  if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kBarSeconds : kLineSeconds)) return;
+  last_ = now;
+  const std::string line = progress_line(t, until_, seconds(), terminal_);
+  if (terminal_) {
+    fmt::print(stderr, "\r{:<78}", line);
+    std::fflush(stderr);
+    drawn_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+}
+
+void Progress::finish() {
+  if (drawn_) fmt::print(stderr, "\r{:<78}\r", "");
+  drawn_ = false;
+}
+
+}  // namespace lockstep

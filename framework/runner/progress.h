@@ -1,0 +1,39 @@
+// Progress of a run: a bar on a terminal, plain lines otherwise; and whether somebody pressed Ctrl-C.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace lockstep {
+
+/// From its making on, Ctrl-C no longer ends the program but is noted; a second Ctrl-C does end it.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+  bool asked() const;
+};
+
+/// Written to standard error, at most ten times a second on a terminal, else a line every ten seconds.
+class Progress {
+ public:
+  Progress(double until, bool quiet);
+  /// The run has come to time t, s.
+  void at(double t);
+  /// Clears the bar.
+  void finish();
+  double seconds() const;  ///< since its making, by the clock
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double until_;
+  bool quiet_, terminal_, drawn_ = false;
+  Clock::time_point begin_, last_;
+};
+
+/// "[#####.....]  50 %  t = 1.2 s of 2.4 s  0.8 s/s  3 s to go"
+std::string progress_line(double t, double until, double seconds, bool bar);
+
+}  // namespace lockstep
