@@ -33,7 +33,7 @@ TEST_CASE("dopri5 with a fixed step converges with order 5", "[unit][integrators
   ThrownTop top;
   CHECK(measured_order(top, method, 1.0, 25) == Approx(5).margin(0.2));
   RodPendulum pendulum;
-  CHECK(measured_order(pendulum, method, 1.0, 25) == Approx(5).margin(0.2));
+  CHECK(measured_order(pendulum, method, 1.0, 60) == Approx(5).margin(0.2));  // from above: 5.4 at 10 steps
 }
 
 TEST_CASE("dense output of dopri5 has local order 5", "[unit][integrators]") {
