@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "framework/analysis/assembly.h"
 #include "framework/analysis/work_precision.h"
 #include "framework/record/recorder.h"
 #include "integrators/rk4.h"
@@ -18,6 +19,7 @@ namespace {
 double microseconds(Chain chain) {
   Dynamics dynamics(*chain.sys, std::make_unique<SparseSolver>());
   State state = chain.sys->start();
+  assemble(dynamics, state);
   StateRate rate;
   dynamics.rate(state, rate);
   double best = HUGE_VAL;

@@ -2,6 +2,7 @@
 
 /// What a scene does not need costs nothing: one mechanism, each feature absent and present.
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -79,11 +80,13 @@ inline Chain shaken() {
   return c;
 }
 
-inline Chain stopped(bool active) {
+inline Chain stayed(bool active) {
   Chain c = plain();
   for (int i = 0; i < kRods; ++i) {
-    auto& stop = c.sys->add<Distance>("stop" + std::to_string(i), *c.rods[static_cast<std::size_t>(i)], c.sys->ground(), at(Vec3(i + 1, 0, 0)), 1.0);
-    stop.active_at_start = active;
+    const std::string name = "stay" + std::to_string(i);
+    Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[static_cast<std::size_t>(i)], at(Vec3(i + 1, 0, 0)));
+    Marker& S = c.sys->add_marker_at(name + ".S", c.sys->ground(), at(Vec3(i, 0, 1)));
+    c.sys->add<Distance>(name, P, S, std::sqrt(2.0)).active_at_start = active;
   }
   return c;
 }
@@ -108,7 +111,7 @@ inline std::vector<Economy> all() {
           {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); }, [] { return balls(true); }},
           {"drives", "no law", "a law on every hinge", plain, driven},
           {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
-          {"switched links", "six links out of force", "six links in force", [] { return stopped(false); }, [] { return stopped(true); }},
+          {"switched links", "six links out of force", "six links in force", [] { return stayed(false); }, [] { return stayed(true); }},
           {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }}};
 }
 

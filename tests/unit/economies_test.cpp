@@ -48,7 +48,7 @@ TEST_CASE("unknowns and rows of what is absent are not there", "[unit][economies
 }
 
 TEST_CASE("a link out of force is as if it were not there", "[unit][economies]") {
-  const Size without = size(plain()), inactive = size(stopped(false));
+  const Size without = size(plain()), inactive = size(stayed(false));
   CHECK(inactive.unknowns == without.unknowns);
   CHECK(inactive.rows == without.rows);
 }
