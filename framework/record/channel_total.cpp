@@ -29,7 +29,8 @@ double potential(const Sample& s) {
 
 Vec3 momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().body_of_slot(k).mass.mass * s.state.v.segment<3>(6 * k);
+  for (int k = 0; k < s.system().n_slots(); ++k)
+    sum += s.system().body_of_slot(k).mass.mass * s.state.v.segment<3>(6 * k);
   return sum;
 }
 
@@ -59,7 +60,9 @@ const Quadrature& dissipated(System& system) {
 // total - drives + dissipated, minus its value at the start
 void make_balance(System& system, Channel& c) {
   const Quadrature &in = drives(system), &out = dissipated(system);
-  const auto sum = [&in, &out](const Sample& s) { return kinetic(s) + potential(s) - in.value(s.state) + out.value(s.state); };
+  const auto sum = [&in, &out](const Sample& s) {
+    return kinetic(s) + potential(s) - in.value(s.state) + out.value(s.state);
+  };
   struct Start {
     bool begun = false;
     double value = 0;
@@ -84,16 +87,23 @@ void make_rejected(System&, Channel& c) {
 void of_totals(Entries& out) {
   add(out, "energy.kinetic", "J", "kinetic energy of all bodies", kinetic);
   add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy", potential);
-  add(out, "energy.total", "J", "kinetic and potential energy", [](const Sample& s) { return kinetic(s) + potential(s); });
-  out.push_back({"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
-                   const Quadrature& q = drives(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state); };
-                 }});
-  out.push_back({"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
-                   const Quadrature& q = dissipated(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state); };
-                 }});
-  out.push_back({"energy.balance", "J", "total - drives + dissipated, minus its value at the start: 0 but for errors", make_balance});
+  add(out, "energy.total", "J", "kinetic and potential energy",
+      [](const Sample& s) { return kinetic(s) + potential(s); });
+  out.push_back(
+      {"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
+         const Quadrature& q = drives(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
+      {"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
+         const Quadrature& q = dissipated(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
+      {"energy.balance", "J",
+       "total - drives + dissipated, minus its value at the start: the work of applied forces and of springs on moving "
+       "markers, else the error of the run",
+       make_balance});
   add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
   add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
 }
