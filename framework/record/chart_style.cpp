@@ -77,6 +77,7 @@ void end_page(Script& out) { out.line("unset multiplot"); }
 
 void axis(Script& out, char a, const std::string& label, bool log, double low, double high) {
   out.line(fmt::format("set {}label {} noenhanced textcolor rgb '#222222'", a, quoted_text(label)));
+  out.line(fmt::format("set {}tics autofreq", a));
   if (!log) {
     out.line(fmt::format("unset logscale {}", a)).line(fmt::format("set format {} '%.6g'", a));
     return;
@@ -84,8 +85,11 @@ void axis(Script& out, char a, const std::string& label, bool log, double low, d
   out.line(fmt::format("set logscale {}", a));
   const bool plain = low >= 1e-4 && high <= 1e5;  // numbers that are easier to read than powers
   out.line(fmt::format("set format {} '{}'", a, plain ? "%g" : "10^{%T}"));
-  if (high / low < 30)
-    out.line(fmt::format("set format {} '%g'", a)).line(fmt::format("set {0}tics add (1, 2, 5) ", a));
+  if (high / low >= 30) return;
+  std::string ticks;  // a decade or less: 1, 2 and 5 of each
+  for (int d = static_cast<int>(std::floor(std::log10(low))); d <= std::ceil(std::log10(high)); ++d)
+    for (int n : {1, 2, 5}) ticks += fmt::format("{}{}e{}", ticks.empty() ? "" : ", ", n, d);
+  out.line(fmt::format("set format {0} '%g'\nset {0}tics ({1})", a, ticks));
 }
 
 void notes(Script& out, const std::vector<Note>& all) {
