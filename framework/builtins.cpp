@@ -1,7 +1,9 @@
 // The one file that knows every room's register function.
 #include "framework/builtins.h"
 
+#include "framework/force/register.h"
 #include "framework/links/register.h"
+#include "integrators/register.h"
 #include "motionlaws/register.h"
 
 namespace lockstep {
@@ -10,6 +12,8 @@ Registry builtin_registry() {
   Registry registry;
   register_motion_laws(registry);
   register_links(registry);
+  register_forces(registry);
+  register_integrators(registry);
   registry.laws.set_origin("built in");
   registry.translation_laws.set_origin("built in");
   registry.rotation_laws.set_origin("built in");
