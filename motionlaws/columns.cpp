@@ -79,13 +79,16 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
     for (const std::size_t k : columns) {
       double value = 0;
       if (k >= cells.size())
-        throw FileError(place + ": has " + std::to_string(cells.size()) + " cells; column " + std::to_string(k + 1) + " is missing");
+        throw FileError(place + ": has " + std::to_string(cells.size()) + " cells; column " + std::to_string(k + 1) +
+                        " is missing");
       if (!parse(cells[k], value))
-        throw FileError(place + ": column " + std::to_string(k + 1) + ", '" + std::string(cells[k]) + "' is no finite number");
+        throw FileError(place + ": column " + std::to_string(k + 1) + ", '" + std::string(cells[k]) +
+                        "' is no finite number");
       row.push_back(value);
     }
     if (!rows.empty() && row[0] <= rows.back()[0])
-      throw FileError(place + ": time " + number(row[0]) + " does not come after " + number(rows.back()[0]) + "; sort the rows by time");
+      throw FileError(place + ": time " + number(row[0]) + " does not come after " + number(rows.back()[0]) +
+                      "; sort the rows by time");
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw FileError(path + ": holds no row of numbers");

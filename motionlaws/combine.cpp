@@ -40,7 +40,9 @@ LawValue ProductLaw::at(double t) const {
   return r;
 }
 
-void ProductLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { breakpoints_of(laws_, t0, t1, out); }
+void ProductLaw::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  breakpoints_of(laws_, t0, t1, out);
+}
 
 ScaledLaw::ScaledLaw(LawPtr<MotionLaw> law, double factor, double offset)
     : law_(std::move(law)), factor_(factor), offset_(offset) {

@@ -1,5 +1,5 @@
-// Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, a number that carries value,
-// first and second derivative. Write it for any number: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
+// Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, a number that
+// carries value, first and second derivative. Write it for any number: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@
 namespace lockstep {
 
 /// What is common to the three: the function and the instants at which it was said to jump.
-template <class Law, class F> class FromFunction : public Law {
+template <class Law, class F>
+class FromFunction : public Law {
  public:
   FromFunction(F f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
   void breakpoints(double t0, double t1, std::vector<double>& out) const final {
@@ -30,7 +31,8 @@ template <class Law, class F> class FromFunction : public Law {
   std::vector<double> breaks_;
 };
 
-template <class F> class LawFrom final : public FromFunction<MotionLaw, F> {
+template <class F>
+class LawFrom final : public FromFunction<MotionLaw, F> {
  public:
   using FromFunction<MotionLaw, F>::FromFunction;
   LawValue at(double t) const override {
@@ -39,7 +41,8 @@ template <class F> class LawFrom final : public FromFunction<MotionLaw, F> {
   }
 };
 
-template <class F> class TranslationFrom final : public FromFunction<TranslationLaw, F> {
+template <class F>
+class TranslationFrom final : public FromFunction<TranslationLaw, F> {
  public:
   using FromFunction<TranslationLaw, F>::FromFunction;
   TranslationValue at(double t) const override {
@@ -49,24 +52,29 @@ template <class F> class TranslationFrom final : public FromFunction<Translation
   }
 };
 
-template <class F> class RotationFrom final : public FromFunction<RotationLaw, F> {
+template <class F>
+class RotationFrom final : public FromFunction<RotationLaw, F> {
  public:
   using FromFunction<RotationLaw, F>::FromFunction;
   RotationValue at(double t) const override { return rotation_value(this->on_jet(t)); }
 };
 
 /// y = f(t). `breaks`: the instants at which y, yd or ydd jumps, if any (f chooses its branch by comparing t).
-template <class F> LawPtr<MotionLaw> law(F f, std::vector<double> breaks = {}) {
+template <class F>
+LawPtr<MotionLaw> law(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const LawFrom<F>>(std::move(f), std::move(breaks));
 }
 
 /// x = f(t), m: anything with three elements, `[](auto t) { return std::array{0.1 * t, sin(t), 0.2 * cos(t)}; }`.
-template <class F> LawPtr<TranslationLaw> translation(F f, std::vector<double> breaks = {}) {
+template <class F>
+LawPtr<TranslationLaw> translation(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const TranslationFrom<F>>(std::move(f), std::move(breaks));
 }
 
-/// q = f(t)/|f(t)|: f gives a QuatT of any length but zero, `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t, sin(t)}; }`.
-template <class F> LawPtr<RotationLaw> rotation_law(F f, std::vector<double> breaks = {}) {
+/// q = f(t)/|f(t)|: f gives a QuatT of any length but zero, `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t,
+/// sin(t)}; }`.
+template <class F>
+LawPtr<RotationLaw> rotation_law(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const RotationFrom<F>>(std::move(f), std::move(breaks));
 }
 

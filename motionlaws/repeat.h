@@ -10,8 +10,8 @@ struct RepeatSettings {
   bool drift = false;  ///< each period adds what the law gained over one: y(period) - y(0)
 };
 
-/// y = law(s) + n d for all t, s = t - t0 - n period in [0, period), n whole, d = law(period) - law(0) with drift, else 0.
-/// Breakpoints: those of the law in (0, period), and the start of each period when y, yd or ydd jumps there.
+/// y = law(s) + n d for all t, s = t - t0 - n period in [0, period), n whole, d = law(period) - law(0) with drift, else
+/// 0. Breakpoints: those of the law in (0, period), and the start of each period when y, yd or ydd jumps there.
 class LOCKSTEP_API Repeat final : public MotionLaw {
  public:
   /// Throws ModelError for no law or a period not above 0.

@@ -12,7 +12,8 @@ struct RiseSettings {
   double y0 = 0;        ///< value before
 };
 
-/// y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after. Derived classes give the shape s with s(0) = 0, s(1) = 1.
+/// y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after. Derived classes give the shape s with s(0) = 0,
+/// s(1) = 1.
 class LOCKSTEP_API Rise : public MotionLaw {
  public:
   LawValue at(double t) const final;

@@ -74,14 +74,19 @@ void Sequence::breakpoints(double t0, double t1, std::vector<double>& out) const
 }
 
 const TypeInfo& Sequence::info() {
-  static const TypeInfo info{
-      "sequence",
-      "laws one after another, each on its own time from 0",
-      {{"durations", Form::numbers, Unit::time, "", "how long each law runs"},
-       {"laws", Form::laws, Unit::none, "", "as many laws"},
-       {"continue", Form::boolean, Unit::none, "false", "each law goes on from the value at which the one before ended"},
-       {"outside", Form::choice, Unit::none, "\"hold\"", "before and after: value held, or first and last law run on", {"hold", "run_on"}},
-       {"t0", Form::number, Unit::time, "0", "start of the first law"}}};
+  static const TypeInfo info{"sequence",
+                             "laws one after another, each on its own time from 0",
+                             {{"durations", Form::numbers, Unit::time, "", "how long each law runs"},
+                              {"laws", Form::laws, Unit::none, "", "as many laws"},
+                              {"continue", Form::boolean, Unit::none, "false",
+                               "each law goes on from the value at which the one before ended"},
+                              {"outside",
+                               Form::choice,
+                               Unit::none,
+                               "\"hold\"",
+                               "before and after: value held, or first and last law run on",
+                               {"hold", "run_on"}},
+                              {"t0", Form::number, Unit::time, "0", "start of the first law"}}};
   return info;
 }
 
@@ -89,7 +94,8 @@ LawPtr<MotionLaw> Sequence::make(const Params& p) {
   const auto durations = p.numbers("durations");
   const auto laws = p.laws("laws");
   if (durations.size() != laws.size())
-    p.refuse("durations", "are " + std::to_string(durations.size()) + " for " + std::to_string(laws.size()) + " laws; give one each");
+    p.refuse("durations", "are " + std::to_string(durations.size()) + " for " + std::to_string(laws.size()) +
+                              " laws; give one each");
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
   return built(p, [&] {

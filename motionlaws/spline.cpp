@@ -54,13 +54,10 @@ const TypeInfo& Spline::info() {
 
 LawPtr<MotionLaw> Spline::make(const Params& p) {
   const SplineSettings k = spline_settings(p);
-  for (const char* key : {"start_rate", "end_rate", "start_acceleration", "end_acceleration"})
-    if (p.has(key) && k.ends != SplineEnds::clamped) p.refuse(key, "is used with clamped ends only; set ends to \"clamped\"");
-  for (const char* key : {"start_acceleration", "end_acceleration"})
-    if (p.has(key) && k.degree != 5) p.refuse(key, "is used with degree 5 only; set degree to 5");
+  check_end_keys(p, k, {"start_rate", "end_rate"}, {"start_acceleration", "end_acceleration"});
   Columns table = points_of(p, 1, p.text("t_column"), {p.text("y_column")});
-  const SplineEndRates rates = rates_of({p.number("start_rate"), p.number("end_rate"), p.number("start_acceleration"),
-                                         p.number("end_acceleration")});
+  const SplineEndRates rates = rates_of(
+      {p.number("start_rate"), p.number("end_rate"), p.number("start_acceleration"), p.number("end_acceleration")});
   return built(p, [&]() -> LawPtr<MotionLaw> {
     return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
   });

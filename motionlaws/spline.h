@@ -14,8 +14,9 @@ struct SplineEndValues {
   double start_rate = 0, end_rate = 0, start_acceleration = 0, end_acceleration = 0;
 };
 
-/// Piecewise polynomial y(t) through the points (t_i, y_i): cubic with continuous ydd, or quintic with continuous yddd and ydddd.
-/// Outside of the points: refused by ModelError, held, or repeated (periodic ends). t in s, y in the unit of the coordinate.
+/// Piecewise polynomial y(t) through the points (t_i, y_i): cubic with continuous ydd, or quintic with continuous yddd
+/// and ydddd. Outside of the points: refused by ModelError, held, or repeated (periodic ends). t in s, y in the unit of
+/// the coordinate.
 class LOCKSTEP_API Spline final : public MotionLaw {
  public:
   using Points = std::vector<std::pair<double, double>>;
@@ -31,7 +32,8 @@ class LOCKSTEP_API Spline final : public MotionLaw {
   SplineCurve curve_;
 };
 
-inline LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {}, const SplineEndValues& ends = {}) {
+inline LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {},
+                                const SplineEndValues& ends = {}) {
   return std::make_shared<const Spline>(points, k, ends);
 }
 

@@ -23,7 +23,8 @@ void SplineCurve::check(const MatX& y) const {
   const char* law = law_.c_str();
   require(k_.degree == 3 || k_.degree == 5, law, "degree", "is " + number(k_.degree) + "; must be 3 or 5");
   const std::size_t n = t_.size();
-  const std::size_t least = k_.ends == SplineEnds::periodic || (k_.degree == 5 && k_.ends == SplineEnds::natural) ? 3 : 2;
+  const std::size_t least =
+      k_.ends == SplineEnds::periodic || (k_.degree == 5 && k_.ends == SplineEnds::natural) ? 3 : 2;
   require(n >= least, law, "points",
           "are " + number(static_cast<double>(n)) + "; at least " + number(static_cast<double>(least)) + " are needed");
   for (std::size_t i = 0; i < n; ++i) {

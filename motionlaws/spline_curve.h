@@ -28,20 +28,22 @@ struct SplineSettings {
 
 /// Derivatives at clamped ends, one component each; an empty one is 0.
 struct SplineEndRates {
-  VecX start_rate{}, end_rate{};                   ///< first derivative
+  VecX start_rate{}, end_rate{};                  ///< first derivative
   VecX start_acceleration{}, end_acceleration{};  ///< second derivative, quintic only
 };
 
 /// A curve of `n_components` functions of t through the points (t_i, y_i), i = 0 .. n; one polynomial an interval.
 class LOCKSTEP_API SplineCurve {
  public:
-  /// `law` names it in messages; t strictly increasing; y one row a point. `turn` = -1 makes the last point and its rates the
-  /// negatives of the first ones (quaternions after an odd number of full turns). Throws ModelError (BadParameter).
+  /// `law` names it in messages; t strictly increasing; y one row a point. `turn` = -1 makes the last point and its
+  /// rates the negatives of the first ones (quaternions after an odd number of full turns). Throws ModelError
+  /// (BadParameter).
   SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings&, const SplineEndRates& = {},
               double turn = 1);
   /// y, yd, ydd, n_components each. Throws ModelError outside of the range when that is to be refused.
   void at(double t, double* y, double* yd, double* ydd) const;
-  /// Jumps in (t0, t1): the ends of the range when the value is held there and the curve does not come to rest. None inside.
+  /// Jumps in (t0, t1): the ends of the range when the value is held there and the curve does not come to rest. None
+  /// inside.
   void breakpoints(double t0, double t1, std::vector<double>& out) const;
   double first() const { return t_.front(); }
   double last() const { return t_.back(); }
@@ -60,8 +62,9 @@ class LOCKSTEP_API SplineCurve {
   bool rest_at_first_ = false, rest_at_last_ = false;
 };
 
-/// First (and for the quintic second) derivatives at the points: row i of the result for a cubic, rows 2 i and 2 i + 1 for a
-/// quintic; one column a component. Tridiagonal by blocks of 1 or 2, with a border when periodic.
-MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds, const SplineEndRates&, double turn);
+/// First (and for the quintic second) derivatives at the points: row i of the result for a cubic, rows 2 i and 2 i + 1
+/// for a quintic; one column a component. Tridiagonal by blocks of 1 or 2, with a border when periodic.
+MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds, const SplineEndRates&,
+                  double turn);
 
 }  // namespace lockstep

@@ -1,6 +1,7 @@
-// The linear systems behind a spline. Unknown at a point: x = s (slope) for a cubic, x = (s, M) (slope and second derivative)
-// for a quintic; equations: the higher derivatives meet. Gaussian elimination by blocks without exchange is stable, for these
-// are the stationarity conditions of the integrals of ydd^2 and yddd^2 (positive definite up to the sign of a row).
+// The linear systems behind a spline. Unknown at a point: x = s (slope) for a cubic, x = (s, M) (slope and second
+// derivative) for a quintic; equations: the higher derivatives meet. Gaussian elimination by blocks without exchange is
+// stable, for these are the stationarity conditions of the integrals of ydd^2 and yddd^2 (positive definite up to the
+// sign of a row).
 #include <Eigen/LU>
 
 #include "motionlaws/spline_curve.h"
@@ -19,9 +20,11 @@ struct End {
 // Cubic: the second derivative, from Hermite's form:
 //   ydd(left) = (6 dy - (4 s0 + 2 s1) h)/h^2, ydd(right) = (-6 dy + (2 s0 + 4 s1) h)/h^2; sides are made to add up.
 // Quintic: D = y3 and y4 at the ends,
-//   h^3 y3(left)  = 60 dy - 36 s0 h - 24 s1 h - 9 M0 h^2 + 3 M1 h^2,    h^3 y3(right) = 60 dy - 24 s0 h - 36 s1 h - 3 M0 h^2 + 9 M1 h^2
-//   h^4 y4(left)  = -360 dy + 192 s0 h + 168 s1 h + 36 M0 h^2 - 24 M1 h^2, h^4 y4(right) = 360 dy - 168 s0 h - 192 s1 h - 24 M0 h^2 + 36 M1 h^2
-// `sign` is +1 at the left end, -1 at the right one: y2 and y4 keep their sign under reflection of time, s and y3 change it.
+//   h^3 y3(left)  = 60 dy - 36 s0 h - 24 s1 h - 9 M0 h^2 + 3 M1 h^2,    h^3 y3(right) = 60 dy - 24 s0 h - 36 s1 h - 3
+//   M0 h^2 + 9 M1 h^2 h^4 y4(left)  = -360 dy + 192 s0 h + 168 s1 h + 36 M0 h^2 - 24 M1 h^2, h^4 y4(right) = 360 dy -
+//   168 s0 h - 192 s1 h - 24 M0 h^2 + 36 M1 h^2
+// `sign` is +1 at the left end, -1 at the right one: y2 and y4 keep their sign under reflection of time, s and y3
+// change it.
 End end_of(double h, int degree, double sign) {
   End e;
   if (degree == 3) {
@@ -39,7 +42,8 @@ End end_of(double h, int degree, double sign) {
   return e;
 }
 
-// Row i of the system: lower * x_(i-1) + diagonal * x_i + upper * x_(i+1) = rhs (a row a component of x, a column a component of y).
+// Row i of the system: lower * x_(i-1) + diagonal * x_i + upper * x_(i+1) = rhs (a row a component of x, a column a
+// component of y).
 struct Row {
   Block lower, diagonal, upper;
   MatX rhs;
@@ -124,7 +128,8 @@ MatX solve_periodic(const PointEquations& system, std::size_t n, Eigen::Index n_
   // Point 0 from the right, point n from the left; the latter times turn.
   const Row right = system.row(0, false, true), left = system.row(n, true, false);
   const MatX K = right.diagonal + left.diagonal - right.upper * Z.topRows(m) - turn * left.lower * Z.bottomRows(m);
-  const MatX x0 = K.inverse() * (right.rhs + turn * left.rhs - right.upper * z.topRows(m) - turn * left.lower * z.bottomRows(m));
+  const MatX x0 =
+      K.inverse() * (right.rhs + turn * left.rhs - right.upper * z.topRows(m) - turn * left.lower * z.bottomRows(m));
   MatX all(static_cast<Eigen::Index>(n + 1) * m, n_components);
   all << x0, z - Z * x0, turn * x0;
   return all;

@@ -6,8 +6,14 @@ namespace lockstep {
 
 void add_spline_keys(Keys& keys) {
   keys.push_back({"degree", Form::integer, Unit::none, "3", "3: acceleration without jump; 5: also jerk and its rate"});
-  keys.push_back({"ends", Form::choice, Unit::none, "\"natural\"", "what holds at both ends", {"natural", "clamped", "periodic"}});
-  keys.push_back({"outside", Form::choice, Unit::none, "\"refuse\"", "what holds before and after the points", {"refuse", "hold", "repeat"}});
+  keys.push_back(
+      {"ends", Form::choice, Unit::none, "\"natural\"", "what holds at both ends", {"natural", "clamped", "periodic"}});
+  keys.push_back({"outside",
+                  Form::choice,
+                  Unit::none,
+                  "\"refuse\"",
+                  "what holds before and after the points",
+                  {"refuse", "hold", "repeat"}});
 }
 
 SplineSettings spline_settings(const Params& p) {
@@ -21,7 +27,18 @@ SplineSettings spline_settings(const Params& p) {
   return k;
 }
 
-Columns points_of(const Params& p, std::size_t n_components, const std::string& t_column, const std::vector<std::string>& y_columns) {
+void check_end_keys(const Params& p, const SplineSettings& k, std::initializer_list<const char*> first,
+                    std::initializer_list<const char*> second) {
+  for (const auto& keys : {first, second})
+    for (const char* key : keys)
+      if (p.has(key) && k.ends != SplineEnds::clamped)
+        p.refuse(key, "is used with clamped ends only; set ends to \"clamped\"");
+  for (const char* key : second)
+    if (p.has(key) && k.degree != 5) p.refuse(key, "is used with degree 5 only; set degree to 5");
+}
+
+Columns points_of(const Params& p, std::size_t n_components, const std::string& t_column,
+                  const std::vector<std::string>& y_columns) {
   if (p.has("points") == p.has("file")) p.refuse("points", "and file: give one of the two");
   if (p.has("file")) {
     std::filesystem::path path = p.text("file");
@@ -34,8 +51,8 @@ Columns points_of(const Params& p, std::size_t n_components, const std::string& 
   table.y.resize(static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(n_components));
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].size() != n_components + 1)
-      p.refuse("points", "has " + std::to_string(points[i].size()) + " numbers in point " + std::to_string(i + 1) + "; must be " +
-                             std::to_string(n_components + 1) + ", the time first");
+      p.refuse("points", "has " + std::to_string(points[i].size()) + " numbers in point " + std::to_string(i + 1) +
+                             "; must be " + std::to_string(n_components + 1) + ", the time first");
     table.t.push_back(points[i][0]);
     for (std::size_t j = 0; j < n_components; ++j)
       table.y(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = points[i][j + 1];

@@ -15,8 +15,8 @@ struct TrapezoidSettings {
   double y0 = 0;            ///< value before
 };
 
-/// Trapezoidal speed: acceleration a for v/a, speed v, acceleration -a for v/a; d = v (T - v/a). y0 before, y0 + d after.
-/// Breakpoints: the (three or) four instants where the acceleration jumps.
+/// Trapezoidal speed: acceleration a for v/a, speed v, acceleration -a for v/a; d = v (T - v/a). y0 before, y0 + d
+/// after. Breakpoints: the (three or) four instants where the acceleration jumps.
 class LOCKSTEP_API Trapezoid final : public MotionLaw {
  public:
   /// Throws ModelError for values that are not finite, not exactly two given, or a duration too short for the distance.
@@ -29,7 +29,8 @@ class LOCKSTEP_API Trapezoid final : public MotionLaw {
 
  private:
   void solve(TrapezoidSettings);
-  double d_ = 0, v_ = 0, a_ = 0, ta_ = 0, T_ = 0;  // signed distance, speed and acceleration; times of speeding up and of all
+  double d_ = 0, v_ = 0, a_ = 0, ta_ = 0,
+         T_ = 0;  // signed distance, speed and acceleration; times of speeding up and of all
   double t0_, y0_;
 };
 

@@ -9,7 +9,19 @@ std::string Where::text() const {
   return (file ? *file : std::string("text")) + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
 
+Value::Value() = default;
+Value::Value(bool b) : data_(b) {}
+Value::Value(double x) : data_(x) {}
+Value::Value(int x) : data_(static_cast<double>(x)) {}
+Value::Value(const char* s) : data_(std::string(s)) {}
+Value::Value(std::string s) : data_(std::move(s)) {}
+Value::Value(List items) : data_(std::move(items)) {}
 Value::Value(Object members) : data_(std::move(members)) {}
+Value::Value(const Value&) = default;
+Value::Value(Value&&) noexcept = default;
+Value& Value::operator=(const Value&) = default;
+Value& Value::operator=(Value&&) noexcept = default;
+Value::~Value() = default;
 
 Value Value::list(std::initializer_list<double> numbers) {
   List items;

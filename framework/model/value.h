@@ -28,14 +28,20 @@ class Value {
   using List = std::vector<Value>;
   using Object = std::vector<Member>;
 
-  Value() = default;
-  Value(bool b) : data_(b) {}                                // NOLINT: a description reads like data
-  Value(double x) : data_(x) {}                              // NOLINT
-  Value(int x) : data_(static_cast<double>(x)) {}            // NOLINT
-  Value(const char* s) : data_(std::string(s)) {}            // NOLINT
-  Value(std::string s) : data_(std::move(s)) {}              // NOLINT
-  Value(List items) : data_(std::move(items)) {}             // NOLINT
-  LOCKSTEP_API Value(Object members);                        // NOLINT
+  // Out of line, as all that makes or ends a Value: Member is complete only below.
+  LOCKSTEP_API Value();
+  LOCKSTEP_API Value(bool b);          // NOLINT: a description reads like data
+  LOCKSTEP_API Value(double x);        // NOLINT
+  LOCKSTEP_API Value(int x);           // NOLINT
+  LOCKSTEP_API Value(const char* s);   // NOLINT
+  LOCKSTEP_API Value(std::string s);   // NOLINT
+  LOCKSTEP_API Value(List items);      // NOLINT
+  LOCKSTEP_API Value(Object members);  // NOLINT
+  LOCKSTEP_API Value(const Value&);
+  LOCKSTEP_API Value(Value&&) noexcept;
+  LOCKSTEP_API Value& operator=(const Value&);
+  LOCKSTEP_API Value& operator=(Value&&) noexcept;
+  LOCKSTEP_API ~Value();
   LOCKSTEP_API static Value list(std::initializer_list<double> numbers);
   LOCKSTEP_API static Value object(std::initializer_list<std::pair<const char*, Value>> members);
 

@@ -54,6 +54,10 @@ class LOCKSTEP_API System {
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
   }
+  /// The same with the options in braces: sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4}).
+  template <class L> L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
+    return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
+  }
   Vec3 gravity() const { return options_.gravity; }
   void set_gravity(const Vec3& g) { options_.gravity = g; }
 

@@ -15,7 +15,8 @@ namespace lockstep::test {
 /// Value and derivatives of a law against its formula, evaluated on jets, at n instants of [t0, t1]; relative to
 /// the largest of each, or to `least` where that is more.
 template <class F>
-void check_formula(const MotionLaw& law, F f, double t0, double t1, double tolerance = 1e-13, int n = 101, double least = 0) {
+void check_formula(const MotionLaw& law, F f, double t0, double t1, double tolerance = 1e-13, int n = 101,
+                   double least = 0) {
   LawValue size{least, least, least};
   for (int i = 0; i < n; ++i) {
     const Time y = f(Time(t0 + (t1 - t0) * i / (n - 1), 1.0, 0.0));
@@ -62,7 +63,8 @@ inline double remaining_change(const MotionLaw& law, double t0, double t1, const
   return change(law.at(t0), law.at(t1), size);
 }
 
-/// Every listed instant is a jump of y, yd or ydd, the law is continuous from the right there, and there is no other jump.
+/// Every listed instant is a jump of y, yd or ydd, the law is continuous from the right there, and there is no other
+/// jump.
 inline void check_breakpoints(const MotionLaw& law, double t0, double t1, const std::vector<double>& expected) {
   const std::vector<double> listed = breakpoints_of(law, t0, t1);
   REQUIRE(listed.size() == expected.size());

@@ -15,7 +15,8 @@ namespace {
 
 const std::vector<double> kTimes{0.0, 0.1, 0.35, 0.4, 1.0, 1.7, 2.0};
 
-template <class F> Spline::Points points(F f) {
+template <class F>
+Spline::Points points(F f) {
   Spline::Points p;
   for (const double t : kTimes) p.emplace_back(t, f(t));
   return p;
@@ -26,8 +27,8 @@ const Spline::Points kRough{{0.0, 0.3}, {0.1, -0.2}, {0.35, 0.9}, {0.4, 1.1}, {1
 
 constexpr SplineEnds kEnds[] = {SplineEnds::natural, SplineEnds::clamped, SplineEnds::periodic};
 
-// Third and fourth derivative of the quintic from three accelerations on a short piece inside an interval: ydd is a cubic there,
-// so divided differences of ydd at four instants give them exactly.
+// Third and fourth derivative of the quintic from three accelerations on a short piece inside an interval: ydd is a
+// cubic there, so divided differences of ydd at four instants give them exactly.
 std::pair<double, double> higher(const MotionLaw& law, double t, double h) {
   const double a = law.at(t).ydd, b = law.at(t + h).ydd, c = law.at(t + 2 * h).ydd, d = law.at(t + 3 * h).ydd;
   return {(-11 * a + 18 * b - 9 * c + 2 * d) / (6 * h), (2 * a - 5 * b + 4 * c - d) / (h * h)};
@@ -44,7 +45,8 @@ TEST_CASE("spline goes through its points with continuous value, speed and accel
       LawValue size{1, 1, 1};
       for (int i = 0; i <= 100; ++i) {
         const LawValue v = law->at(0.02 * i);
-        size = {std::max(size.y, std::abs(v.y)), std::max(size.yd, std::abs(v.yd)), std::max(size.ydd, std::abs(v.ydd))};
+        size = {std::max(size.y, std::abs(v.y)), std::max(size.yd, std::abs(v.yd)),
+                std::max(size.ydd, std::abs(v.ydd))};
       }
       for (std::size_t i = 1; i + 1 < kTimes.size(); ++i)
         CHECK(remaining_change(*law, kTimes[i] - 0.01, kTimes[i] + 0.01, size) < 1e-6);
@@ -111,14 +113,17 @@ TEST_CASE("quintic spline: jerk and its rate are continuous, and zero at natural
 
 TEST_CASE("spline reproduces the polynomials that its ends admit", "[unit][motionlaws]") {
   const auto line = [](auto t) { return 1.0 - 2.0 * t; };
-  check_formula(*spline(points(line)), [](auto t) { return 1.0 - 2.0 * t; }, 0, 2, 1e-12, 101, 1.0);
+  check_formula(
+      *spline(points(line)), [](auto t) { return 1.0 - 2.0 * t; }, 0, 2, 1e-12, 101, 1.0);
   const auto parabola = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t; };
   check_formula(*spline(points(parabola), {.degree = 5}), parabola, 0, 2, 1e-11);
   const auto cubic = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t - 0.4 * t * t * t; };
-  check_formula(*spline(points(cubic), {.ends = SplineEnds::clamped}, {.start_rate = -2, .end_rate = -4}), cubic, 0, 2, 1e-12);
+  check_formula(*spline(points(cubic), {.ends = SplineEnds::clamped}, {.start_rate = -2, .end_rate = -4}), cubic, 0, 2,
+                1e-12);
   const auto quintic = [&](auto t) { return cubic(t) + t * t * t * t * (0.3 - 0.1 * t); };
   const Time end = quintic(Time(2, 1, 0));
-  check_formula(*spline(points(quintic), {.degree = 5, .ends = SplineEnds::clamped}, {-2, end.d, 1.4, end.h}), quintic, 0, 2, 1e-11);
+  check_formula(*spline(points(quintic), {.degree = 5, .ends = SplineEnds::clamped}, {-2, end.d, 1.4, end.h}), quintic,
+                0, 2, 1e-11);
   // Two points, clamped: one polynomial, at rest at both ends. For the quintic that is the 3-4-5 rise.
   const auto u345 = [](auto t) { return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t); };
   check_formula(*spline({{0, 0}, {1, 1}}, {.degree = 5, .ends = SplineEnds::clamped}), u345, 0, 1, 1e-14);
@@ -134,7 +139,8 @@ TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
     }
   }
   // Three points only: one row beside the border.
-  const auto three = spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+  const auto three =
+      spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
   check_breakpoints(*three, -3, 3, {});
   CHECK(three->at(0.5).y == Approx(0).margin(1e-14));
 }
@@ -148,7 +154,8 @@ TEST_CASE("spline outside of its points: refused, or held with its jumps", "[uni
   CHECK(held->at(7).yd == 0);
   CHECK(held->at(-7).ydd == 0);
   check_breakpoints(*held, -1, 3, {0, 2});
-  check_breakpoints(*spline(kRough, {.degree = 5, .ends = SplineEnds::clamped, .outside = SplineOutside::hold}), -1, 3, {});
+  check_breakpoints(*spline(kRough, {.degree = 5, .ends = SplineEnds::clamped, .outside = SplineOutside::hold}), -1, 3,
+                    {});
 }
 
 TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
@@ -156,7 +163,8 @@ TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
   for (int i = 0; i <= 4000; ++i) p.emplace_back(0.001 * i, std::sin(0.001 * i));
   const SplineEndValues ends{1.0, std::cos(4.0), 0.0, -std::sin(4.0)};
   const auto law = spline(p, {.degree = 5, .ends = SplineEnds::clamped}, ends);
-  check_formula(*law, [](auto t) { return sin(t); }, 0, 4, 1e-9, 333);
+  check_formula(
+      *law, [](auto t) { return sin(t); }, 0, 4, 1e-9, 333);
 }
 
 TEST_CASE("spline refuses what cannot be", "[unit][motionlaws]") {

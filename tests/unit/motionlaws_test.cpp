@@ -18,12 +18,16 @@ using namespace lockstep;
 using namespace lockstep::test;
 
 TEST_CASE("constant, ramp, sine, fourier and polynomial follow their formulas", "[unit][motionlaws]") {
-  check_formula(*constant(0.7), [](auto t) { return 0.7 + 0.0 * t; }, -1, 1);
-  check_formula(*ramp(2.0, 0.5, -3.0), [](auto t) { return -3.0 + 2.0 * (t - 0.5); }, -4, 4);
-  check_formula(*sine({0.2, 5.0, 0.3, 1.0}), [](auto t) { return 1.0 + 0.2 * sin(5.0 * t + 0.3); }, -4, 4);
+  check_formula(
+      *constant(0.7), [](auto t) { return 0.7 + 0.0 * t; }, -1, 1);
+  check_formula(
+      *ramp(2.0, 0.5, -3.0), [](auto t) { return -3.0 + 2.0 * (t - 0.5); }, -4, 4);
+  check_formula(
+      *sine({0.2, 5.0, 0.3, 1.0}), [](auto t) { return 1.0 + 0.2 * sin(5.0 * t + 0.3); }, -4, 4);
   check_formula(
       *fourier({2.0, 0.1, {0.3, -0.2, 0.05}, {0.4}}),
-      [](auto t) { return 0.1 + 0.3 * cos(2.0 * t) + 0.4 * sin(2.0 * t) - 0.2 * cos(4.0 * t) + 0.05 * cos(6.0 * t); }, -4, 4);
+      [](auto t) { return 0.1 + 0.3 * cos(2.0 * t) + 0.4 * sin(2.0 * t) - 0.2 * cos(4.0 * t) + 0.05 * cos(6.0 * t); },
+      -4, 4);
   check_formula(
       *polynomial({1.0, -2.0, 0.5, 0.25}, 0.4),
       [](auto t) {
@@ -39,13 +43,17 @@ TEST_CASE("rises follow their formulas inside and rest outside", "[unit][motionl
   const RiseSettings k{.rise = -0.3, .duration = 2.0, .t0 = 0.5, .y0 = 1.0};
   const auto u = [](auto t) { return (t - 0.5) / 2.0; };
   check_formula(
-      *poly345(k),
-      [&](auto t) { return 1.0 - 0.3 * (10.0 * pow(u(t), 3) - 15.0 * pow(u(t), 4) + 6.0 * pow(u(t), 5)); }, 0.6, 2.4);
-  check_formula(*cycloid(k), [&](auto t) { return 1.0 - 0.3 * (u(t) - sin(kTwoPi * u(t)) / kTwoPi); }, 0.5, 2.499);
-  check_formula(*harmonic_rise(k), [&](auto t) { return 1.0 - 0.15 * (1.0 - cos(kPi * u(t))); }, 0.5, 2.499);
+      *poly345(k), [&](auto t) { return 1.0 - 0.3 * (10.0 * pow(u(t), 3) - 15.0 * pow(u(t), 4) + 6.0 * pow(u(t), 5)); },
+      0.6, 2.4);
+  check_formula(
+      *cycloid(k), [&](auto t) { return 1.0 - 0.3 * (u(t) - sin(kTwoPi * u(t)) / kTwoPi); }, 0.5, 2.499);
+  check_formula(
+      *harmonic_rise(k), [&](auto t) { return 1.0 - 0.15 * (1.0 - cos(kPi * u(t))); }, 0.5, 2.499);
   for (const auto& law : {poly345(k), cycloid(k), harmonic_rise(k)}) {
-    check_formula(*law, [](auto t) { return 1.0 + 0.0 * t; }, -3, 0.499);
-    check_formula(*law, [](auto t) { return 0.7 + 0.0 * t; }, 2.5, 9);
+    check_formula(
+        *law, [](auto t) { return 1.0 + 0.0 * t; }, -3, 0.499);
+    check_formula(
+        *law, [](auto t) { return 0.7 + 0.0 * t; }, 2.5, 9);
   }
   check_breakpoints(*poly345(k), -1, 4, {});
   check_breakpoints(*cycloid(k), -1, 4, {});
@@ -60,11 +68,16 @@ TEST_CASE("trapezoid: three ways to give the same motion", "[unit][motionlaws]")
         TrapezoidSettings{.distance = 1, .acceleration = 5, .duration = 1.2, .t0 = 0.3, .y0 = 2},
         TrapezoidSettings{.distance = 1, .speed = 1, .duration = 1.2, .t0 = 0.3, .y0 = 2}}) {
     const auto law = trapezoid(k);
-    check_formula(*law, [](auto t) { return 2.0 + 0.0 * t; }, -1, 0.299);
-    check_formula(*law, [](auto t) { return 2.0 + 2.5 * (t - 0.3) * (t - 0.3); }, 0.3, 0.499);
-    check_formula(*law, [](auto t) { return 2.1 + (t - 0.5) + 0.0 * t * t; }, 0.5 + 1e-9, 1.299);
-    check_formula(*law, [](auto t) { return 3.0 - 2.5 * (1.5 - t) * (1.5 - t); }, 1.3 + 1e-9, 1.499);
-    check_formula(*law, [](auto t) { return 3.0 + 0.0 * t; }, 1.5, 4);
+    check_formula(
+        *law, [](auto t) { return 2.0 + 0.0 * t; }, -1, 0.299);
+    check_formula(
+        *law, [](auto t) { return 2.0 + 2.5 * (t - 0.3) * (t - 0.3); }, 0.3, 0.499);
+    check_formula(
+        *law, [](auto t) { return 2.1 + (t - 0.5) + 0.0 * t * t; }, 0.5 + 1e-9, 1.299);
+    check_formula(
+        *law, [](auto t) { return 3.0 - 2.5 * (1.5 - t) * (1.5 - t); }, 1.3 + 1e-9, 1.499);
+    check_formula(
+        *law, [](auto t) { return 3.0 + 0.0 * t; }, 1.5, 4);
     check_breakpoints(*law, 0, 2, {0.3, 0.5, 1.3, 1.5});
   }
 }
@@ -89,7 +102,11 @@ TEST_CASE("laws from a function have exact derivatives and the breakpoints that 
   const auto kink = law([](auto t) { return t < 0.25 ? 0.0 * t : (t - 0.25) * (t - 0.25); }, {0.25});
   check_breakpoints(*kink, -1, 1, {0.25});
 
-  const auto circle = translation([](auto t) { return std::array{0.2 * cos(2.0 * t), 0.2 * sin(2.0 * t), 0.1 * t}; }, {3.0});
+  const auto circle = translation(
+      [](auto t) {
+        return std::array{0.2 * cos(2.0 * t), 0.2 * sin(2.0 * t), 0.1 * t};
+      },
+      {3.0});
   const TranslationValue c = circle->at(0.6);
   const double co = 0.2 * std::cos(1.2), si = 0.2 * std::sin(1.2);
   CHECK((c.x - Vec3(co, si, 0.06)).norm() < 1e-15);

@@ -1,0 +1,7 @@
+#include "framework/kkt/linear_solver.h"
+
+namespace lockstep {
+
+LinearSolver::~LinearSolver() = default;
+
+}  // namespace lockstep

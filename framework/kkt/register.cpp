@@ -1,0 +1,14 @@
+#include "framework/kkt/register.h"
+
+#include "framework/kkt/dense_solver.h"
+#include "framework/kkt/sparse_solver.h"
+#include "framework/plugin/registry.h"
+
+namespace lockstep {
+
+void register_solvers(Registry& registry) {
+  registry.solvers.add<DenseSolver>();
+  registry.solvers.add<SparseSolver>();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,79 @@
+#include "motionlaws/rotations.h"
+
+#include <cmath>
+
+#include "motionlaws/checks.h"
+
+namespace lockstep {
+
+ConstantRotation::ConstantRotation(const Quat& q) : q_(require_orientation("constant", "orientation", q)) {}
+
+RotationValue ConstantRotation::at(double) const { return {q_, Vec3::Zero(), Vec3::Zero()}; }
+
+AxisRotation::AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law)
+    : axis_(require_direction("axis_rotation", "axis", axis)), law_(std::move(law)) {
+  require_law("axis_rotation", "law", law_);
+}
+
+RotationValue AxisRotation::at(double t) const {
+  const LawValue y = law_->at(t);
+  return {Quat::from(std::cos(0.5 * y.y), Vec3(std::sin(0.5 * y.y) * axis_)), y.yd * axis_, y.ydd * axis_};
+}
+
+void AxisRotation::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
+
+RotationProduct::RotationProduct(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second)
+    : first_(std::move(first)), second_(std::move(second)) {
+  require_law("product", "first", first_);
+  require_law("product", "second", second_);
+}
+
+RotationValue RotationProduct::at(double t) const {
+  const RotationValue r1 = first_->at(t), r2 = second_->at(t);
+  const Mat3 A2 = rotation(r2.q);
+  const Vec3 w1 = A2.transpose() * r1.w;
+  return {r1.q * r2.q, w1 + r2.w, A2.transpose() * r1.a + r2.a + cross(w1, r2.w)};
+}
+
+void RotationProduct::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  first_->breakpoints(t0, t1, out);
+  second_->breakpoints(t0, t1, out);
+}
+
+const TypeInfo& ConstantRotation::info() {
+  static const TypeInfo info{
+      "constant",
+      "a fixed orientation",
+      {{"orientation", Form::orientation, Unit::none, "", "the orientation, against the frame"}}};
+  return info;
+}
+
+const TypeInfo& AxisRotation::info() {
+  static const TypeInfo info{"axis_rotation",
+                             "turn about an axis by a scalar law",
+                             {{"axis", Form::axis, Unit::none, "", "direction, in axes of the frame"},
+                              {"law", Form::law, Unit::none, "", "scalar law of the angle"}}};
+  return info;
+}
+
+const TypeInfo& RotationProduct::info() {
+  static const TypeInfo info{"product",
+                             "two rotations one after the other, q = q1 q2",
+                             {{"first", Form::rotation_law, Unit::none, "", "q1, against the frame"},
+                              {"second", Form::rotation_law, Unit::none, "", "q2, about the axes turned by q1"}}};
+  return info;
+}
+
+LawPtr<RotationLaw> ConstantRotation::make(const Params& p) {
+  return built(p, [&] { return constant_rotation(p.orientation("orientation")); });
+}
+
+LawPtr<RotationLaw> AxisRotation::make(const Params& p) {
+  return built(p, [&] { return axis_rotation(p.vector3("axis"), p.law("law")); });
+}
+
+LawPtr<RotationLaw> RotationProduct::make(const Params& p) {
+  return built(p, [&] { return rotation_product(p.rotation_law("first"), p.rotation_law("second")); });
+}
+
+}  // namespace lockstep

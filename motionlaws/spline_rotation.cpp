@@ -1,0 +1,100 @@
+#include "motionlaws/spline_rotation.h"
+
+#include <cmath>
+
+#include "framework/model/read.h"
+#include "motionlaws/checks.h"
+#include "motionlaws/rotation_value.h"
+#include "motionlaws/spline_params.h"
+
+namespace lockstep {
+namespace {
+
+constexpr const char* kLaw = "spline_rotation";
+
+std::string ordinal(Eigen::Index i) { return number(static_cast<double>(i + 1)); }
+
+// One row a quaternion, of length 1, signs made equal from neighbour to neighbour.
+MatX aligned(const SplineRotation::Points& points) {
+  MatX q(static_cast<Eigen::Index>(points.size()), 4);
+  for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    q.row(i) =
+        require_orientation(kLaw, "points", points[static_cast<std::size_t>(i)].second).coefficients().transpose();
+    if (i == 0) continue;
+    const double cosine = q.row(i).dot(q.row(i - 1));
+    require(std::abs(cosine) > 1e-6, kLaw, "points",
+            "number " + ordinal(i - 1) + " and " + ordinal(i) +
+                " are half a turn apart, so the way round is not defined; give an orientation between them");
+    if (cosine < 0) q.row(i) *= -1.0;
+  }
+  return q;
+}
+
+SplineCurve curve_of(const SplineRotation::Points& points, const SplineSettings& k) {
+  std::vector<double> t;
+  for (const auto& [time, q] : points) t.push_back(time);
+  MatX q = aligned(points);
+  double turn = 1;  // -1: back at the first orientation after an odd number of full turns
+  if (k.ends == SplineEnds::periodic && q.rows() > 0) {
+    turn = q.bottomRows(1).row(0).dot(q.row(0)) < 0 ? -1.0 : 1.0;
+    const double gap = (q.bottomRows(1) - turn * q.topRows(1)).norm();
+    require(gap < 1e-9, kLaw, "points",
+            "end " + number(2.0 * gap) +
+                " rad away from where they start; with periodic ends the last must equal the first");
+    q.bottomRows(1) = turn * q.topRows(1);
+  }
+  return SplineCurve(kLaw, std::move(t), q, k, {}, turn);
+}
+
+}  // namespace
+
+SplineRotation::SplineRotation(const Points& points, const SplineSettings& k) : curve_(curve_of(points, k)) {
+  constexpr int kSamples = 32;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    for (int j = 1; j < kSamples; ++j) {
+      Vec4 r, rd, rdd;
+      const double t0 = points[i - 1].first, t1 = points[i].first;
+      curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
+      require(r.norm() > 0.5, kLaw, "points",
+              "turn too far between " + number(t0) + " s and " + number(t1) + " s; give orientations between them");
+    }
+}
+
+RotationValue SplineRotation::at(double t) const {
+  Vec4 r, rd, rdd;
+  curve_.at(t, r.data(), rd.data(), rdd.data());
+  const auto jet = [&](int k) { return Time(r[k], rd[k], rdd[k]); };
+  return rotation_value({jet(0), jet(1), jet(2), jet(3)});
+}
+
+void SplineRotation::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  curve_.breakpoints(t0, t1, out);
+}
+
+const TypeInfo& SplineRotation::info() {
+  static const TypeInfo info = [] {
+    TypeInfo i{
+        kLaw,
+        "smooth through given orientations",
+        {{"points", Form::any, Unit::none, "", "[[t, orientation], ...], times rising, orientations as everywhere"}}};
+    add_spline_keys(i.keys);
+    return i;
+  }();
+  return info;
+}
+
+LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
+  const Value& list = p.value("points");
+  if (list.list() == nullptr) p.refuse("points", "must be a list [[t, orientation], ...], not " + shown(list));
+  Points points;
+  for (const Value& point : *list.list()) {
+    const std::string place = p.owner() + ".points[" + std::to_string(points.size()) + "]";
+    if (point.list() == nullptr || point.list()->size() != 2)
+      refuse(point.where, place, "must be [t, orientation], not " + shown(point));
+    const double t = read_number((*point.list())[0], Unit::time, place);
+    points.emplace_back(t, read_orientation((*point.list())[1], place));
+  }
+  return built(p, [&] { return spline_rotation(points, spline_settings(p)); });
+}
+
+}  // namespace lockstep

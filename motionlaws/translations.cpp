@@ -1,0 +1,82 @@
+#include "motionlaws/translations.h"
+
+#include "motionlaws/checks.h"
+
+namespace lockstep {
+
+ConstantTranslation::ConstantTranslation(const Vec3& value) : value_(value) {
+  for (const double x : value) require_finite("constant", "value", x);
+}
+
+TranslationValue ConstantTranslation::at(double) const { return {value_, Vec3::Zero(), Vec3::Zero()}; }
+
+ComponentsLaw::ComponentsLaw(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z)
+    : laws_{std::move(x), std::move(y), std::move(z)} {
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  for (std::size_t i = 0; i < 3; ++i) require_law("components", kNames[i], laws_[i]);
+}
+
+TranslationValue ComponentsLaw::at(double t) const {
+  TranslationValue r;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LawValue v = laws_[i]->at(t);
+    const auto k = static_cast<Eigen::Index>(i);
+    r.x[k] = v.y, r.v[k] = v.yd, r.a[k] = v.ydd;
+  }
+  return r;
+}
+
+void ComponentsLaw::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  for (const auto& law : laws_) law->breakpoints(t0, t1, out);
+}
+
+AlongLaw::AlongLaw(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin)
+    : axis_(require_direction("along", "axis", axis)), origin_(origin), law_(std::move(law)) {
+  for (const double x : origin) require_finite("along", "origin", x);
+  require_law("along", "law", law_);
+}
+
+TranslationValue AlongLaw::at(double t) const {
+  const LawValue s = law_->at(t);
+  return {origin_ + s.y * axis_, s.yd * axis_, s.ydd * axis_};
+}
+
+void AlongLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
+
+const TypeInfo& ConstantTranslation::info() {
+  static const TypeInfo info{
+      "constant", "x = value", {{"value", Form::vector3, Unit::length, "", "the translation, in axes of the frame"}}};
+  return info;
+}
+
+const TypeInfo& ComponentsLaw::info() {
+  static const TypeInfo info{"components",
+                             "a scalar law for each component, in axes of the frame",
+                             {{"x", Form::law, Unit::none, "0", "law of x"},
+                              {"y", Form::law, Unit::none, "0", "law of y"},
+                              {"z", Form::law, Unit::none, "0", "law of z"}}};
+  return info;
+}
+
+const TypeInfo& AlongLaw::info() {
+  static const TypeInfo info{"along",
+                             "x = origin + axis law(t)",
+                             {{"axis", Form::axis, Unit::none, "", "direction, in axes of the frame"},
+                              {"law", Form::law, Unit::none, "", "scalar law of the way"},
+                              {"origin", Form::vector3, Unit::length, "[0, 0, 0]", "where the way is zero"}}};
+  return info;
+}
+
+LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
+  return built(p, [&] { return constant_translation(p.vector3("value")); });
+}
+
+LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {
+  return built(p, [&] { return components(p.law("x"), p.law("y"), p.law("z")); });
+}
+
+LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
+  return built(p, [&] { return along(p.vector3("axis"), p.law("law"), p.vector3("origin")); });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,39 @@
+// A law as a plugin: one smooth bump, y = height (1 - u^2)^3 with u = (t - at)/width, zero outside |u| < 1.
+#include "framework/plugin/plugin.h"
+
+namespace {
+
+using namespace lockstep;
+
+/// y, yd and ydd are continuous; only the third derivative jumps at the ends, so there are no breakpoints to tell.
+class Bump final : public MotionLaw {
+ public:
+  Bump(double height, double at, double width) : height_(height), at_(at), width_(width) {}
+
+  LawValue at(double t) const override {
+    const double u = (t - at_) / width_;
+    if (u <= -1 || u >= 1) return {};
+    const double r = 1 - u * u;
+    return {height_ * r * r * r, height_ * -6 * u * r * r / width_, height_ * 6 * r * (5 * u * u - 1) / (width_ * width_)};
+  }
+
+  static TypeInfo info() {
+    return {"bump",
+            "one smooth bump: height (1 - u^2)^3, u = (t - at)/width, zero outside",
+            {{"height", Form::number, Unit::any, "", "value at the top"},
+             {"at", Form::number, Unit::time, "", "instant of the top"},
+             {"width", Form::number, Unit::time, "", "half of its duration, above zero"}}};
+  }
+
+  static LawPtr<MotionLaw> make(const Params& p) {
+    if (!(p.number("width") > 0)) p.refuse("width", "is " + brief(p.number("width")) + " s; a bump lasts longer than zero");
+    return std::make_shared<Bump>(p.number("height"), p.number("at"), p.number("width"));
+  }
+
+ private:
+  double height_, at_, width_;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.laws.add<Bump>(); }

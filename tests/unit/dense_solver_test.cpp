@@ -1,0 +1,85 @@
+#include "framework/kkt/dense_solver.h"
+
+#include "framework/model/params.h"
+#include "framework/support/error.h"
+#include "tests/support/heap_counter.h"
+#include "tests/support/message.h"
+#include "tests/support/solver_checks.h"
+
+using namespace lockstep;
+using namespace lockstep::test;
+
+TEST_CASE("dense solves regular systems of every shape", "[unit][kkt]") {
+  DenseSolver solver;
+  check_against_truth(solver, false, 1e-10, 1e-9);
+}
+
+TEST_CASE("dense takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+  DenseSolver solver;
+  check_against_truth(solver, true, 1e-10, 1e-9);
+}
+
+TEST_CASE("dense: redundant rows do not reach a", "[unit][kkt]") {
+  DenseSolver solver;
+  check_redundancy_does_not_reach_a(solver, 1e-11);
+}
+
+TEST_CASE("dense: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+  DenseSolver solver;
+  check_axes_do_not_matter(solver, 1e-10);
+}
+
+TEST_CASE("dense tells contradictory rows from a singular place", "[unit][kkt]") {
+  DenseSolver solver;
+  check_contradiction(solver);
+  check_singular_place(solver);
+}
+
+TEST_CASE("dense meets the rule where rows have no scale", "[unit][kkt]") {
+  DenseSolver solver;
+  check_rows_without_scale(solver);
+}
+
+TEST_CASE("dense asks for no memory after analyse", "[unit][kkt]") {
+  DenseSolver solver;
+  // 100 bodies are enough for the blocked and the temporary-hungry paths of the matrix library.
+  KktBuilder b(9);
+  std::size_t last = 0;
+  for (int i = 0; i < 100; ++i) b.slot(), last = b.link(i == 0 ? std::vector{0} : std::vector{i - 1, i}, rows_of(3, 2));
+  b.doubled(last);
+  KktSystem regular = b.finish(), system = regular;
+  MatX J = system.J();
+  J.row(3) = J.row(4);  // one rank less than the first time
+  system.write_J(J);
+  system.c[3] = system.c[4];
+  VecX a(system.kkt.pattern.n), lambda(system.kkt.pattern.m);
+  solver.analyse(system.kkt.pattern);
+  const std::size_t before = n_heap_requests();
+  regular.kkt.update_scales();
+  solver.factor(regular.kkt);
+  const SolveReport one = solver.solve(regular.kkt, regular.f, regular.c, a, lambda);
+  system.kkt.update_scales();
+  solver.factor(system.kkt);
+  const SolveReport two = solver.solve(system.kkt, system.f, system.c, a, lambda);
+  CHECK(n_heap_requests() == before);
+  CHECK(one.rank == 500);
+  CHECK(two.rank == 499);
+  {
+    const std::vector<double> counted(10);
+    CHECK(n_heap_requests() > before);
+  }
+}
+
+TEST_CASE("dense names the slot whose mass is not positive", "[unit][kkt]") {
+  DenseSolver solver;
+  KktSystem system = random_system(0, 1, false);
+  system.kkt.M[system.kkt.pattern.M[2]] = 0.0;
+  solver.analyse(system.kkt.pattern);
+  CHECK(says(message_of<SolveError>([&] { solver.factor(system.kkt); }), {"dense", "slot 2", "not positive definite"}));
+}
+
+TEST_CASE("dense is made by name, without keys", "[unit][kkt]") {
+  CHECK(DenseSolver::info().name == "dense");
+  CHECK_NOTHROW(check(DenseSolver::info()));
+  CHECK(DenseSolver::make(Params{})->name() == "dense");
+}

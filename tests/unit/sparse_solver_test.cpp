@@ -1,0 +1,90 @@
+#include "framework/kkt/sparse_solver.h"
+
+#include "framework/kkt/dense_solver.h"
+#include "framework/model/params.h"
+#include "framework/support/error.h"
+#include "tests/support/solver_checks.h"
+
+using namespace lockstep;
+using namespace lockstep::test;
+
+TEST_CASE("sparse solves regular systems of every shape", "[unit][kkt]") {
+  SparseSolver solver;
+  check_against_truth(solver, false, 1e-10, 1e-9);
+}
+
+TEST_CASE("sparse takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+  SparseSolver solver;
+  check_against_truth(solver, true, 1e-10, 1e-6);
+}
+
+TEST_CASE("sparse: redundant rows do not reach a", "[unit][kkt]") {
+  SparseSolver solver;
+  check_redundancy_does_not_reach_a(solver, 1e-11);
+}
+
+TEST_CASE("sparse: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+  SparseSolver solver;
+  check_axes_do_not_matter(solver, 1e-6);
+}
+
+TEST_CASE("sparse tells contradictory rows from a singular place", "[unit][kkt]") {
+  SparseSolver solver;
+  check_contradiction(solver);
+  check_singular_place(solver);
+}
+
+TEST_CASE("sparse meets the rule where rows have no scale", "[unit][kkt]") {
+  SparseSolver solver;
+  check_rows_without_scale(solver);
+}
+
+TEST_CASE("sparse and dense agree", "[unit][kkt]") {
+  SparseSolver sparse;
+  DenseSolver dense;
+  for (int shape = 0; shape < kShapes; ++shape)
+    for (const bool redundant : {false, true}) {
+      CAPTURE(shape, redundant);
+      const KktSystem system = random_system(shape, 31, redundant);
+      const Solved one = solve_once(sparse, system), two = solve_once(dense, system);
+      CHECK(difference(one.a, two.a) <= 1e-10);
+      CHECK(difference(one.lambda, two.lambda) <= (redundant ? 1e-6 : 1e-9));
+    }
+}
+
+TEST_CASE("sparse corrects at most three times, and not at all where nothing is wrong", "[unit][kkt]") {
+  SparseSolver solver;
+  CHECK(solve_once(solver, random_system(6, 1, false)).report.corrections <= 1);  // no rows
+  for (int shape = 0; shape < kShapes; ++shape)
+    CHECK(solve_once(solver, random_system(shape, 2, true)).report.corrections <= 3);
+}
+
+TEST_CASE("sparse forgets nothing between factors", "[unit][kkt]") {
+  SparseSolver solver;
+  const KktSystem system = random_system(1, 4, true);
+  const Solved first = solve_once(solver, system);
+  KktSystem other = system;
+  for (double& v : other.kkt.J) v *= -0.3;
+  other.kkt.update_scales();
+  VecX a, lambda;
+  solver.factor(other.kkt);
+  solver.solve(other.kkt, other.f, other.c, a, lambda);
+  solver.factor(system.kkt);
+  solver.solve(system.kkt, system.f, system.c, a, lambda);
+  CHECK(a == first.a);
+  CHECK(lambda == first.lambda);
+}
+
+TEST_CASE("sparse reports a matrix without a pivot", "[unit][kkt]") {
+  SparseSolver solver;
+  KktSystem system = random_system(6, 1, false);
+  std::fill(system.kkt.M.begin(), system.kkt.M.end(), 0.0);
+  solver.analyse(system.kkt.pattern);
+  CHECK_THROWS_AS(solver.factor(system.kkt), SolveError);
+}
+
+TEST_CASE("sparse is made by name, without keys", "[unit][kkt]") {
+  CHECK(SparseSolver::info().name == "sparse");
+  CHECK_NOTHROW(check(SparseSolver::info()));
+  CHECK(SparseSolver::make(Params{})->name() == "sparse");
+}
