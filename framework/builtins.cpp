@@ -2,6 +2,7 @@
 #include "framework/builtins.h"
 
 #include "framework/force/register.h"
+#include "framework/kkt/register.h"
 #include "framework/links/register.h"
 #include "integrators/register.h"
 #include "motionlaws/register.h"
@@ -14,6 +15,7 @@ Registry builtin_registry() {
   register_links(registry);
   register_forces(registry);
   register_integrators(registry);
+  register_solvers(registry);
   registry.laws.set_origin("built in");
   registry.translation_laws.set_origin("built in");
   registry.rotation_laws.set_origin("built in");
