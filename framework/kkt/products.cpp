@@ -40,14 +40,6 @@ void rows_transposed_times(const Kkt& kkt, const VecX& lambda, VecX& y, Term ter
   });
 }
 
-// x^T B x for a block of B, row-major.
-double quadratic_form(const double* B, const double* x, int width) {
-  double sum = 0.0;
-  for (int i = 0; i < width; ++i)
-    for (int k = 0; k < width; ++k) sum += x[i] * B[i * width + k] * x[k];
-  return sum;
-}
-
 }  // namespace
 
 void add_mass_times(const KktPattern& pattern, const std::vector<double>& B, const VecX& x, VecX& y) {
@@ -60,7 +52,6 @@ void subtract_rows_transposed_times(const Kkt& kkt, const VecX& lambda, VecX& y)
 void add_sizes_of_mass_times(const KktPattern& pattern, const std::vector<double>& B, const VecX& x, VecX& y) {
   mass_times(pattern, B, x, y, Size{});
 }
-void add_sizes_of_rows_times(const Kkt& kkt, const VecX& x, VecX& y) { rows_times(kkt, x, y, Size{}); }
 void add_sizes_of_rows_transposed_times(const Kkt& kkt, const VecX& lambda, VecX& y) {
   rows_transposed_times(kkt, lambda, y, Size{});
 }

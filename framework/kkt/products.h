@@ -38,9 +38,16 @@ void add_rows_times(const Kkt&, const VecX& x, VecX& y);
 void subtract_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
 /// The same with all numbers taken positive: what the terms of the product amount to, whatever cancels.
 void add_sizes_of_mass_times(const KktPattern&, const std::vector<double>& B, const VecX& x, VecX& y);
-void add_sizes_of_rows_times(const Kkt&, const VecX& x, VecX& y);
 void add_sizes_of_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
 /// s becomes the diagonal of J M^-1 J^T.
 void row_diagonal(const Kkt&, VecX& s);
+
+/// x^T B x for one block of B, row-major.
+inline double quadratic_form(const double* B, const double* x, int width) {
+  double sum = 0.0;
+  for (int i = 0; i < width; ++i)
+    for (int k = 0; k < width; ++k) sum += x[i] * B[i * width + k] * x[k];
+  return sum;
+}
 
 }  // namespace lockstep

@@ -10,8 +10,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr std::size_t kKinds = 3;
-
 template <class Visit>
 void for_each_row(const KktPattern& pattern, Visit&& visit) {
   for (const KktLink& link : pattern.links)
@@ -30,7 +28,7 @@ void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
 
 void StopRule::analyse(const KktPattern& pattern) {
   for (VecX* v : {&r_f_, &size_n_}) v->setZero(pattern.n);
-  for (VecX* v : {&r_c_, &scale_, &size_m_}) v->setZero(pattern.m);
+  for (VecX* v : {&r_c_, &scale_}) v->setZero(pattern.m);
 }
 
 void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
@@ -41,7 +39,7 @@ void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
   add_rows_times(kkt, a_f, scale_);
   scale_ = scale_.cwiseAbs() + c.cwiseAbs();
 
-  std::array<double, kKinds> largest{};
+  Floors largest{};
   for_each_row(kkt.pattern, [&](int j, std::size_t kind) { largest[kind] = std::max(largest[kind], scale_[j]); });
   for_each_row(kkt.pattern,
                [&](int j, std::size_t kind) { scale_[j] = std::max(scale_[j], kScaleFloor * largest[kind]); });
@@ -53,25 +51,53 @@ bool StopRule::met(const Kkt& kkt, const VecX& f, const VecX& c, const VecX& a, 
   return forces_met(kkt, f, a, lambda) && rows;
 }
 
-// r = c - J a. Where all scales of a unit vanish (a mechanism driven in other directions), r is rounding of the terms
-// of J a; so the scale is not taken under 1e-3 of their sum either: 1e-15 of it, a few units in the last place.
+// r = c - J a. The sizes of J a are asked for only when the rows' own scales refuse.
 bool StopRule::rows_met(const Kkt& kkt, const VecX& c, const VecX& a) {
   r_c_.setZero();
   add_rows_times(kkt, a, r_c_);
   r_c_ = c - r_c_;
-  size_m_.setZero();
-  add_sizes_of_rows_times(kkt, a, size_m_);
   before_ = largest_;
-  largest_ = 0.0;
-  worst_row_ = r_c_.size() > 0 ? 0 : -1;
-  for (int j = 0; j < r_c_.size(); ++j) {
-    const double r = std::abs(r_c_[j]);
-    const double relative = r == 0.0 ? 0.0 : r / std::max(scale_[j], kScaleFloor * size_m_[j]);
-    if (relative <= largest_) continue;  // a NaN passes on, and stays
-    largest_ = relative, worst_row_ = j;
-    if (std::isnan(relative)) break;
-  }
+  find_worst(kkt.pattern, {});
+  if (largest_ <= kRowTolerance) return true;
+  find_worst(kkt.pattern, size_floors(kkt, a));
   return largest_ <= kRowTolerance;
+}
+
+// Where all scales of a unit vanish (a mechanism driven in other directions only), r is rounding that came from other
+// units. By Cauchy and Schwarz |J_j a| <= sum over the slots of sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame. No
+// scale is taken under 1e-3 of the largest of these bounds in its unit: the tolerance is then 1e-15 of it, a few units
+// in the last place.
+StopRule::Floors StopRule::size_floors(const Kkt& kkt, const VecX& a) const {
+  Floors floors{};
+  for (const KktLink& link : kkt.pattern.links)
+    for (int k = 0; k < link.m; ++k) {
+      double bound = 0.0;
+      std::size_t at = link.J;
+      for (int i = 0; i < link.n_slots; ++i) {
+        const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+        const int width = kkt.pattern.width[slot];
+        const double* row = kkt.J.data() + at + static_cast<std::size_t>(k * width);
+        bound +=
+            std::sqrt(quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot], row, width) *
+                      quadratic_form(kkt.M.data() + kkt.pattern.M[slot], a.data() + kkt.pattern.first[slot], width));
+        at += static_cast<std::size_t>(link.m * width);
+      }
+      double& floor = floors[static_cast<std::size_t>(kind_of(link, k))];
+      floor = std::max(floor, kScaleFloor * bound);
+    }
+  return floors;
+}
+
+// A NaN passes every comparison here, and stays.
+void StopRule::find_worst(const KktPattern& pattern, const Floors& floors) {
+  largest_ = 0.0;
+  worst_row_ = -1;
+  for_each_row(pattern, [&](int j, std::size_t kind) {
+    const double r = std::abs(r_c_[j]);
+    const double relative = r == 0.0 ? 0.0 : r / std::max(scale_[j], floors[kind]);
+    if (worst_row_ >= 0 && (relative <= largest_ || std::isnan(largest_))) return;
+    largest_ = relative, worst_row_ = j;
+  });
 }
 
 // r = f - M a - J^T lambda, against what its terms amount to, with the same floor per unit as the rows.

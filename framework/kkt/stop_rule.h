@@ -33,10 +33,13 @@ class StopRule {
   bool stalled() const { return largest_ > 0.5 * before_; }
 
  private:
+  using Floors = std::array<double, 3>;  // one a RowKind
   bool rows_met(const Kkt&, const VecX& c, const VecX& a);
+  Floors size_floors(const Kkt&, const VecX& a) const;
+  void find_worst(const KktPattern&, const Floors&);
   bool forces_met(const Kkt&, const VecX& f, const VecX& a, const VecX& lambda);
 
-  VecX r_f_, r_c_, scale_, size_n_, size_m_;
+  VecX r_f_, r_c_, scale_, size_n_;
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
 };

@@ -3,8 +3,11 @@
 //   LOCKSTEP_PLUGIN(registry) { registry.links.add<CamFollower>(); }
 #pragma once
 
+#include "framework/lock/phi_lock.h"
 #include "framework/plugin/abi.h"
 #include "framework/plugin/registry.h"
+#include "framework/support/error.h"
+#include "framework/support/text.h"
 
 /// Exports the record of this build and the function that fills a registry. It may throw an Error; then nothing of the plugin
 /// is taken.

@@ -1,0 +1,124 @@
+// A six-axis arm whose tool follows a trajectory; the joint angles are read and fed back as laws: the same motion.
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/lockstep.h"
+#include "samples/shared/output.h"
+
+using namespace lockstep;
+
+namespace {
+
+constexpr double kStep = 2.5e-3, kEnd = 2.0;
+
+/// A law through values with their first and second derivatives: one polynomial of degree 5 between two samples.
+class Sampled final : public MotionLaw {
+ public:
+  explicit Sampled(std::vector<LawValue> samples) : y_(std::move(samples)) {}
+  LawValue at(double t) const override {
+    const double h = kStep;
+    const auto i = static_cast<std::size_t>(std::clamp(std::floor(t / h), 0.0, double(y_.size() - 2)));
+    const LawValue &a = y_[i], &b = y_[i + 1];
+    const double u = t / h - double(i);
+    const double c0 = a.y, c1 = h * a.yd, c2 = 0.5 * h * h * a.ydd;
+    const double p = b.y - c0 - c1 - c2, v = h * b.yd - c1 - 2 * c2, w = h * h * b.ydd - 2 * c2;
+    const double c3 = 10 * p - 4 * v + 0.5 * w, c4 = -15 * p + 7 * v - w, c5 = 6 * p - 3 * v + 0.5 * w;
+    return {c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+            (c1 + u * (2 * c2 + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))) / h,
+            (2 * c2 + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))) / (h * h)};
+  }
+
+ private:
+  std::vector<LawValue> y_;
+};
+
+struct Arm {
+  System sys{{.gravity = {0, 0, -9.81}}};
+  std::vector<Revolute*> joints;
+  Marker* tool = nullptr;
+};
+
+/// Links in the pose of the six angles q; joint k turns about its axis, placed at p in the frame of link k-1.
+Arm make_arm(const std::array<double, 6>& q) {
+  const std::array<Vec3, 6> axis{Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitX()};
+  const std::array<Vec3, 6> p{Vec3(0, 0, .2), Vec3(0, 0, .2), Vec3(.45, 0, 0), Vec3(.4, 0, 0), Vec3(.12, 0, 0), Vec3(.09, 0, 0)};
+  const std::array<Vec3, 6> com{Vec3(0, 0, .1), Vec3(.22, 0, .03), Vec3(.18, .02, 0), Vec3(.06, 0, 0), Vec3(.04, 0, .01), Vec3(.03, .01, 0)};
+  const std::array<double, 6> m{8, 6, 4, 2, 1.2, .6};
+  const std::array<Vec3, 6> J{Vec3(.08, .08, .05), Vec3(.02, .12, .12), Vec3(.01, .06, .06), Vec3(.003, .005, .005),
+                              Vec3(.0015, .002, .002), Vec3(.0004, .0006, .0006)};
+  Arm arm;
+  Body* previous = &arm.sys.ground();
+  Pose home;
+  for (std::size_t k = 0; k < 6; ++k) {
+    home = home * Pose{p[k], axis_angle(axis[k], q[k])};
+    Body& link = arm.sys.add_body(fmt::format("link_{}", k + 1), {m[k], com[k], J[k].asDiagonal()}, home);
+    // P and S have their z along the joint's axis; P turns with the link, so the angle starts at q.
+    const Quat z_to_axis = at({0, 0, 0}, axis[k]).q;
+    Marker& P = arm.sys.add_marker(fmt::format("p{}", k + 1), link, {{0, 0, 0}, z_to_axis});
+    Marker& S = arm.sys.add_marker(fmt::format("s{}", k + 1), *previous, {p[k], z_to_axis});
+    arm.joints.push_back(&arm.sys.add<Revolute>(fmt::format("J{}", k + 1), P, S));
+    previous = &link;
+  }
+  arm.tool = &arm.sys.add_marker("tool", *previous, {{0.08, 0, 0}, {}});
+  return arm;
+}
+
+Table run(Arm& arm) {
+  std::vector<Request> wanted{"tool.x", "tool.y", "tool.z", "tool.qw", "tool.qx", "tool.qy", "tool.qz"};
+  for (int k = 1; k <= 6; ++k)
+    for (const char* what : {"angle_z", "angle_z_d", "angle_z_dd"}) wanted.push_back(fmt::format("J{}.{}", k, what));
+  Recorder recorder(arm.sys, wanted);
+  Dynamics dynamics(arm.sys, std::make_unique<SparseSolver>());
+  State start = arm.sys.start();
+  assemble(dynamics, start);
+  Simulation simulation(dynamics, std::make_unique<Rk4>(), {.step = kStep, .output = kStep});
+  simulation.set_state(start);
+  simulation.add_observer(recorder);
+  simulation.run_until(kEnd);
+  return recorder.table();
+}
+
+}  // namespace
+
+int main() {
+  const std::array<double, 6> q0{0.2, -0.4, 1.4, 0.2, 0.75, -0.2};
+  // First the tool is led: C and Ct carry the law of its pose, Qc its acceleration; the joints follow.
+  Arm led = make_arm(q0);
+  const Pose home = led.tool->body->home * led.tool->local;
+  auto& lead = led.sys.add<Fixed>("lead", *led.tool, led.sys.add_marker("station", led.sys.ground(), home));
+  lead.move(translation([](auto t) {
+    return std::array{0.12 * sin(1.5 * t), 0.15 * (1.0 - cos(1.5 * t)), 0.08 * sin(3.0 * t) * t};
+  }));
+  lead.turn(axis_rotation({1, 2, -1}, law([](auto t) { return 0.3 * sin(2.0 * t); })));
+  const Table a = run(led);
+
+  // Then every joint is driven by what it did, and nobody holds the tool.
+  Arm driven = make_arm(q0);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const std::string name = fmt::format("J{}.angle_z", k + 1);
+    std::vector<LawValue> samples;
+    for (std::size_t i = 0; i < a.n_rows(); ++i) samples.push_back({a[name][i], a[name + "_d"][i], a[name + "_dd"][i]});
+    driven.joints[k]->drive(Axis::rz, std::make_shared<Sampled>(std::move(samples)));
+  }
+  const Table b = run(driven);
+
+  double position = 0, turn = 0;
+  for (std::size_t i = 0; i < a.n_rows(); ++i) {
+    double dot = 0;
+    for (const char* c : {"tool.qw", "tool.qx", "tool.qy", "tool.qz"}) dot += a[c][i] * b[c][i];
+    const double sign = dot < 0 ? -1 : 1;
+    for (const char* c : {"tool.x", "tool.y", "tool.z"}) position = std::max(position, std::abs(a[c][i] - b[c][i]));
+    for (const char* c : {"tool.qw", "tool.qx", "tool.qy", "tool.qz"}) turn = std::max(turn, std::abs(a[c][i] - sign * b[c][i]));
+  }
+  write_csv(samples::output("robot_arm.csv"), a);
+  write_chart(samples::output("robot_arm"),
+              {.title = "Six joint angles of an arm whose tool follows a trajectory",
+               .x_label = "t [s]",
+               .panels = {{.y_label = "angle [rad]",
+                           .series = {curve(a, "t", "J1.angle_z", "J1"), curve(a, "t", "J2.angle_z", "J2"), curve(a, "t", "J3.angle_z", "J3"),
+                                      curve(a, "t", "J4.angle_z", "J4"), curve(a, "t", "J5.angle_z", "J5"), curve(a, "t", "J6.angle_z", "J6")}}}});
+  fmt::print("tool led and tool driven through the joints differ by {:.1e} m and {:.1e} rad over {:.1f} s\n", position, 2 * turn, kEnd);
+  fmt::print("{}, robot_arm.svg, robot_arm.png\n", samples::output("robot_arm.csv"));
+  return position < 1e-10 && turn < 1e-10 ? 0 : 1;
+}

@@ -1,0 +1,14 @@
+#pragma once
+/// @file Counts what a piece of code takes from the heap: new, malloc, and Eigen's own, wherever in the program.
+
+/// Number of allocations that `act` makes.
+long allocations();
+template <class F>
+long allocations_of(F&& act) {
+  const long before = allocations();
+  act();
+  return allocations() - before;
+}
+
+/// False where a sanitizer owns the heap: then nothing is counted.
+bool allocations_are_counted();
