@@ -20,7 +20,8 @@ Axes axes_of(const std::string& name) {
   bool good = s.size() == 3;
   for (const char c : s) good = good && c >= 'x' && c <= 'z';
   if (!good || s[0] == s[1] || s[1] == s[2])
-    throw ModelError("angle sequence \"" + name + "\": expected three letters of x, y, z without two equal neighbours, or \"cardan\" (xyz), "
+    throw ModelError("angle sequence \"" + name +
+                     "\": expected three letters of x, y, z without two equal neighbours, or \"cardan\" (xyz), "
                      "\"euler\" (zxz), \"hpb\" (zxy)");
   const int i = s[0] - 'x', j = s[1] - 'x', k = s[2] - 'x';
   return {i, j, k, 3 - i - j, (j - i + 3) % 3 == 1 ? 1.0 : -1.0};
@@ -42,13 +43,14 @@ std::string angle_sequence(const std::string& name) {
 
 Quat from_angles(const std::string& sequence, const Vec3& angles) {
   const Axes n = axes_of(sequence);
-  return axis_angle(Vec3::Unit(n.i), angles[0]) * axis_angle(Vec3::Unit(n.j), angles[1]) * axis_angle(Vec3::Unit(n.k), angles[2]);
+  return axis_angle(Vec3::Unit(n.i), angles[0]) * axis_angle(Vec3::Unit(n.j), angles[1]) *
+         axis_angle(Vec3::Unit(n.k), angles[2]);
 }
 
 // With axes i, j, i and sign e of (i, j, m), the product of three turns a, b, c has the components
 //   q0 = cos b/2 cos (a+c)/2,  qi = cos b/2 sin (a+c)/2,  qj = sin b/2 cos (a-c)/2,  qm = e sin b/2 sin (a-c)/2.
-// For i, j, k all different, turning j by -e pi/2 takes axis i to axis k, so that q times that turn is an i, j, i product
-// whose middle angle is b - e pi/2, of the sign of -e.
+// For i, j, k all different, turning j by -e pi/2 takes axis i to axis k, so that q times that turn is an i, j, i
+// product whose middle angle is b - e pi/2, of the sign of -e.
 Angles to_angles(const std::string& sequence, const Quat& given) {
   const Axes n = axes_of(sequence);
   const bool distinct = n.i != n.k;

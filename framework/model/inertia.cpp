@@ -10,7 +10,8 @@ namespace lockstep {
 namespace {
 
 void require_positive(double x, const std::string& what) {
-  if (!(std::isfinite(x) && x > 0)) throw ModelError(what + " is " + number(x) + "; it must be finite and greater than zero");
+  if (!(std::isfinite(x) && x > 0))
+    throw ModelError(what + " is " + number(x) + "; it must be finite and greater than zero");
 }
 
 // Steiner's term of a mass at d: m (|d|^2 1 - d d').
@@ -58,16 +59,18 @@ void check(const MassProperties& p, const std::string& owner) {
   const double size = p.J.cwiseAbs().maxCoeff();
   const double skewness = (p.J - p.J.transpose()).cwiseAbs().maxCoeff();
   if (skewness > 1e-10 * size)
-    throw ModelError(who + "the inertia matrix is not symmetric: two entries across the diagonal differ by " + brief(skewness) +
-                     " kg m^2; give the products as matrix entries, J_xy = J_yx");
+    throw ModelError(who + "the inertia matrix is not symmetric: two entries across the diagonal differ by " +
+                     brief(skewness) + " kg m^2; give the products as matrix entries, J_xy = J_yx");
 
   const Vec3 I = Eigen::SelfAdjointEigenSolver<Mat3>(p.J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
-  const std::string principal = "principal moments " + brief(I[0]) + ", " + brief(I[1]) + ", " + brief(I[2]) + " kg m^2";
+  const std::string principal =
+      "principal moments " + brief(I[0]) + ", " + brief(I[1]) + ", " + brief(I[2]) + " kg m^2";
   if (!(I[0] > 1e-14 * I[2]))
     throw ModelError(who + "the inertia is not positive definite (" + principal +
                      "); give a moment about every axis, or make the body a particle");
   if (I[0] + I[1] < I[2] * (1 - 1e-10))
-    throw ModelError(who + "the inertia breaks the triangle rule (" + principal + "): the two smaller must sum up to the largest at least; "
+    throw ModelError(who + "the inertia breaks the triangle rule (" + principal +
+                     "): the two smaller must sum up to the largest at least; "
                      "check whether products are given as matrix entries and about the mass centre");
 }
 

@@ -37,7 +37,9 @@ class Cursor {
   void read_number(double& x) {
     const char* begin = text_.data() + at_;
     const char* end = begin;
-    while (end < text_.data() + text_.size() && std::string_view("+-.eE0123456789").find(*end) != std::string_view::npos) ++end;
+    while (end < text_.data() + text_.size() &&
+           std::string_view("+-.eE0123456789").find(*end) != std::string_view::npos)
+      ++end;
     at_ += static_cast<std::size_t>(end - begin);
     std::from_chars(begin, end, x);
   }
@@ -70,7 +72,8 @@ bool begins_with_word(std::string_view text, std::string_view word) {
 // Takes nlohmann's events and builds the tree. Each event is one token; the cursor steps along.
 class Builder {
  public:
-  Builder(const std::string& text, const std::string& file) : text_(text), file_(std::make_shared<const std::string>(file)), cursor_(text) {}
+  Builder(const std::string& text, const std::string& file)
+      : text_(text), file_(std::make_shared<const std::string>(file)), cursor_(text) {}
 
   bool null() { return scalar(Value(), 4); }
   bool boolean(bool b) { return scalar(Value(b), b ? 4 : 5); }
@@ -93,14 +96,17 @@ class Builder {
     cursor_.skip_text();
     const auto [first, fresh] = open_.back().keys.try_emplace(name, where);
     if (!fresh) {
-      refuse(where, "", "key \"" + name + "\" stands twice in this object, first at " + first->second.text() + "; remove one of the two");
+      refuse(where, "",
+             "key \"" + name + "\" stands twice in this object, first at " + first->second.text() +
+                 "; remove one of the two");
     }
     open_.back().key = {name, Value(), where};
     return true;
   }
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) {
-    // The bad token begins behind the last good one and at most one comma or colon, and not behind the parser's position.
+    // The bad token begins behind the last good one and at most one comma or colon, and not behind the parser's
+    // position.
     const std::size_t last = cursor_.at();
     std::size_t byte = behind_spaces(last);
     if (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
@@ -150,7 +156,9 @@ class Builder {
   bool open(Value v) {
     v.where = here();
     if (open_.size() == kMostDepth)
-      refuse(v.where, "", "objects and lists are nested deeper than " + std::to_string(kMostDepth) + "; the limit keeps readers safe, flatten this one");
+      refuse(v.where, "",
+             "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
+                 "; the limit keeps readers safe, flatten this one");
     cursor_.skip(1);
     open_.push_back({std::move(v), {}, {}});
     return true;
@@ -181,21 +189,24 @@ class Builder {
 std::string Builder::syntax_problem(std::size_t last, std::size_t byte, std::string what) const {
   const std::string_view rest = std::string_view(text_).substr(byte);
   if (what.find("number overflow") != std::string::npos)
-    return "the number " + text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
+    return "the number " +
+           text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
            " is beyond the range of numbers (1e308); write a smaller one";
   if (rest.empty()) {
     if (open_.empty()) return "the text is empty; a JSON object is expected";
     const Value& v = open_.back().value;
-    return std::string("the text ends inside the ") + (v.object() ? "object" : "list") + " that begins at " + v.where.text() +
-           "; a closing " + (v.object() ? "}" : "]") + " is missing";
+    return std::string("the text ends inside the ") + (v.object() ? "object" : "list") + " that begins at " +
+           v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
   }
   if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
     return "NaN and infinity are no numbers of JSON, and no quantity here may be one; write a finite number";
   if (rest.front() == '/' || rest.front() == '#') return "comments are not allowed in JSON; remove it";
   if (rest.front() == '\'') return "texts stand in double quotes; write \"...\"";
-  if (rest.front() == '+' || rest.front() == '.') return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
+  if (rest.front() == '+' || rest.front() == '.')
+    return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
   const bool comma = text_.substr(last, byte - last).find(',') != std::string::npos;
-  if (comma && (rest.front() == '}' || rest.front() == ']')) return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
+  if (comma && (rest.front() == '}' || rest.front() == ']'))
+    return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
   if (open_.empty() && last > 0) return "something stands behind the end of the description; remove it";
   if (what.find("object key") != std::string::npos) return "expected a key in double quotes";
   if (what.find("expected ':'") != std::string::npos) return "a colon is missing between the key and its value";
@@ -211,8 +222,9 @@ std::string Builder::syntax_problem(std::size_t last, std::size_t byte, std::str
 Value read_json(const std::string& text, const std::string& file_name) {
   if (text.size() > kMostBytes) {
     const Where where{std::make_shared<const std::string>(file_name), 0, 0};
-    refuse(where, "", "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
-                          "; put large tables into CSV files");
+    refuse(where, "",
+           "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
+               "; put large tables into CSV files");
   }
   Builder builder(text, file_name);
   nlohmann::json::sax_parse(text, &builder);

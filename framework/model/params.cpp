@@ -26,12 +26,14 @@ bool is_law(Form form) {
 void check_law_form(const Value& v, Form form, const std::string& context) {
   const bool vector = form == Form::translation_law || form == Form::rotation_law;
   if (vector && v.list() != nullptr) return;  // a constant vector or quaternion
-  const bool constant = (v.number() != nullptr && !vector) || (v.text() != nullptr && !vector && read_quantity(*v.text(), Unit::any).problem.empty());
+  const bool constant = (v.number() != nullptr && !vector) ||
+                        (v.text() != nullptr && !vector && read_quantity(*v.text(), Unit::any).problem.empty());
   if (constant) {
     read_number(v, Unit::any, context);  // refuses NaN and infinity
   } else if (v.object() == nullptr) {
-    refuse(v.where, context, std::string("expected a law ({\"type\": ..., and its keys}, or a ") +
-                                 (vector ? "list of numbers" : "number") + " for a constant one), got " + shown(v));
+    refuse(v.where, context,
+           std::string("expected a law ({\"type\": ..., and its keys}, or a ") +
+               (vector ? "list of numbers" : "number") + " for a constant one), got " + shown(v));
   } else if (v.find("type") == nullptr) {
     refuse(v.where, context, "the law has no \"type\"; add one, such as {\"type\": \"constant\", ...}");
   }
@@ -48,31 +50,55 @@ std::string item(const std::string& context, std::size_t i) { return context + "
 // What a getter of this form does, without its result.
 void check_value(const Value& v, const Key& key, const std::string& context) {
   switch (key.form) {
-    case Form::number: read_number(v, key.unit, context); break;
-    case Form::integer: read_integer(v, context); break;
-    case Form::boolean: read_boolean(v, context); break;
-    case Form::text: read_text(v, context); break;
-    case Form::choice: read_choice(v, key.choices, context); break;
-    case Form::vector3: read_vector3(v, key.unit, context); break;
-    case Form::axis: read_axis(v, context); break;
-    case Form::orientation: read_orientation(v, context); break;
-    case Form::numbers: read_numbers(v, key.unit, context); break;
-    case Form::points: read_points(v, key.unit, context); break;
+    case Form::number:
+      read_number(v, key.unit, context);
+      break;
+    case Form::integer:
+      read_integer(v, context);
+      break;
+    case Form::boolean:
+      read_boolean(v, context);
+      break;
+    case Form::text:
+      read_text(v, context);
+      break;
+    case Form::choice:
+      read_choice(v, key.choices, context);
+      break;
+    case Form::vector3:
+      read_vector3(v, key.unit, context);
+      break;
+    case Form::axis:
+      read_axis(v, context);
+      break;
+    case Form::orientation:
+      read_orientation(v, context);
+      break;
+    case Form::numbers:
+      read_numbers(v, key.unit, context);
+      break;
+    case Form::points:
+      read_points(v, key.unit, context);
+      break;
     case Form::law:
     case Form::translation_law:
-    case Form::rotation_law: check_law_form(v, key.form, context); break;
+    case Form::rotation_law:
+      check_law_form(v, key.form, context);
+      break;
     case Form::laws: {
       const Value::List& items = law_list(v, context);
       for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], Form::law, item(context, i));
       break;
     }
-    case Form::any: break;
+    case Form::any:
+      break;
   }
 }
 
 // " (a length in m: height of the bump)"
 std::string description(const Key& key) {
-  std::string words = key.form == Form::number && key.unit != Unit::none ? article_name_of(key.unit) : name_of(key.form);
+  std::string words =
+      key.form == Form::number && key.unit != Unit::none ? article_name_of(key.unit) : name_of(key.form);
   if (!si_unit(key.unit).empty()) words += " in " + si_unit(key.unit);
   return " (" + words + (key.help.empty() ? "" : ": " + key.help) + ")";
 }
@@ -90,8 +116,9 @@ std::string part_of(const std::string& owner, std::string_view part) {
 }
 
 std::string name_of(Form form) {
-  constexpr std::array<const char*, 15> kNames{"number", "integer", "boolean", "text", "choice", "vector3", "axis", "orientation",
-                                               "numbers", "points", "law", "translation law", "rotation law", "laws", "any"};
+  constexpr std::array<const char*, 15> kNames{
+      "number", "integer", "boolean",         "text",         "choice", "vector3", "axis", "orientation", "numbers",
+      "points", "law",     "translation law", "rotation law", "laws",   "any"};
   return kNames.at(static_cast<std::size_t>(form));
 }
 
@@ -100,15 +127,18 @@ void check(const TypeInfo& info) {
   for (std::size_t i = 0; i < info.keys.size(); ++i) {
     const Key& key = info.keys[i];
     const std::string place = "type '" + info.name + "', key '" + key.name + "': ";
-    if (key.name.empty()) throw ModelError("type '" + info.name + "': key number " + std::to_string(i) + " has no name");
+    if (key.name.empty())
+      throw ModelError("type '" + info.name + "': key number " + std::to_string(i) + " has no name");
     for (std::size_t j = 0; j < i; ++j)
       if (info.keys[j].name == key.name) throw ModelError(place + "it stands twice in the table; remove one");
-    if (key.form == Form::choice && key.choices.empty()) throw ModelError(place + "a choice without choices; list them");
+    if (key.form == Form::choice && key.choices.empty())
+      throw ModelError(place + "a choice without choices; list them");
     if (!has_default(key)) continue;
     try {
       check_value(read_json(key.fallback, "default"), key, key.name);
     } catch (const SceneError& error) {
-      throw ModelError(place + "its default `" + key.fallback + "` cannot be read (texts need their quotes, as JSON): " + error.what());
+      throw ModelError(place + "its default `" + key.fallback +
+                       "` cannot be read (texts need their quotes, as JSON): " + error.what());
     }
   }
 }
@@ -128,7 +158,9 @@ Params::Params(Value object, const TypeInfo& info, std::string owner, const LawS
     object_ = Value(Value::Object{});
     object_.where = where;
   }
-  if (object_.object() == nullptr) lockstep::refuse(object_.where, owner_, "expected an object with keys of '" + info.name + "', got " + shown(object_));
+  if (object_.object() == nullptr)
+    lockstep::refuse(object_.where, owner_,
+                     "expected an object with keys of '" + info.name + "', got " + shown(object_));
   check_known();
   for (const Key& key : keys_) check_form(key);
 }
@@ -145,15 +177,17 @@ void Params::check_known() const {
     if (std::find_if(members.begin(), member, same) != member)
       lockstep::refuse(member->where, owner_, "key \"" + member->key + "\" is given twice; remove one of the two");
     if (std::none_of(keys_.begin(), keys_.end(), named))
-      lockstep::refuse(member->where, owner_, "unknown key \"" + member->key + "\"" +
-                                                  (keys_.empty() ? "; it takes no keys" : suggestion(member->key, names_of(keys_))));
+      lockstep::refuse(member->where, owner_,
+                       "unknown key \"" + member->key + "\"" +
+                           (keys_.empty() ? "; it takes no keys" : suggestion(member->key, names_of(keys_))));
   }
 }
 
 void Params::check_form(const Key& key) const {
   const Value* given = object_.find(key.name);
   if (given == nullptr) {
-    if (key.fallback.empty()) lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
+    if (key.fallback.empty())
+      lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
     return;
   }
   check_value(*given, key, place_of(key.name));
@@ -163,9 +197,10 @@ void Params::check_form(const Key& key) const {
 const Key& Params::key_of(std::string_view name) const {
   for (const Key& key : keys_)
     if (key.name == name) return key;
-  lockstep::refuse(object_.where, owner_, "its maker asks for key \"" + std::string(name) + "\", which " +
-                                              (keys_.empty() ? "nobody has checked yet; call checked() first"
-                                                             : "its table does not list; add it to the type's keys"));
+  lockstep::refuse(object_.where, owner_,
+                   "its maker asks for key \"" + std::string(name) + "\", which " +
+                       (keys_.empty() ? "nobody has checked yet; call checked() first"
+                                      : "its table does not list; add it to the type's keys"));
 }
 
 Value Params::given_or_default(const Key& key) const {
@@ -181,7 +216,8 @@ std::string Params::place_of(std::string_view key) const { return part_of(owner_
 
 const LawSource& Params::law_source(const Key& key) const {
   if (laws_ == nullptr)
-    lockstep::refuse(value(key.name).where, place_of(key.name), "it holds a law, and there is nothing here that makes laws; pass a registry");
+    lockstep::refuse(value(key.name).where, place_of(key.name),
+                     "it holds a law, and there is nothing here that makes laws; pass a registry");
   return *laws_;
 }
 
@@ -192,11 +228,17 @@ double Params::number(std::string_view name) const {
   return read_number(given_or_default(key), key.unit, place_of(name));
 }
 
-int Params::integer(std::string_view name) const { return read_integer(given_or_default(key_of(name)), place_of(name)); }
+int Params::integer(std::string_view name) const {
+  return read_integer(given_or_default(key_of(name)), place_of(name));
+}
 
-bool Params::boolean(std::string_view name) const { return read_boolean(given_or_default(key_of(name)), place_of(name)); }
+bool Params::boolean(std::string_view name) const {
+  return read_boolean(given_or_default(key_of(name)), place_of(name));
+}
 
-std::string Params::text(std::string_view name) const { return read_text(given_or_default(key_of(name)), place_of(name)); }
+std::string Params::text(std::string_view name) const {
+  return read_text(given_or_default(key_of(name)), place_of(name));
+}
 
 Vec3 Params::vector3(std::string_view name) const {
   const Key& key = key_of(name);
@@ -204,7 +246,9 @@ Vec3 Params::vector3(std::string_view name) const {
   return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
 }
 
-Quat Params::orientation(std::string_view name) const { return read_orientation(given_or_default(key_of(name)), place_of(name)); }
+Quat Params::orientation(std::string_view name) const {
+  return read_orientation(given_or_default(key_of(name)), place_of(name));
+}
 
 std::vector<double> Params::numbers(std::string_view name) const {
   const Key& key = key_of(name);
@@ -237,7 +281,8 @@ std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view name) const {
   const Value::List& items = law_list(v, place_of(name));
   std::vector<LawPtr<MotionLaw>> made;
   made.reserve(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) made.push_back(law_source(key).scalar_law(items[i], item(place_of(name), i)));
+  for (std::size_t i = 0; i < items.size(); ++i)
+    made.push_back(law_source(key).scalar_law(items[i], item(place_of(name), i)));
   return made;
 }
 

@@ -25,7 +25,8 @@ std::string quoted(const std::string& text) {
 std::string number_words(Unit unit) {
   if (unit == Unit::none) return "a number";
   const std::string si = si_unit(unit);
-  return article_name_of(unit) + " (a number" + (si.empty() ? "" : " in " + si) + ", or a text such as \"" + example_of(unit) + "\")";
+  return article_name_of(unit) + " (a number" + (si.empty() ? "" : " in " + si) + ", or a text such as \"" +
+         example_of(unit) + "\")";
 }
 
 const Value::List& read_list(const Value& v, std::size_t n, const std::string& context, const std::string& expected) {
@@ -40,7 +41,8 @@ Quat read_quaternion(const Value& v, const std::string& context) {
   const std::vector<double> c = read_numbers(v, Unit::none, context);
   const Vec4 e(c[0], c[1], c[2], c[3]);
   const double most = e.cwiseAbs().maxCoeff();
-  if (most == 0) refuse(v.where, context, "the quaternion [0, 0, 0, 0] is no orientation; [1, 0, 0, 0] is the unturned one");
+  if (most == 0)
+    refuse(v.where, context, "the quaternion [0, 0, 0, 0] is no orientation; [1, 0, 0, 0] is the unturned one");
   return normalized(Quat::from(Vec4(e / most)));  // scaled first: its square may not underflow
 }
 
@@ -65,9 +67,11 @@ Quat read_matrix_orientation(const Value& v, const std::string& context) {
   const Mat3 A = read_matrix3(v, Unit::none, context);
   const double off = (A.transpose() * A - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kLimit))
-    refuse(v.where, context, "the columns are not upright to each other with length 1: off by " + brief(off) + ", allowed is " +
-                                 brief(kLimit) + "; give a quaternion or two directions instead");
-  if (A.col(0).dot(cross(A.col(1), A.col(2))) < 0) refuse(v.where, context, "the matrix is a mirror (determinant -1), no turn; change the sign of one column");
+    refuse(v.where, context,
+           "the columns are not upright to each other with length 1: off by " + brief(off) + ", allowed is " +
+               brief(kLimit) + "; give a quaternion or two directions instead");
+  if (A.col(0).dot(cross(A.col(1), A.col(2))) < 0)
+    refuse(v.where, context, "the matrix is a mirror (determinant -1), no turn; change the sign of one column");
   return quaternion_of(A);
 }
 
@@ -77,12 +81,15 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
   for (int i = 0; i < 3; ++i)
     if (v.find(names[i]) != nullptr) k.push_back(i);
   if (k.size() != 2)
-    refuse(v.where, context, "it gives " + std::to_string(k.size()) + " of the directions \"x\", \"y\", \"z\"; give two of them");
+    refuse(v.where, context,
+           "it gives " + std::to_string(k.size()) + " of the directions \"x\", \"y\", \"z\"; give two of them");
   const Vec3 first = read_axis(*v.find(names[k[0]]), part_of(context, names[k[0]]));
   const Vec3 given = read_axis(*v.find(names[k[1]]), part_of(context, names[k[1]]));
   const Vec3 upright = given - first.dot(given) * first;
   if (upright.norm() < 1e-6)
-    refuse(v.where, context, std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] + "\" are parallel; turn one of them");
+    refuse(v.where, context,
+           std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] +
+               "\" are parallel; turn one of them");
   const Vec3 second = upright.normalized();
   Mat3 A;
   A.col(k[0]) = first;
@@ -132,7 +139,9 @@ int read_integer(const Value& v, const std::string& context) {
   const double* x = v.number();
   if (x == nullptr || !(std::floor(*x) == *x)) refuse_form(v, context, "a whole number");
   if (std::abs(*x) > std::numeric_limits<int>::max())
-    refuse(v.where, context, "the number " + number(*x) + " is too large; the limit is " + std::to_string(std::numeric_limits<int>::max()));
+    refuse(
+        v.where, context,
+        "the number " + number(*x) + " is too large; the limit is " + std::to_string(std::numeric_limits<int>::max()));
   return static_cast<int>(*x);
 }
 
@@ -157,7 +166,8 @@ std::string read_choice(const Value& v, std::span<const std::string> choices, co
     if (*text == choice) return choice;
   const std::string near = closest_name(*text, choices);
   refuse(v.where, context,
-         "expected " + join(names, " or ") + ", got " + shown(v) + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+         "expected " + join(names, " or ") + ", got " + shown(v) +
+             (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
 }
 
 Vec3 read_vector3(const Value& v, Unit unit, const std::string& context) {
@@ -186,7 +196,8 @@ std::vector<std::vector<double>> read_points(const Value& v, Unit unit, const st
 Mat3 read_matrix3(const Value& v, Unit unit, const std::string& context) {
   const Value::List& rows = read_list(v, 3, context, "a list of 3 rows of 3 numbers");
   Mat3 A;
-  for (std::size_t i = 0; i < 3; ++i) A.row(static_cast<int>(i)) = read_vector3(rows[i], unit, item(context, i)).transpose();
+  for (std::size_t i = 0; i < 3; ++i)
+    A.row(static_cast<int>(i)) = read_vector3(rows[i], unit, item(context, i)).transpose();
   return A;
 }
 
@@ -224,8 +235,9 @@ Quat read_orientation(const Value& v, const std::string& context) {
     check_members(v, std::vector<std::string>{"x", "y", "z"}, context);
     return read_direction_orientation(v, context);
   }
-  refuse_form(v, context,
-              R"(an orientation ([w, x, y, z], {"axis":, "angle":}, {"angles":, "sequence":}, {"matrix":} or two of {"x":, "y":, "z":}))");
+  refuse_form(
+      v, context,
+      R"(an orientation ([w, x, y, z], {"axis":, "angle":}, {"angles":, "sequence":}, {"matrix":} or two of {"x":, "y":, "z":}))");
 }
 
 }  // namespace lockstep

@@ -1,4 +1,5 @@
-// One Value read by its form, with errors that say where it stood. Params reads through these; so does the scene's builder.
+// One Value read by its form, with errors that say where it stood. Params reads through these; so does the scene's
+// builder.
 #pragma once
 
 #include <span>
@@ -35,8 +36,9 @@ LOCKSTEP_API Mat3 read_matrix3(const Value&, Unit, const std::string& context);
 LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
 
 /// An orientation, unit, one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
-/// {"angles": [a, b, c], "sequence": "xyz" or a name of angles.h}; {"matrix": three rows} (axes of the frame as columns);
-/// two of {"x": direction, "y": ..., "z": ...}: the first in the order of the alphabet is kept, the other turned upright to it.
+/// {"angles": [a, b, c], "sequence": "xyz" or a name of angles.h}; {"matrix": three rows} (axes of the frame as
+/// columns); two of {"x": direction, "y": ..., "z": ...}: the first in the order of the alphabet is kept, the other
+/// turned upright to it.
 LOCKSTEP_API Quat read_orientation(const Value&, const std::string& context);
 
 }  // namespace lockstep

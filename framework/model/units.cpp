@@ -154,7 +154,8 @@ Factor unit_factor(std::string_view unit, std::string& problem) {
     const int power = take_power(name);
     const std::optional<Factor> factor = name == "1" && divided ? std::nullopt : symbol(name);
     if (!factor || power == 0) {
-      problem = written.empty() ? "a symbol is missing in the unit" : "unknown unit \"" + written + "\"" + suggestion(written, symbol_names());
+      problem = written.empty() ? "a symbol is missing in the unit"
+                                : "unknown unit \"" + written + "\"" + suggestion(written, symbol_names());
       return total;
     }
     if (divided && !divide) {
@@ -185,7 +186,8 @@ double to_si(double x, const Factor& f) {
 }
 
 std::string wanted(const UnitWords& w) {
-  return std::string(w.article) + " " + w.name + " is wanted (a number in " + w.si + ", or a text such as \"" + w.example + "\")";
+  return std::string(w.article) + " " + w.name + " is wanted (a number in " + w.si + ", or a text such as \"" +
+         w.example + "\")";
 }
 
 }  // namespace
@@ -198,18 +200,21 @@ std::string example_of(Unit unit) { return words_of(unit).example; }
 Measured read_quantity(std::string_view text, Unit unit) {
   const UnitWords& words = words_of(unit);
   const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
-  if (unit == Unit::none) return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
+  if (unit == Unit::none)
+    return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
 
   std::string_view rest = trimmed(text);
   Measured result;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), result.value);
   if (error == std::errc::result_out_of_range) return {0, quoted + " is beyond the range of numbers (1e-308 to 1e308)"};
   if (error != std::errc())
-    return {0, "expected " + article_name_of(unit) + ", got a text (" + quoted + ") that does not begin with a number; write it as \"" +
-                   words.example + "\""};
+    return {0, "expected " + article_name_of(unit) + ", got a text (" + quoted +
+                   ") that does not begin with a number; write it as \"" + words.example + "\""};
   if (!std::isfinite(result.value)) return {0, quoted + " is not a finite number; write a finite one"};
   rest = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
-  if (rest.empty()) return {0, quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
+  if (rest.empty())
+    return {0,
+            quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
   if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal sign is a point"};
 
   const Factor factor = unit_factor(rest, result.problem);
@@ -217,7 +222,8 @@ Measured read_quantity(std::string_view text, Unit unit) {
   if (unit != Unit::any && !(factor.dimension == words.dimension)) {
     std::string given = "of another dimension";
     for (const UnitWords& w : kWords)
-      if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension) given = article_name_of(w.unit);
+      if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension)
+        given = article_name_of(w.unit);
     return {0, quoted + " is " + given + "; here " + wanted(words)};
   }
   result.value = to_si(result.value, factor);

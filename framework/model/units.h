@@ -27,9 +27,9 @@ struct Measured {
   std::string problem;  ///< `"12 mmm": unknown unit "mmm"; ...`
 };
 
-/// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run of
-/// divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg, rev, turn,
-/// rpm, min, h, t, in, ft. Locale never matters.
+/// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
+/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg,
+/// rev, turn, rpm, min, h, t, in, ft. Locale never matters.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit);
 
 }  // namespace lockstep

@@ -10,7 +10,8 @@ namespace {
 std::string origin_words(const std::string& origin) { return origin.empty() ? "" : " (" + origin + ")"; }
 
 // What follows "type", or a constant: anything but an object is the value of the law "constant".
-template <class L> LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSource& laws, const std::string& owner) {
+template <class L>
+LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSource& laws, const std::string& owner) {
   if (v.object() == nullptr) {
     const auto* constant = shelf.find("constant");
     if (v.is_null() || v.boolean() != nullptr || constant == nullptr || constant->info.keys.empty())
@@ -22,13 +23,15 @@ template <class L> LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value
   const Value* type = v.find("type");
   if (type == nullptr) refuse(v.where, owner, "missing key \"type\"; add one of " + join(shelf.names(), " or "));
   const std::string name = read_text(*type, part_of(owner, "type"));
-  if (shelf.find(name) == nullptr) refuse(type->where, owner, "unknown law \"" + name + "\"" + suggestion(name, shelf.names()));
+  if (shelf.find(name) == nullptr)
+    refuse(type->where, owner, "unknown law \"" + name + "\"" + suggestion(name, shelf.names()));
   return shelf.make(name, Params::unchecked(v.without({"type"})), &laws, owner);
 }
 
 }  // namespace
 
-template <class Product, class... Args> void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
+template <class Product, class... Args>
+void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
   const std::string what = kind_ + " '" + info.name + "'";
   if (info.name.empty()) throw PluginError("a " + kind_ + " has no name; give its TypeInfo one");
   if (!make) throw PluginError(what + " has no maker; pass a function that makes it");
@@ -44,38 +47,43 @@ template <class Product, class... Args> void Shelf<Product, Args...>::add(TypeIn
 }
 
 template <class Product, class... Args>
-Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params, const LawSource* laws,
-                                      const std::string& owner) const {
+Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params,
+                                      const LawSource* laws, const std::string& owner) const {
   const Entry* entry = find(name);
-  if (entry == nullptr) refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
+  if (entry == nullptr)
+    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
   Product product = entry->make(args..., params.checked(entry->info, owner, laws));
   if (!product)
-    throw PluginError((owner.empty() ? "" : owner + ": ") + "the maker of " + kind_ + " '" + name + "'" + origin_words(entry->origin) +
-                      " returned nothing; it has to return what it made, or throw");
+    throw PluginError((owner.empty() ? "" : owner + ": ") + "the maker of " + kind_ + " '" + name + "'" +
+                      origin_words(entry->origin) + " returned nothing; it has to return what it made, or throw");
   return product;
 }
 
-template <class Product, class... Args> auto Shelf<Product, Args...>::find(const std::string& name) const -> const Entry* {
+template <class Product, class... Args>
+auto Shelf<Product, Args...>::find(const std::string& name) const -> const Entry* {
   const auto found = entries_.find(name);
   return found == entries_.end() ? nullptr : &found->second;
 }
 
-template <class Product, class... Args> std::vector<std::string> Shelf<Product, Args...>::names() const {
+template <class Product, class... Args>
+std::vector<std::string> Shelf<Product, Args...>::names() const {
   std::vector<std::string> names;
   for (const auto& [name, entry] : entries_) names.push_back(name);
   return names;
 }
 
-template <class Product, class... Args> void Shelf<Product, Args...>::set_origin(const std::string& origin) {
+template <class Product, class... Args>
+void Shelf<Product, Args...>::set_origin(const std::string& origin) {
   for (auto& [name, entry] : entries_)
     if (entry.origin.empty()) entry.origin = origin;
 }
 
-template <class Product, class... Args> void Shelf<Product, Args...>::merge(const Shelf& other) {
+template <class Product, class... Args>
+void Shelf<Product, Args...>::merge(const Shelf& other) {
   for (const auto& [name, entry] : other.entries_)
     if (const Entry* taken = find(name))
-      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is there already" + origin_words(taken->origin) +
-                        "; choose another name");
+      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is there already" +
+                        origin_words(taken->origin) + "; choose another name");
   auto merged = entries_;
   merged.insert(other.entries_.begin(), other.entries_.end());
   entries_.swap(merged);
@@ -99,7 +107,9 @@ Registry::Registry() {
   solvers.kind_ = "solver";
 }
 
-LawPtr<MotionLaw> Registry::scalar_law(const Value& v, const std::string& owner) const { return law_from(laws, v, *this, owner); }
+LawPtr<MotionLaw> Registry::scalar_law(const Value& v, const std::string& owner) const {
+  return law_from(laws, v, *this, owner);
+}
 
 LawPtr<TranslationLaw> Registry::translation_law(const Value& v, const std::string& owner) const {
   return law_from(translation_laws, v, *this, owner);

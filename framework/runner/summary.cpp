@@ -7,7 +7,12 @@
 
 namespace lockstep {
 namespace {
+
 enum : std::size_t { kTotal, kKinetic, kDrives, kDissipated, kBalance };
+
+// Axes of the body's frame at its mass centre.
+Pose center_pose(const Body& body, const State& state) { return pose(body, state) * Pose{body.mass.center, {}}; }
+
 }
 
 Summary::Summary(System& system) {
@@ -19,7 +24,7 @@ void Summary::start(const Sample& s) {
   movers_.clear();
   for (const Body& body : s.system().bodies())
     if (!body.fixed) {
-      const Pose at = pose(body, s.state);
+      const Pose at = center_pose(body, s.state);
       movers_.push_back({&body, at.x, at.x, at.q});
     }
   for (const Channel& c : channels_)
@@ -34,7 +39,7 @@ void Summary::step(const Sample& s) {
   for (const Channel& c : channels_)
     if (c.track) c.track(s);
   for (Mover& m : movers_) {
-    const Pose at = pose(*m.body, s.state);
+    const Pose at = center_pose(*m.body, s.state);
     m.away = std::max(m.away, (at.x - m.x0).norm());
     m.path += (at.x - m.last_x).norm();
     m.turned += rotation_vector(conjugate(m.last_q) * at.q).norm();

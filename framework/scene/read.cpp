@@ -15,7 +15,8 @@ Value read_json_file(const std::string& path) {
   if (fs::is_directory(path, error)) throw FileError("cannot read '" + path + "': it is a folder; name a file in it");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw FileError("cannot read '" + path + "': " + std::generic_category().message(errno) + "; check the path");
+  if (!file)
+    throw FileError("cannot read '" + path + "': " + std::generic_category().message(errno) + "; check the path");
   std::string text;
   std::string block(65536, '\0');
   while (file && text.size() <= kMostBytes) {  // one block beyond the limit is enough for read_json to refuse

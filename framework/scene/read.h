@@ -8,7 +8,8 @@
 
 namespace lockstep {
 
-/// The Value that the file describes; see read_json. Throws FileError when the file cannot be read, SceneError for its content.
+/// The Value that the file describes; see read_json. Throws FileError when the file cannot be read, SceneError for its
+/// content.
 LOCKSTEP_API Value read_json_file(const std::string& path);
 
 }  // namespace lockstep

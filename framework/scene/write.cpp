@@ -38,7 +38,8 @@ void write_plain(const Value& v, std::string& out) {
   if (const bool* b = v.boolean()) out += *b ? "true" : "false";
   if (const std::string* s = v.text()) write_text(*s, out);
   if (const double* x = v.number()) {
-    if (!std::isfinite(*x)) refuse(v.where, "", "the number is " + number(*x) + ", which JSON cannot hold; give a finite one");
+    if (!std::isfinite(*x))
+      refuse(v.where, "", "the number is " + number(*x) + ", which JSON cannot hold; give a finite one");
     out += number(*x);
   }
 }

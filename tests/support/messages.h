@@ -10,7 +10,8 @@
 namespace lockstep::testing {
 
 /// The message of the E that `act` throws, or "no error". Any other exception fails the test.
-template <class E, class F> std::string message_of(F&& act) {
+template <class E, class F>
+std::string message_of(F&& act) {
   try {
     std::forward<F>(act)();
   } catch (const E& error) {

@@ -100,6 +100,7 @@ TEST_CASE("what is no sequence is refused by name", "[unit][model]") {
   for (const char* bad : {"", "xy", "xxy", "xyy", "abc", "xyzx", "XYZ"}) {
     INFO(bad);
     CHECK_THROWS_AS(from_angles(bad, Vec3::Zero()), ModelError);
-    check_words(message_of<ModelError>([&] { to_angles(bad, Quat{}); }), {"\"" + std::string(bad) + "\"", "three letters"});
+    check_words(message_of<ModelError>([&] { to_angles(bad, Quat{}); }),
+                {"\"" + std::string(bad) + "\"", "three letters"});
   }
 }

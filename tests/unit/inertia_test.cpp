@@ -115,10 +115,12 @@ TEST_CASE("shapes have the inertia of their solids", "[unit][model]") {
   const double r = 0.3;
   const auto always = [](const Vec3&) { return true; };
   check_shape(box(2, {0.2, 0.5, 0.9}), integrated(2, {0.1, 0.25, 0.45}, always), 2e-4);
-  check_shape(cylinder(3, r, 0.8), integrated(3, {r, r, 0.4}, [&](const Vec3& x) { return std::hypot(x[0], x[1]) < r; }), 2e-3);
+  check_shape(cylinder(3, r, 0.8),
+              integrated(3, {r, r, 0.4}, [&](const Vec3& x) { return std::hypot(x[0], x[1]) < r; }), 2e-3);
   check_shape(sphere(4, r), integrated(4, {r, r, r}, [&](const Vec3& x) { return x.norm() < r; }), 2e-3);
   const Shape solid = rod(5, {0, 0, 0}, {0.9, 0, 0}, 0.2);
-  check_shape(solid.mass, integrated(5, {0.45, 0.2, 0.2}, [](const Vec3& x) { return std::hypot(x[1], x[2]) < 0.2; }), 2e-3);
+  check_shape(solid.mass, integrated(5, {0.45, 0.2, 0.2}, [](const Vec3& x) { return std::hypot(x[1], x[2]) < 0.2; }),
+              2e-3);
 }
 
 TEST_CASE("volumes", "[unit][model]") {
@@ -132,8 +134,8 @@ TEST_CASE("a rod lies between its ends", "[unit][model]") {
   const Shape shape = rod(2, from, to);
   const Mat3 A = rotation(shape.home.q);
   CHECK((shape.home.x - Vec3(1.5, 3, 2)).norm() < 1e-15);
-  CHECK((A.col(0) - Vec3(1, 2, -2) / 3).norm() < 1e-15);   // x from `from` to `to`
-  CHECK(std::abs(A.col(1)[2]) < 1e-15);                    // z as near to the world's z as can be: y is level
+  CHECK((A.col(0) - Vec3(1, 2, -2) / 3).norm() < 1e-15);  // x from `from` to `to`
+  CHECK(std::abs(A.col(1)[2]) < 1e-15);                   // z as near to the world's z as can be: y is level
   CHECK(A.col(2)[2] > 0);
   CHECK(shape.mass.J(0, 0) == Approx(0.5 * 2 * 0.06 * 0.06));  // radius: a fiftieth of the length 3
   CHECK_NOTHROW(check(shape.mass, "rod"));
@@ -169,7 +171,7 @@ TEST_CASE("shapes that cannot be are refused", "[unit][model]") {
 }
 
 TEST_CASE("the triangle rule holds with equality", "[unit][model]") {
-  CHECK(problem_of(with_J(1, 2, 3)) == "no error");          // a plate
+  CHECK(problem_of(with_J(1, 2, 3)) == "no error");            // a plate
   CHECK(problem_of(with_J(1e-6, 1, 1 + 1e-6)) == "no error");  // a thin one
   CHECK(problem_of(moved(with_J(1, 2, 3), {Vec3::Zero(), some_turn()})) == "no error");
   const std::string problem = problem_of(with_J(1, 2, 3.001));

@@ -67,7 +67,9 @@ struct Laws final : LawSource {
   mutable std::vector<std::string> places;
 };
 
-Params ramp(const std::string& json) { return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law", nullptr}; }
+Params ramp(const std::string& json) {
+  return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law", nullptr};
+}
 
 std::string ramp_problem(const std::string& json) {
   return message_of<SceneError>([&] { ramp(json); });
@@ -76,7 +78,8 @@ std::string ramp_problem(const std::string& json) {
 // The message for {"<key>": <json>} of the type that has all forms.
 std::string problem_of(const std::string& key, const std::string& json) {
   const Laws laws;
-  return message_of<SceneError>([&] { Params(read_json("{\"" + key + "\": " + json + "}", "a.json"), kAll, "body 'B'", &laws); });
+  return message_of<SceneError>(
+      [&] { Params(read_json("{\"" + key + "\": " + json + "}", "a.json"), kAll, "body 'B'", &laws); });
 }
 
 Vec3 axis_of(const std::string& json) { return read_axis(read_json(json, ""), "axis"); }
@@ -121,15 +124,19 @@ TEST_CASE("every form has its default and its getter", "[unit][model]") {
   CHECK(p.translation_law("slide") != nullptr);
   CHECK(p.rotation_law("spin") != nullptr);
   CHECK(p.laws("laws").at(1)->at(0).y == 2);
-  CHECK(laws.places ==
-        std::vector<std::string>{"body 'B', law", "body 'B', slide", "body 'B', spin", "body 'B', laws[0]", "body 'B', laws[1]"});
+  CHECK(laws.places == std::vector<std::string>{"body 'B', law", "body 'B', slide", "body 'B', spin",
+                                                "body 'B', laws[0]", "body 'B', laws[1]"});
 }
 
 TEST_CASE("given values stand before defaults in every form", "[unit][model]") {
   const Laws laws;
-  const Params p(read_json(R"({"number": 7, "integer": -2, "boolean": false, "text": "t", "choice": "green", "vector": [0, "1 cm", 2],
+  const Params p(
+      read_json(
+          R"({"number": 7, "integer": -2, "boolean": false, "text": "t", "choice": "green", "vector": [0, "1 cm", 2],
       "axis": [0, 3, 4], "turn": {"axis": "x", "angle": "180 deg"}, "numbers": [], "points": [[1]], "law": 9, "laws": [4, {"type": "x"}],
-      "any": {"a": 1}})", "a.json"), kAll, "body 'B'", &laws);
+      "any": {"a": 1}})",
+          "a.json"),
+      kAll, "body 'B'", &laws);
   CHECK(p.number("number") == 7);
   CHECK(p.integer("integer") == -2);
   CHECK_FALSE(p.boolean("boolean"));
@@ -152,11 +159,18 @@ TEST_CASE("parameters given in C++ are checked by the same table", "[unit][model
   CHECK(p.number("start") == 0.005);
   const std::string problem = message_of<SceneError>([] { Params{{"slop", 2}}.checked(kRamp, "law 'ramp'", nullptr); });
   CHECK(problem == "law 'ramp': unknown key \"slop\"; did you mean \"slope\"?");
-  check_words(message_of<SceneError>([] { Params{{"slope", 2}, {"slope", 3}}.checked(kRamp, "law 'ramp'", nullptr); }),
+  check_words(message_of<SceneError>([] {
+                Params{{"slope", 2}, {"slope", 3}}.checked(kRamp, "law 'ramp'", nullptr);
+              }),
               {"\"slope\" is given twice"});
-  check_words(message_of<SceneError>([] { Params{{"slope", std::nan("")}}.checked(kRamp, "law 'ramp'", nullptr); }),
+  check_words(message_of<SceneError>([] {
+                Params{{"slope", std::nan("")}}.checked(kRamp, "law 'ramp'", nullptr);
+              }),
               {"law 'ramp', slope: ", "nan", "finite"});
-  check_words(message_of<SceneError>([] { Params{{"slope", INFINITY}}.checked(kRamp, "law 'ramp'", nullptr); }), {"inf", "finite"});
+  check_words(message_of<SceneError>([] {
+                Params{{"slope", INFINITY}}.checked(kRamp, "law 'ramp'", nullptr);
+              }),
+              {"inf", "finite"});
   check_words(message_of<SceneError>([] { Params{{"slope", 1}}.number("slope"); }), {"\"slope\"", "checked"});
 }
 
@@ -164,12 +178,15 @@ TEST_CASE("an unknown key is refused with its place and the closest one", "[unit
   CHECK(ramp_problem("{\"start\": 1,\n  \"slop\": 2}") ==
         "four_bar.json:2:3: link 'A', drive.law: unknown key \"slop\"; did you mean \"slope\"?");
   check_words(ramp_problem(R"({"radius": 2})"), {"unknown key \"radius\"", "known: slope, start, limit"});
-  check_words(message_of<SceneError>([] { Params(read_json(R"({"a": 1})", "a.json"), {"gravity", "", {}}, "force 'g'", nullptr); }),
+  check_words(message_of<SceneError>([] {
+                Params(read_json(R"({"a": 1})", "a.json"), {"gravity", "", {}}, "force 'g'", nullptr);
+              }),
               {"force 'g'", "unknown key \"a\"", "takes no keys"});
 }
 
 TEST_CASE("a missing key is refused with what it would hold", "[unit][model]") {
-  check_words(ramp_problem("{}"), {"four_bar.json:1:1: link 'A', drive.law: missing key \"slope\"", "a speed in m/s", "rise a second", "add it"});
+  check_words(ramp_problem("{}"), {"four_bar.json:1:1: link 'A', drive.law: missing key \"slope\"", "a speed in m/s",
+                                   "rise a second", "add it"});
   const Params p = ramp(R"({"slope": 1})");
   check_words(message_of<SceneError>([&] { p.number("limit"); }), {"missing key \"limit\"", "a length in m"});
 }
@@ -180,7 +197,8 @@ TEST_CASE("a parameter in a unit of another dimension is refused by both names",
 }
 
 TEST_CASE("a wrong form is refused with what was expected and what was given", "[unit][model]") {
-  check_words(problem_of("number", "[1, 2]"), {"a.json:1:12: body 'B', number: expected a length", "12 mm", "got a list of 2"});
+  check_words(problem_of("number", "[1, 2]"),
+              {"a.json:1:12: body 'B', number: expected a length", "12 mm", "got a list of 2"});
   check_words(problem_of("number", "true"), {"got true"});
   check_words(problem_of("number", "null"), {"got null"});
   check_words(problem_of("number", "\"far\""), {"a length", "\"far\""});
@@ -189,7 +207,8 @@ TEST_CASE("a wrong form is refused with what was expected and what was given", "
   check_words(problem_of("integer", "3e10"), {"3e+10", "limit is 2147483647"});
   check_words(problem_of("boolean", "1"), {"true or false", "a number (1)"});
   check_words(problem_of("text", "7"), {"a text in quotes", "a number (7)"});
-  check_words(problem_of("choice", "\"gren\""), {"\"red\" or \"green\"", "a text (\"gren\")", "did you mean \"green\""});
+  check_words(problem_of("choice", "\"gren\""),
+              {"\"red\" or \"green\"", "a text (\"gren\")", "did you mean \"green\""});
   check_words(problem_of("choice", "3"), {"\"red\" or \"green\"", "a number (3)"});
   check_words(problem_of("vector", "\"x\""), {"a list of 3 numbers", "got a text"});
   check_words(problem_of("vector", "[1, 2]"), {"a list of 3 numbers", "got a list of 2"});
@@ -226,12 +245,14 @@ TEST_CASE("a maker refuses a value with its place, owner and key", "[unit][model
     p.refuse("slope", "the slope is -1, it must be greater than zero");
     FAIL("no error");
   } catch (const SceneError& error) {
-    CHECK(std::string(error.what()) == "four_bar.json:2:10: link 'A', drive.law.slope: the slope is -1, it must be greater than zero");
+    CHECK(std::string(error.what()) ==
+          "four_bar.json:2:10: link 'A', drive.law.slope: the slope is -1, it must be greater than zero");
     CHECK(error.file == "four_bar.json");
     CHECK(error.line == 2);
     CHECK(error.column == 10);
   }
-  check_words(message_of<SceneError>([&] { p.refuse("start", "too early"); }), {"four_bar.json:1:1: ", "start: too early"});
+  check_words(message_of<SceneError>([&] { p.refuse("start", "too early"); }),
+              {"four_bar.json:1:1: ", "start: too early"});
   check_words(message_of<SceneError>([&] { p.number("speed"); }), {"\"speed\"", "its table does not list"});
 }
 
@@ -265,7 +286,8 @@ TEST_CASE("orientations in all their forms", "[unit][model]") {
   CHECK(distance(turn_of(R"({"x": "y", "z": "z"})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"x": "y", "y": "-x"})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"z": "z", "y": "-x"})"), quarter) < 1e-15);
-  CHECK(distance(turn_of(R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), quarter) < 1e-15);  // x is kept, z turned upright to it
+  CHECK(distance(turn_of(R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), quarter) <
+        1e-15);  // x is kept, z turned upright to it
 }
 
 TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
@@ -280,7 +302,8 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", R"({"axis": "x", "angle": 1, "angel": 1})"), {"unknown key \"angel\"", "angle"});
   check_words(problem_of("turn", R"({"angles": [1, 2, 3]})"), {"\"angles\" needs \"sequence\""});
   check_words(problem_of("turn", R"({"angles": [1, 2, 3], "sequence": "xxy"})"), {"turn.sequence", "\"xxy\""});
-  check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]})"), {"turn.matrix", "off by 3", "1e-06"});
+  check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]})"),
+              {"turn.matrix", "off by 3", "1e-06"});
   check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]})"), {"mirror"});
   check_words(problem_of("turn", R"({"matrix": [1, 0, 0]})"), {"3 numbers"});
   check_words(problem_of("turn", R"({"x": "y"})"), {"two of"});
@@ -295,7 +318,8 @@ TEST_CASE("a table of keys that is not sound is refused", "[unit][model]") {
   CHECK(message_of<ModelError>([] { check(kRamp); }) == "no error");
   CHECK(message_of<ModelError>([] { check(kAll); }) == "no error");
   check_words(problem({{"", Form::number, Unit::none, "0", ""}}), {"'cam'", "no name"});
-  check_words(problem({{"a", Form::number, Unit::none, "0", ""}, {"a", Form::text, Unit::none, "", ""}}), {"'a'", "twice"});
+  check_words(problem({{"a", Form::number, Unit::none, "0", ""}, {"a", Form::text, Unit::none, "", ""}}),
+              {"'a'", "twice"});
   check_words(problem({{"a", Form::choice, Unit::none, "", ""}}), {"'a'", "without choices"});
   check_words(problem({{"a", Form::text, Unit::none, "words", ""}}), {"'a'", "`words`", "quotes"});
   check_words(problem({{"a", Form::number, Unit::length, "\"3 s\"", ""}}), {"'a'", "is a time"});

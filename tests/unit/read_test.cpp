@@ -40,8 +40,7 @@ bool same(const Value& a, const Value& b) {
   if (a.kind() != b.kind()) return false;
   if (a.number()) return *a.number() == *b.number();
   if (a.text()) return *a.text() == *b.text();
-  if (a.list())
-    return std::equal(a.list()->begin(), a.list()->end(), b.list()->begin(), b.list()->end(), same);
+  if (a.list()) return std::equal(a.list()->begin(), a.list()->end(), b.list()->begin(), b.list()->end(), same);
   if (a.object())
     return std::equal(a.object()->begin(), a.object()->end(), b.object()->begin(), b.object()->end(),
                       [](const auto& x, const auto& y) { return x.key == y.key && same(x.value, y.value); });
@@ -53,7 +52,9 @@ std::string nested(std::size_t depth) { return std::string(depth, '[') + std::st
 // A file that goes away with the test.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& content)
-      : path((std::filesystem::temp_directory_path() / ("lockstep_read_test_" + std::to_string(std::random_device{}()) + ".json")).string()) {
+      : path((std::filesystem::temp_directory_path() /
+              ("lockstep_read_test_" + std::to_string(std::random_device{}()) + ".json"))
+                 .string()) {
     std::ofstream(path, std::ios::binary) << content;
   }
   ~TemporaryFile() { std::remove(path.c_str()); }
@@ -112,7 +113,8 @@ TEST_CASE("depth is limited", "[unit][scene]") {
 }
 
 TEST_CASE("size is limited", "[unit][scene]") {
-  check_words(problem_of("[" + std::string(kMostBytes, ' ') + "]"), {"a.json: ", "67108866 bytes", "limit is 67108864"});
+  check_words(problem_of("[" + std::string(kMostBytes, ' ') + "]"),
+              {"a.json: ", "67108866 bytes", "limit is 67108864"});
 }
 
 TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]") {
@@ -268,6 +270,7 @@ TEST_CASE("a file is read under its name", "[unit][scene]") {
 }
 
 TEST_CASE("a file that cannot be read is refused by name", "[unit][scene]") {
-  check_words(message_of<FileError>([] { read_json_file("no/such/scene.json"); }), {"no/such/scene.json", "No such file", "check the path"});
+  check_words(message_of<FileError>([] { read_json_file("no/such/scene.json"); }),
+              {"no/such/scene.json", "No such file", "check the path"});
   check_words(message_of<FileError>([] { read_json_file("."); }), {"'.'", "folder"});
 }

@@ -20,7 +20,9 @@ struct Constant final : MotionLaw {
 
 struct Scaled final : MotionLaw {
   static TypeInfo info() {
-    return {"scale", "a law times a number", {{"factor", Form::number, Unit::none, "2", ""}, {"base", Form::law, Unit::none, "", "scaled"}}};
+    return {"scale",
+            "a law times a number",
+            {{"factor", Form::number, Unit::none, "2", ""}, {"base", Form::law, Unit::none, "", "scaled"}}};
   }
   static LawPtr<MotionLaw> make(const Params& p) {
     auto law = std::make_shared<Scaled>();
@@ -88,7 +90,8 @@ TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
   };
   CHECK(problem("scal") == "link 'A': unknown law \"scal\"; did you mean \"scale\"?");
   CHECK(problem("polynomial") == "link 'A': unknown law \"polynomial\"; known: constant, scale");
-  check_words(message_of<SceneError>([&] { registry.links.make("gear", Site{}, Params{}, &registry, "link 'A'"); }), {"unknown link \"gear\""});
+  check_words(message_of<SceneError>([&] { registry.links.make("gear", Site{}, Params{}, &registry, "link 'A'"); }),
+              {"unknown link \"gear\""});
 }
 
 TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin]") {
@@ -96,9 +99,11 @@ TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin
   const auto y = [&](const std::string& json) { return registry.scalar_law(read_json(json, "a.json"))->at(0).y; };
   CHECK(y("3") == 3);
   CHECK(y("\"3 mm\"") == 0.003);
-  CHECK(y(R"({"type": "scale", "factor": 5, "base": {"type": "scale", "base": {"type": "constant", "value": 7}}})") == 70);
+  CHECK(y(R"({"type": "scale", "factor": 5, "base": {"type": "scale", "base": {"type": "constant", "value": 7}}})") ==
+        70);
   CHECK(registry.translation_law(read_json("[1, 2, \"3 mm\"]", "a.json"))->at(0).x == Vec3(1, 2, 0.003));
-  CHECK(registry.translation_law(read_json(R"({"type": "constant", "value": [1, 2, 3]})", "a.json"))->at(0).x == Vec3(1, 2, 3));
+  CHECK(registry.translation_law(read_json(R"({"type": "constant", "value": [1, 2, 3]})", "a.json"))->at(0).x ==
+        Vec3(1, 2, 3));
   CHECK(registry.rotation_law(read_json("[0, 2, 0, 0]", "a.json"))->at(0).q.x == 1);
 }
 
@@ -107,24 +112,31 @@ TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {
         "a.json:1:48: link 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
   check_words(law_problem(R"({"type": "scale", "base": {"type": "constant", "value": []}})"),
               {"a.json:1:57: link 'A', drive.law.base.value: expected", "an empty list"});
-  CHECK(law_problem(R"({"type": "scal", "base": 1})") == "a.json:1:10: link 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
-  check_words(law_problem(R"({"base": 1})"), {"a.json:1:1: link 'A', drive.law: missing key \"type\"", "constant or scale"});
-  check_words(law_problem(R"({"type": 3})"), {"a.json:1:10: link 'A', drive.law.type: expected a text", "a number (3)"});
+  CHECK(law_problem(R"({"type": "scal", "base": 1})") ==
+        "a.json:1:10: link 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
+  check_words(law_problem(R"({"base": 1})"),
+              {"a.json:1:1: link 'A', drive.law: missing key \"type\"", "constant or scale"});
+  check_words(law_problem(R"({"type": 3})"),
+              {"a.json:1:10: link 'A', drive.law.type: expected a text", "a number (3)"});
   check_words(law_problem("true"), {"expected an object", "got true"});
   check_words(law_problem("null"), {"expected an object", "got null"});
   check_words(law_problem("[1, 2]"), {"expected a quantity", "a list of 2"});
   check_words(law_problem(R"({"type": "scale", "factor": 2})"), {"missing key \"base\"", "scaled"});
-  check_words(message_of<SceneError>([] { Registry{}.scalar_law(Value(3), "link 'A', law"); }), {"link 'A', law: expected an object", "a number (3)"});
+  check_words(message_of<SceneError>([] { Registry{}.scalar_law(Value(3), "link 'A', law"); }),
+              {"link 'A', law: expected an object", "a number (3)"});
 }
 
 TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
   Registry registry = some_registry();
   registry.laws.set_origin("built in");
   const auto problem = [](const auto& act) { return message_of<PluginError>(act); };
-  check_words(problem([&] { registry.laws.add<Constant>(); }), {"law 'constant' is there already (built in)", "another name"});
+  check_words(problem([&] { registry.laws.add<Constant>(); }),
+              {"law 'constant' is there already (built in)", "another name"});
   check_words(problem([&] { registry.laws.add({}, &Constant::make); }), {"a law has no name"});
   check_words(problem([&] { registry.forces.add({"wind", "", {}}, nullptr); }), {"force 'wind' has no maker"});
-  check_words(problem([&] { registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, "words", ""}}}, &Constant::make); }),
+  check_words(problem([&] {
+                registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, "words", ""}}}, &Constant::make);
+              }),
               {"law 'bad' cannot be registered", "`words`"});
   CHECK(registry.laws.entries().size() == 2);
 }
@@ -162,7 +174,8 @@ TEST_CASE("registries are merged whole or not at all", "[unit][plugin]") {
   clash.laws.add<Scaled>();
   clash.translation_laws.add<Still>();
   clash.translation_laws.set_origin("storm");
-  check_words(message_of<PluginError>([&] { base.merge(clash); }), {"translation law 'constant' (storm)", "(built in)", "another name"});
+  check_words(message_of<PluginError>([&] { base.merge(clash); }),
+              {"translation law 'constant' (storm)", "(built in)", "another name"});
   CHECK(base.laws.names() == std::vector<std::string>{"constant"});
   CHECK(base.translation_laws.find("constant")->origin == "built in");
   CHECK_THROWS_AS(base.merge(base), PluginError);

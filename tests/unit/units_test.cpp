@@ -86,17 +86,20 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
 TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]") {
   check_words(read_quantity("30 deg", Unit::length).problem, {"\"30 deg\" is an angle", "a length is wanted", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
-  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem, {"is a torque", "torsional stiffness", "N m/rad"});
+  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem,
+              {"is a torque", "torsional stiffness", "N m/rad"});
   check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});
   check_words(read_quantity("3 kg m", Unit::mass).problem, {"of another dimension", "a mass"});
   // No two units of the table may be confused.
   for (int k = 1; k < static_cast<int>(Unit::any); ++k)
     for (int l = 1; l < static_cast<int>(Unit::any); ++l)
-      if (k != l) CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
+      if (k != l)
+        CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
 }
 
 TEST_CASE("what cannot be read is refused with the text and what to write", "[unit][model]") {
-  check_words(read_quantity("3 mmm", Unit::length).problem, {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
+  check_words(read_quantity("3 mmm", Unit::length).problem,
+              {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
   check_words(read_quantity("3", Unit::length).problem, {"\"3\" has no unit", "without quotes"});
   check_words(read_quantity("", Unit::length).problem, {"does not begin with a number", "12 mm"});
   check_words(read_quantity("fast", Unit::speed).problem, {"\"fast\"", "a speed", "20 mm/s"});
