@@ -10,27 +10,27 @@
 
 namespace lockstep::oracle {
 
-Dual2 exp(const Dual2& a) {  // the series, differentiated term by term by the arithmetic itself
+inline Dual2 exp(const Dual2& a) {  // the series, differentiated term by term by the arithmetic itself
   Dual2 sum = 1.0, term = 1.0;
   for (int n = 1; n < 60; ++n) sum += term *= a / double(n);
   return sum;
 }
-Dual2 log(const Dual2& a) {  // 2 artanh((a - 1)/(a + 1))
+inline Dual2 log(const Dual2& a) {  // 2 artanh((a - 1)/(a + 1))
   const Dual2 u = (a - 1.0) / (a + 1.0);
   Dual2 sum = 0.0, power = u;
   for (int n = 1; n < 400; n += 2, power *= u * u) sum += power / double(n);
   return 2.0 * sum;
 }
-Dual2 tan(const Dual2& a) { return sin(a) / cos(a); }
-Dual2 sinh(const Dual2& a) { return (exp(a) - exp(-a)) / 2.0; }
-Dual2 cosh(const Dual2& a) { return (exp(a) + exp(-a)) / 2.0; }
-Dual2 tanh(const Dual2& a) { return sinh(a) / cosh(a); }
-Dual2 abs(const Dual2& a) { return a.v < 0 ? -a : a; }
-Dual2 atan(const Dual2& a) { return atan2(a, Dual2(1.0)); }
-Dual2 asin(const Dual2& a) { return atan2(a, sqrt(1.0 - a * a)); }
-Dual2 acos(const Dual2& a) { return atan2(sqrt(1.0 - a * a), a); }
+inline Dual2 tan(const Dual2& a) { return sin(a) / cos(a); }
+inline Dual2 sinh(const Dual2& a) { return (exp(a) - exp(-a)) / 2.0; }
+inline Dual2 cosh(const Dual2& a) { return (exp(a) + exp(-a)) / 2.0; }
+inline Dual2 tanh(const Dual2& a) { return sinh(a) / cosh(a); }
+inline Dual2 abs(const Dual2& a) { return a.v < 0 ? -a : a; }
+inline Dual2 atan(const Dual2& a) { return atan2(a, Dual2(1.0)); }
+inline Dual2 asin(const Dual2& a) { return atan2(a, sqrt(1.0 - a * a)); }
+inline Dual2 acos(const Dual2& a) { return atan2(sqrt(1.0 - a * a), a); }
 /// Powers of which the dual numbers know the meaning.
-Dual2 pow(const Dual2& a, double p) {
+inline Dual2 pow(const Dual2& a, double p) {
   Dual2 r = 1.0;
   const Dual2 root = sqrt(a);
   for (int n = 0; n < int(std::round(std::abs(2 * p))); ++n) r *= root;
