@@ -52,16 +52,33 @@ double dissipation(const System& system, const Evaluated& v) {
   return sum;
 }
 
+double supply(const System& system, const Evaluated& v) {
+  double sum = 0;
+  for (const auto& f : system.forces()) sum += f->supply(v.in);
+  return sum;
+}
+
 const Quadrature& drives(System& system) { return quadrature(system, "energy.drives", power_of_laws); }
 const Quadrature& dissipated(System& system) {
   return quadrature(system, "energy.dissipated", [&system](const Evaluated& v) { return dissipation(system, v); });
 }
 
-// total - drives + dissipated, minus its value at the start
+const Quadrature& supplied(System& system) {
+  return quadrature(system, "energy.supplied", [&system](const Evaluated& v) { return supply(system, v); });
+}
+
+// total - drives - supplied + dissipated, minus its value at the start. What the system has not (links, forces) is not
+// integrated.
 void make_balance(System& system, Channel& c) {
-  const Quadrature &in = drives(system), &out = dissipated(system);
-  const auto sum = [&in, &out](const Sample& s) {
-    return kinetic(s) + potential(s) - in.value(s.state) + out.value(s.state);
+  const Quadrature* const led = system.links().empty() ? nullptr : &drives(system);
+  const Quadrature* const fed = system.forces().empty() ? nullptr : &supplied(system);
+  const Quadrature* const lost = system.forces().empty() ? nullptr : &dissipated(system);
+  const auto sum = [led, fed, lost](const Sample& s) {
+    double e = kinetic(s) + potential(s);
+    if (led) e -= led->value(s.state);
+    if (fed) e -= fed->value(s.state);
+    if (lost) e += lost->value(s.state);
+    return e;
   };
   struct Start {
     bool begun = false;
@@ -95,14 +112,18 @@ void of_totals(Entries& out) {
          c.value = [&q](const Sample& s) { return q.value(s.state); };
        }});
   out.push_back(
+      {"energy.supplied", "J", "work of the laws and motors of all forces since the start", [](System& system, Channel& c) {
+         const Quadrature& q = supplied(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
       {"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
          const Quadrature& q = dissipated(system);
          c.value = [&q](const Sample& s) { return q.value(s.state); };
        }});
   out.push_back(
       {"energy.balance", "J",
-       "total - drives + dissipated, minus its value at the start: the work of applied forces and of springs on moving "
-       "markers, else the error of the run",
+       "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
        make_balance});
   add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
   add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
