@@ -48,7 +48,7 @@ ProjectReport land(Dynamics&, State&);
 ProjectReport land_or_throw(Dynamics&, State&, const char* method, double t, double h);
 
 /// Scratch of the size of a state.
-StateRate sized_like(const State&);
+LOCKSTEP_API StateRate sized_like(const State&);
 /// out = in, without the links' set and the memory, which do not change during a step.
 void copy_motion(const State& in, State& out);
 

@@ -25,6 +25,7 @@ bool allocations_are_counted() { return false; }
 bool allocations_are_counted() { return true; }
 
 // The program's malloc stands before the C library's, for every shared library too; operator new comes here as well.
+#pragma GCC visibility push(default)  // our own are hidden otherwise, and the library would not see them
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -53,4 +54,5 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t n) {
   return *out ? 0 : ENOMEM;
 }
 }
+#pragma GCC visibility pop
 #endif

@@ -35,8 +35,5 @@ TEST_CASE("a step of rk4 allocates nothing", "[unit][integrators]") {
   CHECK(allocations_of([&] {
           for (int i = 0; i < 20; ++i) method.step(dynamics, s, 0.0123456789);
         }) == 0);
-  CHECK(allocations_of([] {
-          VecX v = VecX::Zero(100);
-          CHECK(v.size() == 100);
-        }) >= 1);  // the count counts
+  CHECK(allocations_of([&] { Rk4().begin(dynamics, s); }) > 0);  // the library's are counted
 }
