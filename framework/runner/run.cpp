@@ -25,8 +25,9 @@ void record_places(Mechanism& m) {
 }
 
 std::string assembly_text(const AssemblyReport& r) {
-  std::string text = fmt::format("assembled: |C| {:.2g} m -> {:.2g} m, |dC/dt| {:.2g} m/s -> {:.2g} m/s, {} iterations", r.before, r.after,
-                                 r.before_v, r.after_v, r.iterations);
+  std::string text = fmt::format("assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
+                                 r.before, r.before_v, r.after, r.after_v);
+  if (r.largest_move == 0 && r.largest_turn == 0) text += "; only velocities changed";
   if (r.largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", r.moved_most, r.largest_move);
   if (r.largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", r.turned_most, r.largest_turn);
   return text;

@@ -155,7 +155,8 @@ Json definitions(const Registry& registry) {
 std::string scene_schema(const Registry& registry) {
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "lockstep scene"}};
   const SceneTable& scene = scene_table("scene");
-  for (const auto& [key, value] : object_schema(scene.info, scene.parts).items()) schema[key] = value;
+  const Json root = object_schema(scene.info, scene.parts);
+  for (const auto& [key, value] : root.items()) schema[key] = value;
   schema["properties"]["lockstep"]["const"] = 1;
   schema["$defs"] = definitions(registry);
   return schema.dump(1, ' ') + "\n";
