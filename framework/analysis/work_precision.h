@@ -103,7 +103,7 @@ enum class ChartBy { integrator, form };
 
 /// Position error over CPU time, log-log. ChartBy::integrator: one curve an integrator, at the first formulation, first
 /// solver and `kind`. ChartBy::form: one panel an integrator of `only` (all when empty), one curve a pair of formulation
-/// and stabilisation. Failures are crosses at the top, at the time they took.
+/// and stabilisation. Failures are grey marks at the top, at the time they took.
 LOCKSTEP_API ChartSpec work_precision_chart(const WorkPrecision&, const std::string& title, ChartBy by,
                                             Stabilization::Kind kind = Stabilization::Kind::project,
                                             const std::vector<std::string>& only = {});

@@ -31,7 +31,7 @@ template <class Wanted> Series series_of(const WorkPrecision& result, const std:
   return s;
 }
 
-// Crosses above the curves, at the time that was lost.
+// Marks above the curves, at the time that was lost.
 template <class Wanted> void add_failures(const WorkPrecision& result, Panel& panel, Wanted&& wanted) {
   double top = 0;
   for (const Series& s : panel.series)
@@ -103,7 +103,7 @@ ChartSpec work_precision_chart(const WorkPrecision& result, const std::string& t
   const Formulation first = result.runs.front().formulation;
   const auto names = distinct(result, [](const WorkPrecisionRun& r) { return r.integrator; });
   if (by == ChartBy::integrator) {
-    Panel panel{y, {}, true};
+    Panel panel{y + ", " + to_string(first) + ", " + (kind == Stabilization::Kind::none ? "no stabilisation" : to_string(kind)), {}, true};
     const auto same = [&](const WorkPrecisionRun& r) { return r.formulation == first && r.stabilization == kind && r.solver == solver; };
     for (const std::string& name : names)
       panel.series.push_back(series_of(result, name, [&](const WorkPrecisionRun& r) { return r.integrator == name && same(r); }));

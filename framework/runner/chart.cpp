@@ -76,7 +76,7 @@ void print_cheapest(const WorkPrecision& result) {
 void print_failures(const WorkPrecision& result) {
   std::size_t n = 0;
   for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
-  if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
+  if (n > 0) fmt::print("{} runs failed (grey marks in the pictures); the reasons stand in the CSV file\n", n);
   if (!result.left_out.empty()) fmt::print("{} runs did not fit into the time; give more with --budget\n", result.left_out.size());
 }
 
