@@ -18,14 +18,14 @@ int main() {
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});
   run.add_observer(recorder);
 
-  // The rod is back at rest when its angular velocity rises through zero: one full period.
-  double period = 0;
-  Event& back = run.add_event({.name = "back"});
-  back.value = [](const Sample& now) { return now.state.v[5]; };  // w about z of the only slot
+  // The rod is back at rest where it began: its angular velocity about z (of the only slot) falls through zero again.
+  Event back{.name = "back at the start"};
+  back.value = [](const Sample& now) { return now.state.v[5]; };
   back.crossing = Event::Crossing::falling;
   back.stop = true;
+  run.add_event(back);
   run.run_until(10.0);
-  period = run.state().t;
+  const double period = run.state().t;
 
   // Exact: T = 4 K(k) / w with k = sin(pi/4), K by the arithmetic-geometric mean; w^2 = m g l / I, l = 1/2.
   const double J = bar.mass.J(2, 2) + 0.25, w = std::sqrt(9.81 * 0.5 / J);

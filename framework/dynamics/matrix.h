@@ -12,7 +12,7 @@
 
 namespace lockstep {
 
-class Matrix {
+class LOCKSTEP_API Matrix {
  public:
   Matrix(const System& system, Formulation formulation) : system_(system), formulation_(formulation) {}
 

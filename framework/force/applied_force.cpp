@@ -54,4 +54,10 @@ double AppliedForce::quantity(int k, const Inputs& in) const {
   return F.dot(point_velocity(in, P_.slot, x) - point_velocity(in, S_.slot, x));
 }
 
+// The power, less what the potential of a constant world force tells already.
+double AppliedForce::supply(const Inputs& in) const {
+  const double power = quantity(3, in);
+  return S_.slot == kGround ? power - constant().dot(in_world(P_, in).v) : power;
+}
+
 }  // namespace lockstep

@@ -28,6 +28,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< force_on_p_world_x, .._y, .._z, power
   double quantity(int k, const Inputs&) const override;
+  double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
   double potential(const Inputs&) const override;

@@ -50,4 +50,6 @@ double AppliedTorque::quantity(int k, const Inputs& in) const {
   return M.dot(turn_rate(in, P_.slot) - turn_rate(in, S_.slot));
 }
 
+double AppliedTorque::supply(const Inputs& in) const { return quantity(3, in); }
+
 }  // namespace lockstep

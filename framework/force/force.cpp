@@ -12,6 +12,7 @@ std::vector<Quantity> Force::quantities() const { return {}; }
 double Force::quantity(int, const Inputs&) const { return 0; }
 double Force::potential(const Inputs&) const { return 0; }
 double Force::dissipation(const Inputs&) const { return 0; }
+double Force::supply(const Inputs&) const { return 0; }
 void Force::start_memory(std::span<double> z) const { std::fill(z.begin(), z.end(), 0.0); }
 void Force::accept(const Inputs&, std::span<double>) const {}
 

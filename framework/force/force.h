@@ -35,6 +35,9 @@ class LOCKSTEP_API Force {
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
   virtual double potential(const Inputs&) const;           ///< J; asked only while energy is recorded; default 0
   virtual double dissipation(const Inputs&) const;         ///< W taken out by dampers, >= 0; default 0
+  /// W put in by laws and motors: what the force gives to the bodies beyond -dV/dt and the dampers; default 0. The energy
+  /// balance rests on it.
+  virtual double supply(const Inputs&) const;
 
   // -- what the force remembers (turn counters)
   virtual int n_memory() const { return 0; }

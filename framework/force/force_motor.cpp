@@ -43,4 +43,6 @@ double ForceMotor::quantity(int k, const Inputs& in) const {
   return F * z.dot(point_velocity(in, P_.slot, P.x) - point_velocity(in, S_.slot, P.x));
 }
 
+double ForceMotor::supply(const Inputs& in) const { return quantity(2, in); }
+
 }  // namespace lockstep

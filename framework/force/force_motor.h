@@ -25,6 +25,7 @@ class LOCKSTEP_API ForceMotor final : public MarkerForce {
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< force, rate, power
   double quantity(int k, const Inputs&) const override;
+  double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
 

@@ -90,4 +90,11 @@ double SpringDamper::quantity(int k, const Inputs& in) const {
   return r.force * r.n.dot(point_velocity(in, S_.slot, r.xS) - point_velocity(in, P_.slot, r.xP));
 }
 
+// power + dV/dt + D: the law's share, and that of markers which move on their bodies.
+double SpringDamper::supply(const Inputs& in) const {
+  const Line r = line(in);
+  const double stored = options_.stiffness * (r.length - options_.free_length) + options_.preload;
+  return quantity(3, in) + (stored + options_.damping * r.rate) * r.rate;
+}
+
 }  // namespace lockstep

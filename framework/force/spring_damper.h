@@ -35,6 +35,7 @@ class LOCKSTEP_API SpringDamper final : public MarkerForce {
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< length, rate, force, power
   double quantity(int k, const Inputs&) const override;
+  double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
   double potential(const Inputs&) const override;

@@ -44,4 +44,6 @@ double TorqueMotor::quantity(int k, const Inputs& in) const {
   return T * z.dot(turn_rate(in, P_.slot) - turn_rate(in, S_.slot));
 }
 
+double TorqueMotor::supply(const Inputs& in) const { return quantity(2, in); }
+
 }  // namespace lockstep

@@ -23,6 +23,7 @@ class LOCKSTEP_API TorqueMotor final : public MarkerForce {
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< torque, rate, power
   double quantity(int k, const Inputs&) const override;
+  double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
 

@@ -99,4 +99,11 @@ double TorsionSpringDamper::quantity(int k, const Inputs& in) const {
   return r.torque * r.g.dot(turn_rate(in, S_.slot) - turn_rate(in, P_.slot));
 }
 
+// power + dV/dt + D: the law's share, and that of markers which move on their bodies.
+double TorsionSpringDamper::supply(const Inputs& in) const {
+  const Turn r = turn(in);
+  const double stored = options_.stiffness * (r.angle - options_.free_angle) + options_.preload;
+  return quantity(3, in) + (stored + options_.damping * r.rate) * r.rate;
+}
+
 }  // namespace lockstep

@@ -61,6 +61,7 @@ inline void translation(const MotionT<T>& O1, const MotionT<T>& O2, const Marker
                         const ImposedTranslationT<T>& D, Mask rows, TranslationRowsT<T>& out) {
   using V = Vec3T<T>;
   constexpr bool kParallel = kWith & with::parallel;
+  static_assert(!kParallel || !(kWith & with::qS), "a marker that turns is not parallel to its body");
   const T two(2);
   const auto to_S = [&](const V& b) -> V {  // A_S^T b
     if constexpr (kParallel) return b;
@@ -150,11 +151,13 @@ inline void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMot
   using V = Vec3T<T>;
   constexpr bool kParallel = kWith & with::parallel, kScalar = kWith & with::scalar_row;
   constexpr bool kQD = kWith & with::qD, kQS = kWith & with::qS, kQP = kWith & with::qP;
+  static_assert(!kParallel || !(kQP || kQS), "markers that turn are not parallel to their bodies");
   const T half(0.5), quarter(0.25);
 
   // (4.1), (4.2) r = q_S' q_2' q_1 q_P,  e = q_D' r,  C = vec(e)
   QuatT<T> e = conjugate(O2.e) * O1.e;
-  if constexpr (kQD) e = conjugate(S.q * D.q) * (e * P.q);
+  if constexpr (kQD && kParallel) e = conjugate(D.q) * e;
+  else if constexpr (kQD) e = conjugate(S.q * D.q) * (e * P.q);
   else if constexpr (!kParallel) e = conjugate(S.q) * (e * P.q);
   const V ev = e.vec();
   out.e = e;
@@ -164,22 +167,22 @@ inline void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMot
   const T h0 = half * e.w;
   const V hv = half * ev;
   Mat3T<T> A_SD;
-  if constexpr (kQD) A_SD = S.A * D.A;
+  if constexpr (kQD && kParallel) A_SD = D.A;
+  else if constexpr (kQD) A_SD = S.A * D.A;
   for (int k = 0; k < 3; ++k) {
     if (!has(rows, row_bit(k + 3))) continue;
     const V n1 = kernel_detail::half_row<T>(k, h0, hv), n2 = kernel_detail::half_row<T>(k, T(-h0), hv);
-    if constexpr (kParallel) {
-      out.Jw1.row(k) = n1;
-      out.Jw2.row(k) = n2;
-    } else {
-      out.Jw1.row(k) = P.A * n1;
-      if constexpr (kQD) out.Jw2.row(k) = A_SD * n2;
-      else out.Jw2.row(k) = S.A * n2;
-    }
+    if constexpr (kParallel) out.Jw1.row(k) = n1;
+    else out.Jw1.row(k) = P.A * n1;
+    if constexpr (kQD) out.Jw2.row(k) = A_SD * n2;
+    else if constexpr (kParallel) out.Jw2.row(k) = n2;
+    else out.Jw2.row(k) = S.A * n2;
   }
   if constexpr (kScalar) {
-    out.Jw1_0 = -(P.A * hv);
+    if constexpr (kParallel) out.Jw1_0 = -hv;
+    else out.Jw1_0 = -(P.A * hv);
     if constexpr (kQD) out.Jw2_0 = A_SD * hv;
+    else if constexpr (kParallel) out.Jw2_0 = hv;
     else out.Jw2_0 = S.A * hv;
   }
 

@@ -12,16 +12,17 @@ struct MarkerFrame {
   Vec3 u0 = Vec3::Zero();  ///< home origin in the slot, m
   Quat q0;                 ///< home axes -> slot axes
   Mat3 A0 = Mat3::Identity();
-  const TranslationLaw* slide = nullptr;
-  const RotationLaw* spin = nullptr;
+  LawPtr<TranslationLaw> slide;  // shared, so that a marker whose law is replaced later leaves nothing dangling
+  LawPtr<RotationLaw> spin;
 
   MarkerFrame() = default;
-  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide.get()), spin(m.spin.get()) {
+  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide), spin(m.spin) {
     const Pose home = m.body->in_slot * m.local;
     u0 = home.x, q0 = normalized(home.q), A0 = rotation(q0);
   }
 
-  bool parallel() const { return !slide && !spin && A0.isApprox(Mat3::Identity(), 1e-15); }
+  /// Axes of the slot, with q0 = +1: q0 = -1 is the same turn, but gives e the other sign.
+  bool parallel() const { return !slide && !spin && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
   MarkerMotion at(double t) const {

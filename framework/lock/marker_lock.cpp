@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/lock/dispatch.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -14,7 +15,14 @@ MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
 }
 MarkerLock::~MarkerLock() = default;
 
+void MarkerLock::refuse_when_set_up(const std::string& what) const {
+  if (slots_.n == 0) return;
+  throw ModelError("link '" + name() + "': " + what + " comes after the system was set up, when its rows are counted already; "
+                   "give every law before the first evaluation");
+}
+
 void MarkerLock::move(LawPtr<TranslationLaw> law) {
+  refuse_when_set_up("a translation law");
   if (!any(mask_, Mask::xyz))
     throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
@@ -22,6 +30,7 @@ void MarkerLock::move(LawPtr<TranslationLaw> law) {
 }
 
 void MarkerLock::turn(LawPtr<RotationLaw> law) {
+  refuse_when_set_up("a rotation law");
   if (!any(mask_, Mask::e123))
     throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
@@ -38,6 +47,7 @@ void MarkerLock::drive_speed(Axis axis, LawPtr<MotionLaw> law) {
 void MarkerLock::add_drive(Drive drive) {
   const std::string what = "link '" + name() + "': drive on " + std::string(to_string(drive.axis));
   const Mask bit = row_of(drive.axis);
+  refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
   if (!drive.law) throw ModelError(what + " has no law; give it one");
   if (has(mask_, bit))
     throw ModelError(what + ": row " + std::string(lockstep::row_name(index(drive.axis))) + " is held by the mask \"" +
@@ -99,17 +109,17 @@ void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) con
 
 namespace {
 Vec3 unit(int k) { return Vec3::Unit(k % 3); }
-
-void refuse_particle(const std::string& link, const Marker& m, Mask rows) {
-  if (m.body->freedoms != Freedoms::particle || !any(rows, Mask::e123)) return;
-  throw ModelError("link '" + link + "' holds turns (" + to_string(rows & Mask::e123) + ") of '" + m.body->name +
-                   "', which is a particle and does not turn; give it an inertia, or take those rows out of the mask");
-}
 }  // namespace
 
+void MarkerLock::refuse_particles(const std::string& rows) const {
+  for (const Marker* m : {p_, s_})
+    if (m->body->freedoms == Freedoms::particle)
+      throw ModelError("link '" + name() + "' holds turns (" + rows + ") of '" + m->body->name +
+                       "', which is a particle and does not turn; give it an inertia, or take a link that leaves turns free");
+}
+
 void MarkerLock::setup() {
-  refuse_particle(name(), *p_, rows_);
-  refuse_particle(name(), *s_, rows_);
+  if (any(rows_, Mask::e123)) refuse_particles(to_string(rows_ & Mask::e123));
   P_ = MarkerFrame(*p_);
   S_ = MarkerFrame(*s_);
   slots_ = {};
@@ -137,16 +147,24 @@ void MarkerLock::setup() {
   const unsigned sides = (side1_ < 0 ? 1u : 0u) | (side2_ < 0 ? 2u : 0u);
   pattern_ = laws_ | static_cast<unsigned>(rows_) << 8 | static_cast<unsigned>(mask_) << 14 | sides << 20;
 
-  // A driven speed starts from the coordinate of the home poses: rho_k, or the turn of P against S about the axis.
+  // A driven speed starts from the coordinate at the start: rho_k, or the turn of P against S (turned by q_D) about the axis.
   speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
-  const Pose S_home = s_->body->home * s_->local, P_home = p_->body->home * p_->local;
-  const Pose rel = inverse(S_home) * P_home;
+  Pose rel = start_pose();
+  if (turn_) rel.q = conjugate(turn_->at(0.0).q) * rel.q;
   for (const Drive& d : drives_) {
     if (!d.speed) continue;
     const int k = index(d.axis) % 3;
     speed_start_[static_cast<std::size_t>(d.state)] =
         is_rotation(d.axis) ? 2.0 * std::atan2(rel.q.vec()[k], rel.q.w) : rel.x[k];
   }
+}
+
+Pose MarkerLock::start_pose() const {
+  const auto in_world = [](const Marker& m, const MarkerMotion& k) {
+    const Pose slot = m.body->slot == kGround ? Pose{} : m.body->home * inverse(m.body->in_slot);
+    return slot * Pose{k.u, k.q};
+  };
+  return inverse(in_world(*s_, S_.at(0.0))) * in_world(*p_, P_.at(0.0));
 }
 
 void MarkerLock::start_states(std::span<double> s) const { std::copy(speed_start_.begin(), speed_start_.end(), s.begin()); }
@@ -242,22 +260,9 @@ struct MarkerLockGather {
 };
 
 void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
-  constexpr unsigned kParallel = with::parallel, kNothing = with::nothing, kP = with::p, kQD = with::qD;
   const MarkerLockGather g{in};
-  if (any(rows_, Mask::xyz)) {
-    constexpr unsigned kMarkers = with::uP | with::uS | with::qS;
-    if (laws_ & kMarkers) g.translations<kMarkers | kP>(links, out);
-    else if (laws_ & kP) g.translations<kP>(links, out);
-    else if (laws_ & kParallel) g.translations<kParallel>(links, out);
-    else g.translations<kNothing>(links, out);
-  }
-  if (any(rows_, Mask::e123)) {
-    constexpr unsigned kMarkers = with::qP | with::qS;
-    if (laws_ & kMarkers) g.rotations<kMarkers | kQD>(links, out);
-    else if (laws_ & kQD) g.rotations<kQD>(links, out);
-    else if (laws_ & kParallel) g.rotations<kParallel>(links, out);
-    else g.rotations<kNothing>(links, out);
-  }
+  choose_translation(rows_, laws_, [&](auto with) { g.translations<with>(links, out); });
+  choose_rotation(rows_, laws_, [&](auto with) { g.rotations<with>(links, out); });
 }
 
 }  // namespace lockstep

@@ -25,7 +25,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   MarkerLock(std::string name, Marker& p, Marker& s, Mask mask);
   ~MarkerLock() override;
 
-  // -- laws
+  // -- laws; before the system is set up
   void move(LawPtr<TranslationLaw> law);  ///< p(t), S axes: where P is held, on the rows x y z of the mask
   void turn(LawPtr<RotationLaw> law);     ///< q_D(t): P is held at S turned by it
   /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other two
@@ -58,9 +58,16 @@ class LOCKSTEP_API MarkerLock : public Lock {
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;
 
+ protected:
+  /// Throws ModelError when a particle is asked to hold a turn: by `rows`, or by a function of the turn ("phi").
+  void refuse_particles(const std::string& rows) const;
+  /// P seen from S in the home poses, the markers' own laws at t = 0 included.
+  Pose start_pose() const;
+
  private:
   friend struct MarkerLockGather;
   void add_drive(Drive drive);
+  void refuse_when_set_up(const std::string& what) const;
 
   Marker* p_;
   Marker* s_;

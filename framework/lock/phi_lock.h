@@ -38,7 +38,8 @@ template <int N> inline Jet<N> of(const MotionLaw& law, const Jet<N>& t) {
   return jet_detail::chain(t, l.y, l.yd, l.ydd);
 }
 
-/// What phi may say about itself; the defaults serve a function of everything that does not count turns.
+/// What phi may say about itself; the defaults serve a function of everything that does not count turns. A function of x y z
+/// alone says kNeeds = Needs::translation: then it costs no rotational half and serves particles too.
 template <class Phi> constexpr bool counts_turns() {
   if constexpr (requires { Phi::kCountsTurns; }) return Phi::kCountsTurns;
   else return false;
@@ -70,8 +71,17 @@ template <class Phi> class PhiLock : public MarkerLock {
     if constexpr (requires { phi_.breakpoints(t0, t1, out); }) phi_.breakpoints(t0, t1, out);
   }
 
+  std::string blame(double t) const override {
+    std::string law = MarkerLock::blame(t);
+    if constexpr (requires { phi_.blame(t); }) {
+      if (law.empty()) law = phi_.blame(t);
+    }
+    return law;
+  }
+
   void setup() override {
     MarkerLock::setup();
+    if constexpr (needs_of<Phi>() != Needs::translation) refuse_particles("phi");
     P_ = MarkerFrame(p()), S_ = MarkerFrame(s());
     moving_ = P_.slide || P_.spin || S_.slide || S_.spin;
   }
@@ -84,7 +94,7 @@ template <class Phi> class PhiLock : public MarkerLock {
   int n_memory() const override { return counts_turns<Phi>() ? 1 : 0; }
   void start_memory(std::span<double> z) const override {
     if constexpr (counts_turns<Phi>()) {
-      const Pose rel = inverse(s().body->home * s().local) * (p().body->home * p().local);
+      const Pose rel = start_pose();
       const double a = 2.0 * std::atan2(rel.q.z, rel.q.w);
       z[0] = a - kTwoPi * std::round(a / kTwoPi);
     }

@@ -22,7 +22,8 @@ void add(Entries& out, std::string name, std::string unit, std::string help, Val
 void add_vector(Entries& out, const std::string& name, const std::string& unit, const std::string& help,
                 std::function<Vec3(const Sample&)> value) {
   for (int k = 0; k < 3; ++k)
-    add(out, name + kAxisName[k], unit, fmt::format("{}, {}", help, kAxisName[k]), [value, k](const Sample& s) { return value(s)[k]; });
+    add(out, name + kAxisName[k], unit, fmt::format("{}, {}", help, kAxisName[k]),
+        [value, k](const Sample& s) { return value(s)[k]; });
 }
 
 void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw) {
@@ -58,7 +59,8 @@ struct Object {
   Entries entries;
 };
 
-template <class Items> auto find_named(const Items& items, std::string_view name) -> decltype(&*items.begin()) {
+template <class Items>
+auto find_named(const Items& items, std::string_view name) -> decltype(&*items.begin()) {
   for (const auto& item : items) {
     if constexpr (requires { item->name(); }) {
       if (item->name() == name) return &item;
@@ -133,9 +135,10 @@ const Entry* find(const Entries& entries, std::string_view name) {
   const std::vector<std::string> total_names = names_of(totals);
   const std::string near = closest_name(channel, total_names);
   const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : suggestion(object, names);
-  throw ModelError(fmt::format("channel \"{}\": no body, marker, link or force is called \"{}\"{}; a channel is an object and a "
-                               "quantity like \"{}.x\", or one of {}",
-                               channel, object, hint, names.size() > 1 ? names[1] : "body", join(total_names)));
+  throw ModelError(
+      fmt::format("channel \"{}\": no body, marker, link or force is called \"{}\"{}; a channel is an object and a "
+                  "quantity like \"{}.x\", or one of {}",
+                  channel, object, hint, names.size() > 1 ? names[1] : "body", join(total_names)));
 }
 
 // "M.x@N": M seen from N.

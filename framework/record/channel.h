@@ -23,10 +23,10 @@ struct ChannelHelp {
   std::string name, unit, help;
 };
 
-/// The channel of that name. Sets the system up when it is not (a link's rows have names only then). Work-like channels add
-/// a quadrature to the system, one for all who ask, so make channels before the run (before Simulation takes the start). The
-/// system must stay where it is in memory from then on.
-/// Throws ModelError with the closest name and all names that the object has.
+/// The channel of that name. Sets the system up when it is not (a link's rows have names only then). Work-like channels
+/// add a quadrature to the system, one for all who ask, so make channels before the run (before Simulation takes the
+/// start). The system must stay where it is in memory from then on. Throws ModelError with the closest name and all
+/// names that the object has.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 
 /// Every channel of the system, those of pairs ("M.x@N") left out; rows of links only when it is set up.

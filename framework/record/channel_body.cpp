@@ -24,7 +24,8 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
   for (const std::string name : {"cardan", "euler", "hpb"}) {
     const std::string sequence = angle_sequence(name);
     for (int k = 0; k < 3; ++k)
-      add(out, fmt::format("{}_{}", name, k + 1), "rad", fmt::format("turn {} of three about own axes {}", k + 1, sequence),
+      add(out, fmt::format("{}_{}", name, k + 1), "rad",
+          fmt::format("turn {} of three about own axes {}", k + 1, sequence),
           [q, sequence, k](const Sample& s) { return to_angles(sequence, q(s)).value[k]; });
   }
 }
@@ -33,23 +34,26 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
 
 void of_frame(const Frame& f, Entries& out) {
   add_vector(out, "", "m", "origin in the world", [f](const Sample& s) { return motion_of(f, s.state).x; });
-  add_vector(out, "v", "m/s", "velocity of the origin, world", [f](const Sample& s) { return motion_of(f, s.state).v; });
-  add_vector(out, "a", "m/s^2", "acceleration of the origin, world", [f](const Sample& s) { return acceleration_of(f, s).a; });
+  add_vector(out, "v", "m/s", "velocity of the origin, world",
+             [f](const Sample& s) { return motion_of(f, s.state).v; });
+  add_vector(out, "a", "m/s^2", "acceleration of the origin, world",
+             [f](const Sample& s) { return acceleration_of(f, s).a; });
   const auto q = [f](const Sample& s) { return motion_of(f, s.state).q; };
   add_quaternion(out, "quaternion to world axes", q);
-  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes", [f](const Sample& s) { return motion_of(f, s.state).w; });
+  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes",
+             [f](const Sample& s) { return motion_of(f, s.state).w; });
   add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [f](const Sample& s) {
     const FrameMotion m = motion_of(f, s.state);
     return Vec3(m.A.transpose() * m.w);
   });
   add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
              [f](const Sample& s) { return acceleration_of(f, s).alpha; });
-  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes", [f](const Sample& s) {
-    return Vec3(motion_of(f, s.state).A.transpose() * acceleration_of(f, s).alpha);
-  });
+  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
+             [f](const Sample& s) { return Vec3(motion_of(f, s.state).A.transpose() * acceleration_of(f, s).alpha); });
   for (int k = 0; k < 3; ++k)
     add_angle(out, std::string("angle_") + kAxisName[k],
-              fmt::format("turn about the world's {}, of the own {} axis, counted past full turns", kAxisName[k], kAxisName[(k + 1) % 3]),
+              fmt::format("turn about the world's {}, of the own {} axis, counted past full turns", kAxisName[k],
+                          kAxisName[(k + 1) % 3]),
               [f, k](const Sample& s) { return turn_about(k, motion_of(f, s.state)); });
   add_sequences(out, q);
 }
@@ -58,7 +62,8 @@ void of_body(const Body& body, Entries& out) {
   of_frame({&body, nullptr}, out);
   if (body.fixed) return;
   const Body* const b = &body;  // the mass centre is the slot's origin
-  add_vector(out, "center_", "m", "mass centre in the world", [b](const Sample& s) { return Vec3(s.state.q.segment<3>(7 * b->slot)); });
+  add_vector(out, "center_", "m", "mass centre in the world",
+             [b](const Sample& s) { return Vec3(s.state.q.segment<3>(7 * b->slot)); });
   add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
              [b](const Sample& s) { return Vec3(s.state.v.segment<3>(6 * b->slot)); });
   add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
@@ -73,14 +78,16 @@ void of_pair(const Frame& m, const Frame& n, Entries& out) {
              [m, n](const Sample& s) { return Vec3(relative_with_second(m, n, s).ydd.head<3>()); });
   const auto q = [y](const Sample& s) { return Quat::from(y(s).y.tail<4>()); };
   add_quaternion(out, "quaternion to the other's axes", q);
-  add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes", [y](const Sample& s) { return y(s).w; });
+  add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
+             [y](const Sample& s) { return y(s).w; });
   for (int k = 0; k < 3; ++k)
-    add_angle(out, std::string("angle_") + kAxisName[k], "turn about the other's axis, counted past full turns", [y, k](const Sample& s) {
-      const Relative r = y(s);
-      FrameMotion f;
-      f.A = rotation(Quat::from(r.y.tail<4>())), f.w = r.w;
-      return turn_about(k, f);
-    });
+    add_angle(out, std::string("angle_") + kAxisName[k], "turn about the other's axis, counted past full turns",
+              [y, k](const Sample& s) {
+                const Relative r = y(s);
+                FrameMotion f;
+                f.A = rotation(Quat::from(r.y.tail<4>())), f.w = r.w;
+                return turn_about(k, f);
+              });
   add_sequences(out, q);
   add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).y.head<3>().norm(); });
   add(out, "distance_d", "m/s", "rate of that; 0 where they meet", [y](const Sample& s) {

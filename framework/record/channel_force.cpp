@@ -12,21 +12,27 @@ void of_force(const Force& force, Entries& out) {
   const Force* const f = &force;
   const std::vector<Quantity> own = force.quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
-    add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit, fmt::format("quantity of a {} force", force.type()),
+    add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
+        fmt::format("quantity of a {} force", force.type()),
         [f, k](const Sample& s) { return f->quantity(k, s.values().in); });
   const auto free = [&out](const char* name) {  // a force's own words win
     return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
   };
   const auto scratch = std::make_shared<VecX>();
-  if (free("power")) add(out, "power", "W", "power that the force gives to the bodies", [f, scratch](const Sample& s) {
-    const Inputs& in = s.values().in;
-    scratch->setZero(s.state.v.size());
-    WrenchSum sum(in.motions, *scratch);
-    f->apply(in, sum);
-    return scratch->dot(s.state.v);
-  });
-  if (free("potential")) add(out, "potential", "J", "energy stored in the force", [f](const Sample& s) { return f->potential(s.values().in); });
-  if (free("dissipation")) add(out, "dissipation", "W", "power taken out by dampers", [f](const Sample& s) { return f->dissipation(s.values().in); });
+  if (free("power"))
+    add(out, "power", "W", "power that the force gives to the bodies", [f, scratch](const Sample& s) {
+      const Inputs& in = s.values().in;
+      scratch->setZero(s.state.v.size());
+      WrenchSum sum(in.motions, *scratch);
+      f->apply(in, sum);
+      return scratch->dot(s.state.v);
+    });
+  if (free("potential"))
+    add(out, "potential", "J", "energy stored in the force",
+        [f](const Sample& s) { return f->potential(s.values().in); });
+  if (free("dissipation"))
+    add(out, "dissipation", "W", "power taken out by dampers",
+        [f](const Sample& s) { return f->dissipation(s.values().in); });
   add_integral(out, "dissipated", "J", "energy taken out since the start", force.name() + ".dissipated",
                [f](const Evaluated& v) { return f->dissipation(v.in); });
 }

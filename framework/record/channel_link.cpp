@@ -24,17 +24,21 @@ void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
   add_vector(out, "", "m", "origin of P, S axes", [y](const Sample& x) { return Vec3(y(x).y.head<3>()); });
   add_vector(out, "v", "m/s", "rate of that", [y](const Sample& x) { return Vec3(y(x).yd.head<3>()); });
   add_vector(out, "a", "m/s^2", "second rate of that", [y2](const Sample& x) { return Vec3(y2(x).ydd.head<3>()); });
-  add_vector(out, "omega_", "rad/s", "angular velocity of P against S, S axes", [y](const Sample& x) { return y(x).w; });
+  add_vector(out, "omega_", "rad/s", "angular velocity of P against S, S axes",
+             [y](const Sample& x) { return y(x).w; });
   for (int k = 0; k < 3; ++k) {
     const std::string axis = kAxisName[k];
     add(out, axis + "_d", "m/s", "rate of " + axis, [y, k](const Sample& x) { return y(x).yd[k]; });
     add(out, axis + "_dd", "m/s^2", "second rate of " + axis, [y2, k](const Sample& x) { return y2(x).ydd[k]; });
-    add_angle(out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns", [y, k](const Sample& x) {
-      const Turn t = turn(k, y(x));
-      return RawAngle{t.angle, t.d};
-    });
-    add(out, "angle_" + axis + "_d", "rad/s", "rate of angle_" + axis, [y, k](const Sample& x) { return turn(k, y(x)).d; });
-    add(out, "angle_" + axis + "_dd", "rad/s^2", "second rate of angle_" + axis, [y2, k](const Sample& x) { return turn(k, y2(x)).dd; });
+    add_angle(out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns",
+              [y, k](const Sample& x) {
+                const Turn t = turn(k, y(x));
+                return RawAngle{t.angle, t.d};
+              });
+    add(out, "angle_" + axis + "_d", "rad/s", "rate of angle_" + axis,
+        [y, k](const Sample& x) { return turn(k, y(x)).d; });
+    add(out, "angle_" + axis + "_dd", "rad/s^2", "second rate of angle_" + axis,
+        [y2, k](const Sample& x) { return turn(k, y2(x)).dd; });
   }
 }
 
@@ -48,13 +52,16 @@ void add_rows(const Lock& link, Entries& out) {
   for (int k = 0; k < link.row_count(); ++k) {
     const RowKind kind = link.row_kind(k);
     const std::string row = link.row_name(k);
-    add(out, "C_" + row, kind == RowKind::translation ? "m" : "", "residual of row " + row + "; 0 while the link is not active",
-        [l, k](const Sample& s) {
+    add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
+        "residual of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
           const Evaluated& v = s.values();
           const RowEntry* e = entry_of(*l, v.rows);
           return e ? v.rows.block(*e).C(k) : 0.0;
         });
-    add(out, "lambda_" + row, kind == RowKind::translation ? "N" : kind == RowKind::rotation ? "N m" : "",
+    add(out, "lambda_" + row,
+        kind == RowKind::translation ? "N"
+        : kind == RowKind::rotation  ? "N m"
+                                     : "",
         "multiplier of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
           const Evaluated& v = s.values();
           const RowEntry* e = entry_of(*l, v.rows);
@@ -69,7 +76,8 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto pairs = link.pairs();
   if (!pairs.empty())
-    add_coordinates({pairs.front().first->body, pairs.front().first}, {pairs.front().second->body, pairs.front().second}, out);
+    add_coordinates({pairs.front().first->body, pairs.front().first},
+                    {pairs.front().second->body, pairs.front().second}, out);
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();
   add(out, "violation", "m", "largest residual of the link, turns as lengths; 0 while it is not active",
@@ -84,7 +92,8 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const std::vector<Quantity> own = link.quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} link", link.type()), [l, k](const Sample& s) { return l->quantity(k, s.values().in); });
+        fmt::format("quantity of a {} link", link.type()),
+        [l, k](const Sample& s) { return l->quantity(k, s.values().in); });
 }
 
 }  // namespace lockstep::channels

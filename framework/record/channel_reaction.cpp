@@ -32,7 +32,8 @@ Wrench on_slot(const Lock& link, const Evaluated& v, const RowEntry& e, int i, i
   return {F, O.A * m - cross(Vec3(point - O.x), F)};
 }
 
-// On the body of marker `at`, about the marker's origin. A body that is fixed has no rows: it takes what all others give.
+// On the body of marker `at`, about the marker's origin. A body that is fixed has no rows: it takes what all others
+// give.
 Wrench on_body_of(const Marker& at, const Lock& link, const Evaluated& v, int part) {
   const int entry = v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
   if (entry < 0) return {};
@@ -53,14 +54,18 @@ void add_wrench(const Lock& link, const std::string& prefix, int part, const std
   const Marker *const P = p, *const S = s;
   add_vector(out, prefix + "force_on_p_world_", "N", fmt::format("force on p's body at P by {}, world axes", by),
              [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).F; });
-  add_vector(out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by), [=](const Sample& x) {
-    return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * on_body_of(*P, *l, x.values(), part).F);
-  });
+  add_vector(
+      out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by),
+      [=](const Sample& x) {
+        return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * on_body_of(*P, *l, x.values(), part).F);
+      });
   add_vector(out, prefix + "torque_on_p_world_", "N m", fmt::format("torque on p's body about P by {}, world axes", by),
              [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).tau; });
-  add_vector(out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by), [=](const Sample& x) {
-    return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * on_body_of(*P, *l, x.values(), part).tau);
-  });
+  add_vector(
+      out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by),
+      [=](const Sample& x) {
+        return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * on_body_of(*P, *l, x.values(), part).tau);
+      });
   add_vector(out, prefix + "force_on_s_world_", "N", fmt::format("force on s's body at S by {}, world axes", by),
              [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).F; });
   add_vector(out, prefix + "torque_on_s_world_", "N m", fmt::format("torque on s's body about S by {}, world axes", by),

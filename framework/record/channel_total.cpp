@@ -29,7 +29,8 @@ double potential(const Sample& s) {
 
 Vec3 momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().body_of_slot(k).mass.mass * s.state.v.segment<3>(6 * k);
+  for (int k = 0; k < s.system().n_slots(); ++k)
+    sum += s.system().body_of_slot(k).mass.mass * s.state.v.segment<3>(6 * k);
   return sum;
 }
 
@@ -51,15 +52,34 @@ double dissipation(const System& system, const Evaluated& v) {
   return sum;
 }
 
+double supply(const System& system, const Evaluated& v) {
+  double sum = 0;
+  for (const auto& f : system.forces()) sum += f->supply(v.in);
+  return sum;
+}
+
 const Quadrature& drives(System& system) { return quadrature(system, "energy.drives", power_of_laws); }
 const Quadrature& dissipated(System& system) {
   return quadrature(system, "energy.dissipated", [&system](const Evaluated& v) { return dissipation(system, v); });
 }
 
-// total - drives + dissipated, minus its value at the start
+const Quadrature& supplied(System& system) {
+  return quadrature(system, "energy.supplied", [&system](const Evaluated& v) { return supply(system, v); });
+}
+
+// total - drives - supplied + dissipated, minus its value at the start. What the system has not (links, forces) is not
+// integrated.
 void make_balance(System& system, Channel& c) {
-  const Quadrature &in = drives(system), &out = dissipated(system);
-  const auto sum = [&in, &out](const Sample& s) { return kinetic(s) + potential(s) - in.value(s.state) + out.value(s.state); };
+  const Quadrature* const led = system.links().empty() ? nullptr : &drives(system);
+  const Quadrature* const fed = system.forces().empty() ? nullptr : &supplied(system);
+  const Quadrature* const lost = system.forces().empty() ? nullptr : &dissipated(system);
+  const auto sum = [led, fed, lost](const Sample& s) {
+    double e = kinetic(s) + potential(s);
+    if (led) e -= led->value(s.state);
+    if (fed) e -= fed->value(s.state);
+    if (lost) e += lost->value(s.state);
+    return e;
+  };
   struct Start {
     bool begun = false;
     double value = 0;
@@ -84,16 +104,27 @@ void make_rejected(System&, Channel& c) {
 void of_totals(Entries& out) {
   add(out, "energy.kinetic", "J", "kinetic energy of all bodies", kinetic);
   add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy", potential);
-  add(out, "energy.total", "J", "kinetic and potential energy", [](const Sample& s) { return kinetic(s) + potential(s); });
-  out.push_back({"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
-                   const Quadrature& q = drives(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state); };
-                 }});
-  out.push_back({"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
-                   const Quadrature& q = dissipated(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state); };
-                 }});
-  out.push_back({"energy.balance", "J", "total - drives + dissipated, minus its value at the start: 0 but for errors", make_balance});
+  add(out, "energy.total", "J", "kinetic and potential energy",
+      [](const Sample& s) { return kinetic(s) + potential(s); });
+  out.push_back(
+      {"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
+         const Quadrature& q = drives(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
+      {"energy.supplied", "J", "work of the laws and motors of all forces since the start", [](System& system, Channel& c) {
+         const Quadrature& q = supplied(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
+      {"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
+         const Quadrature& q = dissipated(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back(
+      {"energy.balance", "J",
+       "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
+       make_balance});
   add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
   add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
 }

@@ -17,7 +17,8 @@ Extent extent_x(const ChartSpec& spec) {
 }
 
 void check(const ChartSpec& spec) {
-  if (spec.panels.empty()) throw ModelError(fmt::format("chart \"{}\" has no panels; give it at least one", spec.title));
+  if (spec.panels.empty())
+    throw ModelError(fmt::format("chart \"{}\" has no panels; give it at least one", spec.title));
   for (const Panel& p : spec.panels) {
     Extent x{}, y{};
     for (const Series& s : p.series) {
@@ -26,16 +27,19 @@ void check(const ChartSpec& spec) {
       y.take(s.y, p.log_y);
     }
     if (!x.any || !y.any)
-      throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it a series with numbers{}", spec.title,
-                                   p.y_label, spec.log_x || p.log_y ? " above zero, or take the logarithm away" : ""));
+      throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it a series with numbers{}",
+                                   spec.title, p.y_label,
+                                   spec.log_x || p.log_y ? " above zero, or take the logarithm away" : ""));
   }
 }
 
 std::string block(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
 
 void range(Script& out, char a, const std::optional<Range>& r) {
-  if (r) out.line(fmt::format("set {}range [{}:{}]", a, r->first, r->second));
-  else out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
+  if (r)
+    out.line(fmt::format("set {}range [{}:{}]", a, r->first, r->second));
+  else
+    out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
 }
 
 void panel(Script& out, const ChartSpec& spec, std::size_t k) {
@@ -66,7 +70,8 @@ void write_chart(const std::string& path, const ChartSpec& spec) {
   check(spec);
   Script out;
   for (std::size_t k = 0; k < spec.panels.size(); ++k)
-    for (std::size_t i = 0; i < spec.panels[k].series.size(); ++i) series_data(out, block(k, i), spec.panels[k].series[i]);
+    for (std::size_t i = 0; i < spec.panels[k].series.size(); ++i)
+      series_data(out, block(k, i), spec.panels[k].series[i]);
   common(out);
   begin_page(out, spec.panels.size(), spec.title);
   for (std::size_t k = 0; k < spec.panels.size(); ++k) panel(out, spec, k);

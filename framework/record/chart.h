@@ -14,10 +14,10 @@ namespace lockstep {
 enum class SeriesStyle { lines, dashes, points, linespoints };
 
 struct Series {
-  std::string label;                        ///< in the legend; "": not there
-  std::vector<double> x, y;                 ///< of equal length; what is not finite makes a gap
+  std::string label;         ///< in the legend; "": not there
+  std::vector<double> x, y;  ///< of equal length; what is not finite makes a gap
   SeriesStyle style = SeriesStyle::lines;
-  std::string color{};                      ///< "#rrggbb"; "": the next one that every eye can tell from the others
+  std::string color{};  ///< "#rrggbb"; "": the next one that every eye can tell from the others
 };
 
 /// A text at a place of the panel, in the axes' own numbers.
@@ -42,7 +42,7 @@ struct ChartSpec {
   std::vector<Panel> panels;
   bool log_x = false;
   std::optional<Range> x_range{};
-  int width = 1000, height = 700;           ///< pixels
+  int width = 1000, height = 700;  ///< pixels
 };
 
 /// Column `y` over column `x`; the label is `label`, or the column's title "y [unit]".
@@ -51,14 +51,14 @@ LOCKSTEP_API Series curve(const Table&, const std::string& x, const std::string&
 /// Cells of a grid, each of one kind (works, inaccurate, fails) or of one value, with curves of a theory over them.
 struct MapSpec {
   std::string title, x_label, y_label;
-  std::vector<double> x, y;                 ///< centres of the columns and of the rows, both rising
-  bool log_x = false, log_y = false;        ///< centres evenly spaced in the logarithm
-  std::vector<double> cells;                ///< row after row from the lowest y: number of the kind, or value; NaN: empty
+  std::vector<double> x, y;           ///< centres of the columns and of the rows, both rising
+  bool log_x = false, log_y = false;  ///< centres evenly spaced in the logarithm
+  std::vector<double> cells;          ///< row after row from the lowest y: number of the kind, or value; NaN: empty
   struct Kind {
-    std::string label, color;               ///< color "": green, amber, red, then grey
+    std::string label, color;  ///< color "": green, amber, red, then grey
   };
-  std::vector<Kind> kinds{};                ///< empty: cells are values, shown with a colour scale
-  std::string value_label{};                ///< of the colour scale
+  std::vector<Kind> kinds{};  ///< empty: cells are values, shown with a colour scale
+  std::string value_label{};  ///< of the colour scale
   bool log_value = false;
   std::vector<Series> curves{};
   std::vector<Note> notes{};
@@ -71,7 +71,7 @@ struct BarSpec {
   std::vector<std::string> categories;
   struct Group {
     std::string label;
-    std::vector<double> values;             ///< one a category
+    std::vector<double> values;  ///< one a category
     std::string color{};
   };
   std::vector<Group> groups;

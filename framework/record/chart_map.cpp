@@ -15,14 +15,15 @@ constexpr const char* kKindColors[] = {"#2a9d6f", "#f2c14e", "#c8443c", "#b0b0b0
 
 void check(const MapSpec& spec) {
   if (spec.x.size() < 2 || spec.y.size() < 2)
-    throw ModelError(fmt::format("map \"{}\": {} columns and {} rows; it needs at least two of each", spec.title, spec.x.size(),
-                                 spec.y.size()));
+    throw ModelError(fmt::format("map \"{}\": {} columns and {} rows; it needs at least two of each", spec.title,
+                                 spec.x.size(), spec.y.size()));
   if (spec.cells.size() != spec.x.size() * spec.y.size())
-    throw ModelError(fmt::format("map \"{}\": {} cells for {} x {} centres; give one a centre, row after row", spec.title,
-                                 spec.cells.size(), spec.x.size(), spec.y.size()));
+    throw ModelError(fmt::format("map \"{}\": {} cells for {} x {} centres; give one a centre, row after row",
+                                 spec.title, spec.cells.size(), spec.x.size(), spec.y.size()));
   const auto rising = [&](const std::vector<double>& c, bool log, char a) {
     if (std::adjacent_find(c.begin(), c.end(), std::greater_equal<>()) != c.end() || (log && c.front() <= 0))
-      throw ModelError(fmt::format("map \"{}\": the centres along {} must rise{}", spec.title, a, log ? " from above zero" : ""));
+      throw ModelError(
+          fmt::format("map \"{}\": the centres along {} must rise{}", spec.title, a, log ? " from above zero" : ""));
   };
   rising(spec.x, spec.log_x, 'x');
   rising(spec.y, spec.log_y, 'y');
@@ -83,8 +84,9 @@ std::vector<std::string> cell_clauses(Script& out, const MapSpec& spec) {
     const MapSpec::Kind& kind = spec.kinds[k];
     const std::string fallback = kKindColors[std::min<std::size_t>(k, 3)];
     const std::string tint = color_or(kind.color.empty() ? fallback : kind.color, 0, "kind \"" + kind.label + "\"");
-    clauses.push_back(fmt::format("${} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fs solid 0.85 border lc rgb '#ffffff' title {}",
-                                  name, tint, quoted_text(kind.label)));
+    clauses.push_back(
+        fmt::format("${} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fs solid 0.85 border lc rgb '#ffffff' title {}",
+                    name, tint, quoted_text(kind.label)));
   }
   return clauses;
 }
@@ -99,8 +101,8 @@ void check(const BarSpec& spec) {
   Extent y{};
   for (const BarSpec::Group& g : spec.groups) {
     if (g.values.size() != spec.categories.size())
-      throw ModelError(fmt::format("bars \"{}\": group \"{}\" has {} values for {} categories; give one each", spec.title, g.label,
-                                   g.values.size(), spec.categories.size()));
+      throw ModelError(fmt::format("bars \"{}\": group \"{}\" has {} values for {} categories; give one each",
+                                   spec.title, g.label, g.values.size(), spec.categories.size()));
     y.take(g.values, spec.log_y);
   }
   if (!y.any) throw ModelError(fmt::format("bars \"{}\" have nothing to draw; give them numbers", spec.title));
@@ -151,21 +153,25 @@ void write_bars(const std::string& path, const BarSpec& spec) {
   const bool crowded = 8 * longest * spec.categories.size() > static_cast<std::size_t>(spec.width) - 150;
   out.line(crowded ? "set xtics rotate by -20\nset rmargin 12" : "set xtics norotate");
   out.line(fmt::format("set xrange [-0.6:{}]", static_cast<double>(spec.categories.size()) - 0.4));
-  if (!spec.log_y) out.line(fmt::format("set yrange [{}:*]", std::min(0.0, y.low)));
-  else out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
+  if (!spec.log_y)
+    out.line(fmt::format("set yrange [{}:*]", std::min(0.0, y.low)));
+  else
+    out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
   std::vector<std::string> clauses;
   for (std::size_t g = 0; g < spec.groups.size(); ++g) {
     const std::string name = fmt::format("bar{}", g);
     out.begin_data(name);
     for (std::size_t c = 0; c < spec.categories.size(); ++c) {
-      const double row[] = {static_cast<double>(c) + (static_cast<double>(g) - 0.5 * (n - 1)) * width, spec.groups[g].values[c]};
+      const double row[] = {static_cast<double>(c) + (static_cast<double>(g) - 0.5 * (n - 1)) * width,
+                            spec.groups[g].values[c]};
       if (std::isfinite(row[1]) && (!spec.log_y || row[1] > 0)) out.row(row);
     }
     out.end_data();
     const std::string tint = color_or(spec.groups[g].color, g, "group \"" + spec.groups[g].label + "\"");
     const std::string legend = spec.groups[g].label.empty() ? "notitle" : "title " + quoted_text(spec.groups[g].label);
     clauses.push_back(fmt::format("${} using 1:2:({}) with boxes lc rgb '{}' {}", name, 0.94 * width, tint, legend));
-    clauses.push_back(fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels offset 0,0.6 font ',10' notitle", name));
+    clauses.push_back(
+        fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels offset 0,0.6 font ',10' notitle", name));
   }
   out.line(plot_of(clauses));
   end_page(out);

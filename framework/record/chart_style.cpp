@@ -12,7 +12,8 @@ namespace lockstep::chart_style {
 namespace {
 
 // Okabe and Ito, "Color universal design" (2008), darkest first.
-constexpr std::array<std::string_view, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+constexpr std::array<std::string_view, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                  "#e69f00", "#56b4e9", "#000000"};
 constexpr std::size_t kMostPoints = 3000;
 
 bool is_color(const std::string& text) {
@@ -61,7 +62,9 @@ void common(Script& out) {
       .line("set tics nomirror out textcolor rgb '#333333'")
       .line("set grid back lc rgb '#dddddd' lw 0.8 lt 1 dt 1")
       .line("set key above left horizontal Left reverse samplen 2.5 spacing 1.15 noenhanced textcolor rgb '#222222'")
-      .line("set lmargin 13").line("set rmargin 4").line("set datafile missing 'NaN'")
+      .line("set lmargin 13")
+      .line("set rmargin 4")
+      .line("set datafile missing 'NaN'")
       .line("set pointsize 0.9");
 }
 
@@ -74,6 +77,7 @@ void end_page(Script& out) { out.line("unset multiplot"); }
 
 void axis(Script& out, char a, const std::string& label, bool log, double low, double high) {
   out.line(fmt::format("set {}label {} noenhanced textcolor rgb '#222222'", a, quoted_text(label)));
+  out.line(fmt::format("set {}tics autofreq", a));
   if (!log) {
     out.line(fmt::format("unset logscale {}", a)).line(fmt::format("set format {} '%.6g'", a));
     return;
@@ -81,15 +85,20 @@ void axis(Script& out, char a, const std::string& label, bool log, double low, d
   out.line(fmt::format("set logscale {}", a));
   const bool plain = low >= 1e-4 && high <= 1e5;  // numbers that are easier to read than powers
   out.line(fmt::format("set format {} '{}'", a, plain ? "%g" : "10^{%T}"));
-  if (high / low < 30) out.line(fmt::format("set format {} '%g'", a)).line(fmt::format("set {0}tics add (1, 2, 5) ", a));
+  if (high / low >= 30) return;
+  std::string ticks;  // a decade or less: 1, 2 and 5 of each
+  for (int d = static_cast<int>(std::floor(std::log10(low))); d <= std::ceil(std::log10(high)); ++d)
+    for (int n : {1, 2, 5}) ticks += fmt::format("{}{}e{}", ticks.empty() ? "" : ", ", n, d);
+  out.line(fmt::format("set format {0} '%g'\nset {0}tics ({1})", a, ticks));
 }
 
 void notes(Script& out, const std::vector<Note>& all) {
   out.line("unset label");
   for (const Note& n : all) {
     if (!std::isfinite(n.x) || !std::isfinite(n.y)) continue;
-    out.line(fmt::format("set label {} at first {},{} noenhanced front textcolor rgb '#222222' point pt 7 ps 0.5 offset 0.8,0.5",
-                         quoted_text(n.text), n.x, n.y));
+    out.line(fmt::format(
+        "set label {} at first {},{} noenhanced front textcolor rgb '#222222' point pt 7 ps 0.5 offset 0.8,0.5",
+        quoted_text(n.text), n.x, n.y));
   }
 }
 
@@ -97,8 +106,10 @@ void series_data(Script& out, const std::string& name, const Series& s) {
   out.begin_data(name);
   for (std::size_t i : thinned(s)) {
     const double row[] = {s.x[i], s.y[i]};
-    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i])) out.row(row);
-    else out.gap();
+    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
+      out.row(row);
+    else
+      out.gap();
   }
   out.end_data();
 }
@@ -111,16 +122,19 @@ std::string plot_clause(const std::string& name, const Series& s, std::size_t n)
   const std::string line = fmt::format("lc rgb '{}' lw 1.8 dt {}", tint, dash);
   const std::string mark = fmt::format("pt {}", kMarks[n % kMarks.size()]);
   switch (s.style) {
-    case SeriesStyle::points: return fmt::format("${} using 1:2 with points {} lc rgb '{}' {}", name, mark, tint, legend);
-    case SeriesStyle::linespoints: return fmt::format("${} using 1:2 with linespoints {} {} {}", name, mark, line, legend);
-    default: return fmt::format("${} using 1:2 with lines {} {}", name, line, legend);
+    case SeriesStyle::points:
+      return fmt::format("${} using 1:2 with points {} lc rgb '{}' {}", name, mark, tint, legend);
+    case SeriesStyle::linespoints:
+      return fmt::format("${} using 1:2 with linespoints {} {} {}", name, mark, line, legend);
+    default:
+      return fmt::format("${} using 1:2 with lines {} {}", name, line, legend);
   }
 }
 
 void check(const Series& s, const std::string& chart) {
   if (s.x.size() != s.y.size())
-    throw ModelError(fmt::format("chart \"{}\": series \"{}\" has {} x and {} y; give both the same number", chart, s.label,
-                                 s.x.size(), s.y.size()));
+    throw ModelError(fmt::format("chart \"{}\": series \"{}\" has {} x and {} y; give both the same number", chart,
+                                 s.label, s.x.size(), s.y.size()));
 }
 
 void Extent::take(std::span<const double> values, bool log) {

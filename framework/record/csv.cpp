@@ -45,10 +45,14 @@ void split(std::string_view line, std::vector<std::string>& cells) {
   bool inside = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
-    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[++i];
-    else if (c == '"') inside = !inside;
-    else if (c == ',' && !inside) cells.emplace_back();
-    else cells.back() += c;
+    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
+      cells.back() += line[++i];
+    else if (c == '"')
+      inside = !inside;
+    else if (c == ',' && !inside)
+      cells.emplace_back();
+    else
+      cells.back() += c;
   }
   for (std::string& cell : cells) cell = std::string(trimmed(cell));
 }
@@ -56,8 +60,10 @@ void split(std::string_view line, std::vector<std::string>& cells) {
 // "Bx [N]" -> Bx, N
 void add_titled_column(Table& table, const std::string& text) {
   const auto open = text.rfind(" [");
-  if (open == std::string::npos || text.back() != ']') table.add_column(text);
-  else table.add_column(std::string(trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
+  if (open == std::string::npos || text.back() != ']')
+    table.add_column(text);
+  else
+    table.add_column(std::string(trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
 }
 
 double read_number(std::string_view cell, const std::string& file, int line, const std::string& column) {
@@ -66,11 +72,11 @@ double read_number(std::string_view cell, const std::string& file, int line, con
   double value = 0;
   const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (end.ec == std::errc::result_out_of_range)
-    throw FileError(fmt::format("{}:{}: column \"{}\": {} does not fit into a double (at most {}); scale the column", file,
-                                line, column, cell, std::numeric_limits<double>::max()));
+    throw FileError(fmt::format("{}:{}: column \"{}\": {} does not fit into a double (at most {}); scale the column",
+                                file, line, column, cell, std::numeric_limits<double>::max()));
   if (end.ec != std::errc() || end.ptr != digits.data() + digits.size())
-    throw FileError(fmt::format("{}:{}: column \"{}\": \"{}\" is not a number; write it like 1.5e-3, with a point", file,
-                                line, column, cell));
+    throw FileError(fmt::format("{}:{}: column \"{}\": \"{}\" is not a number; write it like 1.5e-3, with a point",
+                                file, line, column, cell));
   return value;
 }
 
@@ -98,14 +104,16 @@ void write_csv(const std::string& file, const Table& table) {
   if (out) write_csv(out, table);
   out.close();
   if (!out)
-    throw FileError(fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name",
-                                file, errno != 0 ? std::strerror(errno) : "writing failed"));
+    throw FileError(
+        fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
+                    errno != 0 ? std::strerror(errno) : "writing failed"));
 }
 
 Table read_csv(std::istream& in, const std::string& file) {
   std::string text;
   std::vector<std::string> cells;
-  if (!std::getline(in, text)) throw FileError(fmt::format("{}:1: the file is empty; its first line must name the columns", file));
+  if (!std::getline(in, text))
+    throw FileError(fmt::format("{}:1: the file is empty; its first line must name the columns", file));
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // byte order mark
   Table table;
   split(text, cells);
@@ -119,8 +127,9 @@ Table read_csv(std::istream& in, const std::string& file) {
     if (trimmed(text).empty()) continue;
     split(text, cells);
     if (cells.size() != row.size())
-      throw FileError(fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column",
-                                  file, line, cells.size(), row.size()));
+      throw FileError(
+          fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column", file,
+                      line, cells.size(), row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = read_number(cells[i], file, line, table.columns()[i].name);
     table.add_row(row);
   }

@@ -3,8 +3,12 @@
 namespace lockstep::channels {
 namespace {
 
-Vec3 slot_acceleration(const VecX& a, int slot) { return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot)); }
-Vec3 slot_alpha(const VecX& a, int slot) { return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3)); }
+Vec3 slot_acceleration(const VecX& a, int slot) {
+  return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot));
+}
+Vec3 slot_alpha(const VecX& a, int slot) {
+  return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3));
+}
 
 LockPoint look_at(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
   const bool moving = m.slide || m.spin || n.slide || n.spin;
@@ -55,8 +59,7 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   const Vec3 al = slot_alpha(a, f.slot);
   // a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  alpha = A al + A_M md + (A w) x (A_M mw)
   FrameAcceleration r;
-  r.a = slot_acceleration(a, f.slot) +
-        O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
+  r.a = slot_acceleration(a, f.slot) + O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
   r.alpha = O.A * (al + m.A * m.a + cross(O.w, Vec3(m.A * m.w)));
   return r;
 }

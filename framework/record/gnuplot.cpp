@@ -29,8 +29,10 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "lockstep-chart-XXXXXX").string();
     if (!mkdtemp(name.data()))
-      throw FileError(fmt::format("cannot make the folder \"{}\" for a chart's script: {}; set TMPDIR to a folder that "
-                                  "can be written", name, std::strerror(errno)));
+      throw FileError(
+          fmt::format("cannot make the folder \"{}\" for a chart's script: {}; set TMPDIR to a folder that "
+                      "can be written",
+                      name, std::strerror(errno)));
     path_ = name;
   }
   ~TemporaryFolder() {
@@ -68,7 +70,8 @@ int run(const std::string& program, std::span<const std::string> arguments, cons
   const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
-    throw FileError(fmt::format("cannot start \"{}\": {}; check that it can be executed", program, std::strerror(failed)));
+    throw FileError(
+        fmt::format("cannot start \"{}\": {}; check that it can be executed", program, std::strerror(failed)));
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -93,8 +96,9 @@ void hand_over(const std::string& made, const std::string& file, const std::stri
   std::error_code failed;
   fs::copy_file(made, file, fs::copy_options::overwrite_existing, failed);
   if (failed)
-    throw FileError(fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
-                                failed.message()));
+    throw FileError(
+        fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
+                    failed.message()));
 }
 
 }  // namespace
@@ -131,8 +135,10 @@ Script& Script::end_data() { return line("END_OF_DATA"); }
 std::string quoted_text(std::string_view text) {
   std::string all = "'";
   for (char c : text) {
-    if (c == '\'') all += "\u2019";
-    else all += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+    if (c == '\'')
+      all += "\u2019";
+    else
+      all += static_cast<unsigned char>(c) < 32 ? ' ' : c;
   }
   return all + "'";
 }
@@ -140,7 +146,8 @@ std::string quoted_text(std::string_view text) {
 void draw(const Script& script, const std::string& path, int width, int height) {
   const std::string program = find_gnuplot();
   if (program.empty())
-    throw FileError(fmt::format("cannot draw \"{}\": gnuplot is not in PATH; install it with: apt-get install gnuplot-nox", path));
+    throw FileError(
+        fmt::format("cannot draw \"{}\": gnuplot is not in PATH; install it with: apt-get install gnuplot-nox", path));
   const std::string base = base_of(path);
   if (base.empty()) throw FileError(fmt::format("cannot write a chart to \"{}\": give a file name", path));
   const TemporaryFolder folder;
@@ -151,7 +158,8 @@ void draw(const Script& script, const std::string& path, int width, int height) 
         << "set output\nreset\n"
         << head("chart.svg", fmt::format("svg size {},{} font 'sans-serif,15'", width, height)) << script.text()
         << "set output\n";
-    if (!out.flush()) throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with space left", commands));
+    if (!out.flush())
+      throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with space left", commands));
   }
   const std::string arguments[] = {"-d", "chart.gp"};
   if (run(program, arguments, folder.path()) != 0)

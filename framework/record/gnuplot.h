@@ -31,8 +31,8 @@ class LOCKSTEP_API Script {
 /// misreads a doubled one at the beginning), control characters become blanks.
 LOCKSTEP_API std::string quoted_text(std::string_view text);
 
-/// Draws the script twice, as `<base>.svg` and `<base>.png`, width x height pixels; base is `path` without .svg or .png.
-/// Throws FileError: gnuplot is missing, refuses (with its own words), or a file cannot be written.
+/// Draws the script twice, as `<base>.svg` and `<base>.png`, width x height pixels; base is `path` without .svg or
+/// .png. Throws FileError: gnuplot is missing, refuses (with its own words), or a file cannot be written.
 LOCKSTEP_API void draw(const Script& script, const std::string& path, int width, int height);
 
 }  // namespace lockstep

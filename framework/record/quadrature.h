@@ -10,7 +10,8 @@ namespace lockstep {
 
 class LOCKSTEP_API Quadrature final : public Auxiliary {
  public:
-  Quadrature(std::string name, std::function<double(const Evaluated&)> rate) : Auxiliary(std::move(name)), rate_(std::move(rate)) {}
+  Quadrature(std::string name, std::function<double(const Evaluated&)> rate)
+      : Auxiliary(std::move(name)), rate_(std::move(rate)) {}
   int size() const override { return 1; }
   void rates(const Evaluated& values, std::span<double> sd) const override { sd[0] = rate_(values); }
   double value(const State& s) const { return s.s[first()]; }
@@ -19,7 +20,9 @@ class LOCKSTEP_API Quadrature final : public Auxiliary {
   std::function<double(const Evaluated&)> rate_;
 };
 
-/// The system's quadrature of that name, added when it is not there. Throws ModelError when something else has the name.
-LOCKSTEP_API const Quadrature& quadrature(System&, const std::string& name, const std::function<double(const Evaluated&)>& rate);
+/// The system's quadrature of that name, added when it is not there. Throws ModelError when something else has the
+/// name.
+LOCKSTEP_API const Quadrature& quadrature(System&, const std::string& name,
+                                          const std::function<double(const Evaluated&)>& rate);
 
 }  // namespace lockstep

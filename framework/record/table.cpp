@@ -14,8 +14,8 @@ void Table::add_column(const std::string& name, const std::string& unit) {
   if (name.empty()) throw ModelError(fmt::format("column {} of the table has no name; give it one", n_columns() + 1));
   if (has(name)) throw ModelError(fmt::format("the table has two columns named \"{}\"; rename one of them", name));
   if (n_rows() > 0)
-    throw ModelError(fmt::format("column \"{}\" comes too late: the table has {} rows already; add it before the run", name,
-                                 n_rows()));
+    throw ModelError(fmt::format("column \"{}\" comes too late: the table has {} rows already; add it before the run",
+                                 name, n_rows()));
   columns_.push_back({name, unit, {}});
 }
 

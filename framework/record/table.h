@@ -52,7 +52,8 @@ LOCKSTEP_API std::string title(const Column&);
 LOCKSTEP_API void write_csv(std::ostream&, const Table&);
 /// Throws FileError naming the file.
 LOCKSTEP_API void write_csv(const std::string& file, const Table&);
-/// Headers with or without units. Throws FileError naming file and line: a cell that is no number, a row of another length.
+/// Headers with or without units. Throws FileError naming file and line: a cell that is no number, a row of another
+/// length.
 LOCKSTEP_API Table read_csv(const std::string& file);
 LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);
 

@@ -8,7 +8,7 @@
 namespace lockstep {
 namespace {
 
-enum : std::size_t { kTotal, kKinetic, kDrives, kDissipated, kBalance };
+enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated };
 
 // Axes of the body's frame at its mass centre.
 Pose center_pose(const Body& body, const State& state) { return pose(body, state) * Pose{body.mass.center, {}}; }
@@ -16,8 +16,12 @@ Pose center_pose(const Body& body, const State& state) { return pose(body, state
 }
 
 Summary::Summary(System& system) {
-  for (const char* name : {"energy.total", "energy.kinetic", "energy.drives", "energy.dissipated", "energy.balance"})
-    channels_.push_back(make_channel(system, name));
+  // What the system has not is not integrated.
+  const bool links = !system.links().empty(), forces = !system.forces().empty();
+  for (const char* name : {"energy.total", "energy.kinetic", "energy.balance"}) channels_.push_back(make_channel(system, name));
+  channels_.push_back(links ? make_channel(system, "energy.drives") : Channel{});
+  for (const char* name : {"energy.supplied", "energy.dissipated"})
+    channels_.push_back(forces ? make_channel(system, name) : Channel{});
 }
 
 void Summary::start(const Sample& s) {
@@ -49,9 +53,9 @@ void Summary::step(const Sample& s) {
 
 void Summary::output(const Sample& s) {
   last_energy_ = value(kTotal, s);
-  drives_ = value(kDrives, s), dissipated_ = value(kDissipated, s);
+  drives_ = value(kDrives, s), supplied_ = value(kSupplied, s), dissipated_ = value(kDissipated, s);
   balance_ = std::max(balance_, std::abs(value(kBalance, s)));
-  scale_ = std::max({scale_, std::abs(last_energy_ - first_energy_), value(kKinetic, s), std::abs(drives_)});
+  scale_ = std::max({scale_, std::abs(last_energy_ - first_energy_), value(kKinetic, s), std::abs(drives_), std::abs(supplied_)});
 }
 
 std::string Summary::text() const {
@@ -65,7 +69,8 @@ std::string Summary::text() const {
     text += "\n";
   }
   if (order.size() > kMost) text += fmt::format("             and {} more\n", order.size() - kMost);
-  text += fmt::format("  energy     change {:.6g} J, work of drives {:.6g} J, dissipated {:.6g} J\n", last_energy_ - first_energy_, drives_, dissipated_);
+  text += fmt::format("  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} J\n",
+                      last_energy_ - first_energy_, drives_, supplied_, dissipated_);
   text += fmt::format("  conserved  energy balance within {:.2g} J", balance_);
   if (scale_ > 0) text += fmt::format(" ({:.2g} of the largest energy)", balance_ / scale_);
   return text + "\n";

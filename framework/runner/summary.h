@@ -28,11 +28,12 @@ class Summary final : public Observer {
     Quat last_q;
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
-  double value(std::size_t channel, const Sample& s) const { return channels_[channel].value(s); }
+  /// 0 for what the system has not.
+  double value(std::size_t channel, const Sample& s) const { return channels_[channel].value ? channels_[channel].value(s) : 0.0; }
 
   std::vector<Mover> movers_;
   std::vector<Channel> channels_;
-  double first_energy_ = 0, last_energy_ = 0, drives_ = 0, dissipated_ = 0, balance_ = 0, scale_ = 0;
+  double first_energy_ = 0, last_energy_ = 0, drives_ = 0, supplied_ = 0, dissipated_ = 0, balance_ = 0, scale_ = 0;
 };
 
 }  // namespace lockstep

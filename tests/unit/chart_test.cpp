@@ -10,9 +10,10 @@
 #include "framework/record/gnuplot.h"
 #include "framework/support/error.h"
 #include "tests/support/catch.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
 
 using namespace lockstep;
+using lockstep::testing::check_words, lockstep::testing::message_of;
 namespace fs = std::filesystem;
 
 namespace {
@@ -61,21 +62,23 @@ bool is_png(const std::string& file) { return contents(file).starts_with("\x89PN
 
 const bool drawn = !find_gnuplot().empty();
 
-// Holds where gnuplot is installed, and where it is not says so as a user would see it.
-#define NEEDS_GNUPLOT(what)                                                                    \
-  if (!drawn) {                                                                                \
-    CHECK(says(message_of<FileError>([&] { what; }), {"apt-get install gnuplot-nox"}));        \
-    return;                                                                                    \
-  }
+// Where gnuplot is not installed: true, and the drawing says what to do.
+template <class F>
+bool cannot(F&& act) {
+  if (drawn) return false;
+  check_words(message_of<FileError>(act), {"apt-get install gnuplot-nox"});
+  return true;
+}
 
 }  // namespace
 
 TEST_CASE("a chart is written as SVG and PNG with its words in it", "[unit][record]") {
   const Folder folder;
-  NEEDS_GNUPLOT(write_chart(folder.file("a.svg"), two_curves()));
+  if (cannot([&] { write_chart(folder.file("a.svg"), two_curves()); })) return;
   write_chart(folder.file("a.svg"), two_curves());
   const std::string svg = contents(folder.file("a.svg"));
-  CHECK(says(svg, {"<svg", "</svg>", "Sine &amp; its tangent", "B.force_on_p_world_x [N]", "force [N]", "t [s]", "theory"}));
+  check_words(svg,
+              {"<svg", "</svg>", "Sine &amp; its tangent", "B.force_on_p_world_x [N]", "force [N]", "t [s]", "theory"});
   CHECK(is_png(folder.file("a.png")));
   write_chart(folder.file("b"), two_curves());
   write_chart(folder.file("c.png"), two_curves());
@@ -85,30 +88,31 @@ TEST_CASE("a chart is written as SVG and PNG with its words in it", "[unit][reco
 TEST_CASE("panels, logarithms, gaps and long series are drawn", "[unit][record]") {
   const Folder folder;
   ChartSpec spec = two_curves();
-  NEEDS_GNUPLOT(write_chart(folder.file("a"), spec));
+  if (cannot([&] { write_chart(folder.file("a"), spec); })) return;
   Series late{"late", {}, {}, SeriesStyle::linespoints};
-  for (int i = 0; i < 20000; ++i) late.x.push_back(1e-4 * i), late.y.push_back(i == 7777 ? std::nan("") : std::exp(-1e-3 * i));
+  for (int i = 0; i < 20000; ++i)
+    late.x.push_back(1e-4 * i), late.y.push_back(i == 7777 ? std::nan("") : std::exp(-1e-3 * i));
   late.style = SeriesStyle::lines;
   spec.panels.push_back({"decay [m]", {late}, true, {{1, 1e-3, "here"}}});
   write_chart(folder.file("a"), spec);
   const std::string svg = contents(folder.file("a.svg"));
-  CHECK(says(svg, {"decay [m]", "here", "force [N]"}));
+  check_words(svg, {"decay [m]", "here", "force [N]"});
   CHECK(svg.size() < 200000);  // 20000 points would be 300 kB
 }
 
 TEST_CASE("maps and bars are drawn with their words in them", "[unit][record]") {
   const Folder folder;
-  NEEDS_GNUPLOT(write_map(folder.file("map"), small_map()));
+  if (cannot([&] { write_map(folder.file("map"), small_map()); })) return;
   write_map(folder.file("map"), small_map());
-  CHECK(says(contents(folder.file("map.svg")), {"works", "inaccurate", "fails", "limit", "gain [1/s]"}));
+  check_words(contents(folder.file("map.svg")), {"works", "inaccurate", "fails", "limit", "gain [1/s]"});
   MapSpec heat = small_map();
   heat.kinds.clear();
   heat.value_label = "error [m]";
   write_map(folder.file("heat"), heat);
-  CHECK(says(contents(folder.file("heat.svg")), {"error [m]", "limit"}));
+  check_words(contents(folder.file("heat.svg")), {"error [m]", "limit"});
   const BarSpec bars{"cost", "operations", {"none", "all six laws"}, {{"lock", {322, 1219}, ""}}};
   write_bars(folder.file("bars"), bars);
-  CHECK(says(contents(folder.file("bars.svg")), {"all six laws", "1219", "operations"}));
+  check_words(contents(folder.file("bars.svg")), {"all six laws", "1219", "operations"});
   CHECK(is_png(folder.file("bars.png")));
 }
 
@@ -116,7 +120,7 @@ TEST_CASE("no text of the user's becomes a command", "[unit][record]") {
   const Folder folder;
   const std::string trap = folder.file("trap");
   ChartSpec spec = two_curves();
-  NEEDS_GNUPLOT(write_chart(folder.file("a"), spec));
+  if (cannot([&] { write_chart(folder.file("a"), spec); })) return;
   spec.title = "`touch " + trap + "`";
   spec.x_label = "'; system('touch " + trap + "') #";
   spec.panels[0].y_label = "\nsystem 'touch " + trap + "'\n";
@@ -124,7 +128,7 @@ TEST_CASE("no text of the user's becomes a command", "[unit][record]") {
   spec.panels[0].notes = {{0.5, 0.5, "@trap {/:Bold x_1^2} $(touch " + trap + ")"}};
   write_chart(folder.file("a"), spec);
   CHECK_FALSE(fs::exists(trap));
-  CHECK(says(contents(folder.file("a.svg")), {"`touch ", "x_1^2"}));
+  check_words(contents(folder.file("a.svg")), {"`touch ", "x_1^2"});
 
   const fs::path before = fs::current_path();
   fs::current_path(folder.path);
@@ -138,28 +142,32 @@ TEST_CASE("charts that cannot be are refused in words", "[unit][record]") {
   const auto refusal = [](const auto& act) { return message_of<ModelError>(act); };
   ChartSpec spec = two_curves();
   spec.panels[0].series[1].y.pop_back();
-  CHECK(says(refusal([&] { write_chart("x", spec); }), {"Sine & its tangent", "theory", "101 x and 100 y"}));
+  check_words(refusal([&] { write_chart("x", spec); }), {"Sine & its tangent", "theory", "101 x and 100 y"});
   spec = two_curves();
   spec.panels[0].series = {{"zeros", {0, 1}, {0, -1}}};
   spec.panels[0].log_y = true;
-  CHECK(says(refusal([&] { write_chart("x", spec); }), {"force [N]", "nothing to draw", "above zero"}));
+  check_words(refusal([&] { write_chart("x", spec); }), {"force [N]", "nothing to draw", "above zero"});
   spec.panels.clear();
-  CHECK(says(refusal([&] { write_chart("x", spec); }), {"no panels"}));
+  check_words(refusal([&] { write_chart("x", spec); }), {"no panels"});
   MapSpec map = small_map();
   map.cells[0] = 3;
-  CHECK(says(refusal([&] { write_map("x", map); }), {"kind 3", "0 to 2"}));
+  check_words(refusal([&] { write_map("x", map); }), {"kind 3", "0 to 2"});
   map.cells.pop_back();
-  CHECK(says(refusal([&] { write_map("x", map); }), {"5 cells", "3 x 2"}));
+  check_words(refusal([&] { write_map("x", map); }), {"5 cells", "3 x 2"});
   map = small_map();
   map.x[1] = map.x[0];
-  CHECK(says(refusal([&] { write_map("x", map); }), {"along x", "rise"}));
-  CHECK(says(refusal([&] { write_bars("x", {"cost", "", {"a", "b"}, {{"g", {1}, ""}}}); }), {"\"g\"", "1 values for 2"}));
+  check_words(refusal([&] { write_map("x", map); }), {"along x", "rise"});
+  check_words(refusal([&] {
+                write_bars("x", {"cost", "", {"a", "b"}, {{"g", {1}, ""}}});
+              }),
+              {"\"g\"", "1 values for 2"});
   if (drawn) {
     const Folder folder;
     spec = two_curves();
     spec.panels[0].series[0].color = "red' ; system 'x";
-    CHECK(says(refusal([&] { write_chart(folder.file("a"), spec); }), {"#0072b2"}));
-    CHECK(says(message_of<FileError>([&] { write_chart("no/such/folder/a.svg", two_curves()); }), {"no/such/folder/a.svg"}));
+    check_words(refusal([&] { write_chart(folder.file("a"), spec); }), {"#0072b2"});
+    check_words(message_of<FileError>([&] { write_chart("no/such/folder/a.svg", two_curves()); }),
+                {"no/such/folder/a.svg"});
   }
 }
 
@@ -170,6 +178,6 @@ TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
   setenv("PATH", folder.path.c_str(), 1);
   const std::string message = message_of<FileError>([&] { write_chart(folder.file("a.svg"), two_curves()); });
   setenv("PATH", before.c_str(), 1);
-  CHECK(says(message, {"a.svg", "gnuplot", "apt-get install gnuplot-nox"}));
+  check_words(message, {"a.svg", "gnuplot", "apt-get install gnuplot-nox"});
   CHECK_FALSE(fs::exists(folder.file("a.svg")));
 }

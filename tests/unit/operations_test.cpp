@@ -1,0 +1,161 @@
+// What the kernel costs, counted on the numbers themselves: no more than the theory's table (5.2), nothing for the half
+// that a joint does not use, less for every row that is masked. The instance is chosen as MarkerLock chooses it.
+#include <array>
+#include <cmath>
+
+#include "framework/lock/dispatch.h"
+#include "framework/lock/look.h"
+#include "tests/support/catch.h"
+#include "tests/support/counted.h"
+#include "tests/support/lock_inputs.h"
+
+using namespace lockstep;
+using oracle::Counted;
+using oracle::Operations;
+
+namespace {
+
+template <class A>
+auto counted(const A& a) {
+  return a.template cast<Counted>().eval();
+}
+QuatT<Counted> counted(const Quat& q) { return {q.w, q.x, q.y, q.z}; }
+
+struct Counting {
+  MotionT<Counted> O1, O2;
+  MarkerMotionT<Counted> P, S;
+  ImposedTranslationT<Counted> p;
+  ImposedRotationT<Counted> D;
+};
+
+MotionT<Counted> body(const Motion& O) {
+  return {counted(O.x), counted(O.A), counted(O.e), counted(O.v), counted(O.w)};
+}
+MarkerMotionT<Counted> marker(const MarkerMotion& m) {
+  return {counted(m.u), counted(m.ud), counted(m.udd), counted(m.A), counted(m.q), counted(m.w), counted(m.a)};
+}
+Counting inputs_of(unsigned laws, bool aligned) {
+  const inputs::KernelInputs in(oracle::random_configuration(11, {laws, aligned}));
+  return {body(in.O1),
+          body(in.O2),
+          marker(in.P),
+          marker(in.S),
+          {counted(in.p.p), counted(in.p.pd), counted(in.p.pdd)},
+          {counted(in.D.q), counted(in.D.A), counted(in.D.w), counted(in.D.a)}};
+}
+
+struct Cost {
+  Operations translation, rotation;
+  long total() const { return translation.total() + rotation.total(); }
+};
+
+/// C, Ct, rows and right side of the mask's rows. The matrix of every rotation law is made from its quaternion here,
+/// because the table counts that too.
+Cost cost(Mask rows, unsigned laws, bool parallel = false) {
+  Counting in = inputs_of(laws, parallel);
+  const unsigned bits = laws | (parallel ? unsigned(with::parallel) : 0u);
+  Cost c;
+  c.translation = oracle::operations_of([&] {
+    TranslationRowsT<Counted> r;
+    choose_translation(rows, bits, [&](auto with) { translation<with>(in.O1, in.O2, in.P, in.S, in.p, rows, r); });
+  });
+  c.rotation = oracle::operations_of([&] {
+    RotationRowsT<Counted> r;
+    choose_rotation(rows, bits, [&](auto with) {
+      if (laws & with::qP) in.P.A = rotation(in.P.q);
+      if (laws & with::qS) in.S.A = rotation(in.S.q);
+      if (laws & with::qD) in.D.A = rotation(in.D.q);
+      rotation<with>(in.O1, in.O2, in.P, in.S, in.D, rows, r);
+    });
+  });
+  return c;
+}
+
+constexpr double kAllowed = 1.05;
+
+}  // namespace
+
+TEST_CASE("a counted number counts", "[unit][lock]") {
+  const Operations one = oracle::operations_of([] {
+    const Counted a(2), b(3);
+    const Counted c = -(a * b + a - b) / a;
+    CHECK(c.value() == -2.5);
+  });
+  CHECK(one.mul == 1);
+  CHECK(one.add == 2);
+  CHECK(one.div == 1);
+  const Operations product = oracle::operations_of([] {
+    const Mat3T<Counted> A = Mat3T<Counted>::Identity();
+    const Vec3T<Counted> b = Vec3T<Counted>::Ones(), c = A * b;
+    CHECK(c[2].value() == 1);
+  });
+  CHECK(product.mul == 9);
+  CHECK(product.add == 6);
+}
+
+TEST_CASE("the six rows cost no more than the theory's table", "[unit][lock]") {
+  const Cost all = cost(Mask::all, 63), none = cost(Mask::all, 0), aligned = cost(Mask::all, 0, true);
+  CAPTURE(all.translation.total(), all.rotation.total(), none.translation.total(), none.rotation.total(),
+          aligned.translation.total(), aligned.rotation.total());
+  CHECK(double(all.total()) <= kAllowed * 1219);
+  CHECK(double(none.total()) <= kAllowed * 600);
+  CHECK(double(aligned.total()) <= kAllowed * 322);
+  CHECK(double(cost(Mask::all, with::p).total()) <= kAllowed * 606);
+  CHECK(double(cost(Mask::all, with::qD).total()) <= kAllowed * 832);
+  CHECK(double(cost(Mask::all, with::p | with::qD).total()) <= kAllowed * 838);
+  // each half by itself
+  CHECK(double(none.translation.total()) <= kAllowed * 336);
+  CHECK(double(none.rotation.total()) <= kAllowed * 264);
+  CHECK(double(aligned.translation.total()) <= kAllowed * 234);
+  CHECK(double(aligned.rotation.total()) <= kAllowed * 88);
+  CHECK(double(all.translation.total()) <= kAllowed * 549);
+  CHECK(double(all.rotation.total()) <= kAllowed * 763);
+  // nothing is divided, and every law costs something
+  CHECK(all.translation.div + all.rotation.div == 0);
+  CHECK(none.total() < all.total());
+  CHECK(aligned.total() < none.total());
+}
+
+TEST_CASE("a joint without turns never evaluates the rotational half, and the other way round", "[unit][lock]") {
+  for (unsigned m = 1; m < 64; ++m) {
+    const Mask mask = Mask(std::uint8_t(m));
+    for (unsigned laws : {0u, 16u, 32u, 48u, 63u}) {
+      CAPTURE(m, laws);
+      const Cost c = cost(mask, laws);
+      CHECK((c.translation.total() > 0) == any(mask, Mask::xyz));
+      CHECK((c.rotation.total() > 0) == any(mask, Mask::e123));
+    }
+  }
+  CHECK(cost(Mask::none, 63).total() == 0);
+}
+
+TEST_CASE("each masked row saves its jacobian", "[unit][lock]") {
+  for (unsigned laws : {0u, 48u, 63u}) {
+    for (unsigned m = 1; m < 64; ++m) {
+      const Mask mask = Mask(std::uint8_t(m));
+      const Cost c = cost(mask, laws);
+      for (int k = 0; k < 6; ++k) {
+        if (!has(mask, row_bit(k))) continue;
+        CAPTURE(laws, m, k);
+        const Cost less = cost(Mask(std::uint8_t(m & ~(1u << k))), laws);
+        CHECK(c.total() - less.total() >= (k < 3 ? 48 : 30));
+      }
+    }
+  }
+}
+
+TEST_CASE("a drive costs its law and no more", "[unit][lock]") {
+  // p alone: three subtractions in C, and pd, pdd; never the markers' transport terms
+  CHECK(cost(Mask::xyz, with::p).total() - cost(Mask::xyz, 0).total() <= 9);
+  CHECK(cost(Mask::xyz, with::qD | with::qP).total() == cost(Mask::xyz, 0).total());
+  CHECK(cost(Mask::e123, with::p | with::uP | with::uS).total() == cost(Mask::e123, 0).total());
+}
+
+TEST_CASE("look leaves out the half that is not needed", "[unit][lock]") {
+  const Counting in = inputs_of(0, false);
+  const auto price = [&](Needs needs) {
+    return oracle::operations_of([&] { look(in.O1, in.O2, in.P, in.S, 0u, needs); }).total();
+  };
+  CHECK(price(Needs::translation) > 0);
+  CHECK(price(Needs::translation) + price(Needs::rotation) == price(Needs::both));
+}

@@ -1,0 +1,263 @@
+// The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
+#include "framework/system/system.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/links/functions.h"
+#include "framework/links/joints.h"
+#include "framework/support/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/heap_counter.h"
+#include "tests/support/lock_inputs.h"
+#include "tests/support/message.h"
+
+using namespace lockstep;
+using namespace lockstep::inputs;
+
+namespace {
+
+const MassProperties kMass{2.0, Vec3(0.1, -0.2, 0.3), Vec3(1, 1.2, 1.4).asDiagonal()};
+
+/// A link of one row that says where it was gathered and together with how many.
+class Counting : public Lock {
+ public:
+  Counting(std::string name, Marker& p, Marker& s, unsigned pattern = 0)
+      : Lock(std::move(name)), p_(&p), s_(&s), pattern_(pattern) {}
+  std::string_view type() const override { return "counting"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
+  int row_count() const override { return 1; }
+  RowKind row_kind(int) const override { return RowKind::function; }
+  std::string row_name(int) const override { return "row"; }
+  void setup() override {
+    ++n_setups;
+    slots_ = {};
+    slots_.add(p_->body->slot), slots_.add(s_->body->slot);
+  }
+  SlotList slots() const override { return slots_; }
+  unsigned pattern() const override { return pattern_; }
+  void gather(Group links, const Inputs&, RowSpan out) const override {
+    ++n_calls;
+    most_lanes = std::max(most_lanes, links.size());
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const auto& link = static_cast<const Counting&>(*links[i]);
+      const RowBlock block = out.lane(i);
+      block.C(0) = link.number(), block.Ct(0) = 0, block.Qhat(0) = 0;
+      for (int k = 0; k < link.slots_.n; ++k) block.set(k, 0, Vec3::Zero(), Vec3::Zero());
+    }
+  }
+
+  int n_setups = 0;
+  static inline int n_calls = 0;
+  static inline std::size_t most_lanes = 0;
+
+ private:
+  Marker *p_, *s_;
+  unsigned pattern_;
+  SlotList slots_;
+};
+class OtherCounting final : public Counting {
+ public:
+  using Counting::Counting;
+};
+
+}  // namespace
+
+TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
+  System system;
+  Body& b = system.add_body("crank", kMass);
+  const auto refused = [&](auto&& act) { return message_of<ModelError>(act); };
+  CHECK(says(refused([&] { system.add_body("crank", kMass); }), {"body 'crank'", "taken by a body", "choose another"}));
+  CHECK(says(refused([&] { system.add_particle("crank", 1, Vec3::Zero()); }), {"body 'crank'", "taken"}));
+  CHECK(says(refused([&] { system.add_fixed("ground"); }), {"body 'ground'", "taken"}));
+  CHECK(says(refused([&] { system.add_marker("crank", b); }), {"marker 'crank'", "taken by a body"}));
+  system.add<Revolute>("hinge", b, system.ground(), at(Vec3::Zero()));
+  CHECK(says(refused([&] { system.add_marker("hinge.P", b); }), {"marker 'hinge.P'", "taken by a marker"}));
+  CHECK(says(refused([&] { system.add_body("hinge", kMass); }), {"body 'hinge'", "taken by a link"}));
+  CHECK(says(refused([&] { system.add_body("", kMass); }), {"without a name", "give it one"}));
+  CHECK(system.bodies().size() == 2);  // nothing that was refused stayed
+  CHECK(system.markers().size() == 2);
+}
+
+TEST_CASE("names that are none are refused with the nearest", "[unit][system]") {
+  System system;
+  Body& b = system.add_body("crank", kMass);
+  system.add<Revolute>("hinge", b, system.ground(), at(Vec3::Zero()));
+  CHECK(says(message_of<ModelError>([&] { system.body("crnk"); }), {"unknown body \"crnk\"", "\"crank\""}));
+  CHECK(says(message_of<ModelError>([&] { system.link("hing"); }), {"unknown link \"hing\"", "\"hinge\""}));
+  CHECK(says(message_of<ModelError>([&] { system.marker("hinge.Q"); }), {"unknown marker", "hinge."}));
+  CHECK(says(message_of<ModelError>([&] { system.force("wind"); }), {"unknown force \"wind\""}));
+  CHECK(&system.body("crank") == &b);
+  CHECK(system.link("hinge").name() == "hinge");
+  CHECK(system.marker("hinge.P").body == &b);
+}
+
+TEST_CASE("poses that are none are refused", "[unit][system]") {
+  System system;
+  const auto refused = [&](const Pose& pose) {
+    return message_of<ModelError>([&] { system.add_body("b", kMass, pose); });
+  };
+  CHECK(says(refused({Vec3(0, std::nan(""), 0), {}}), {"body 'b'", "not finite"}));
+  CHECK(says(refused({Vec3::Zero(), {2, 0, 0, 0}}), {"body 'b'", "length 2", "normalise"}));
+  CHECK(says(refused({Vec3::Zero(), {0, 0, 0, 0}}), {"body 'b'", "length 0"}));
+  CHECK(says(message_of<ModelError>([&] { system.add_particle("p", -1, Vec3::Zero()); }),
+             {"'p'", "-1 kg", "above zero"}));
+  CHECK(says(message_of<ModelError>([] { at(Vec3::Zero(), Vec3(0, 0, 0)); }), {"zero", "give a direction"}));
+}
+
+TEST_CASE("at puts z where it is told, right-handed", "[unit][system]") {
+  for (const Vec3& z : {Vec3(0, 0, 1), Vec3(0, 0, -2), Vec3(1, 0, 0), Vec3(-3, 1e-9, 0), Vec3(0.3, -0.5, 0.1)}) {
+    const Pose p = at(Vec3(1, 2, 3), z);
+    CHECK((rotation(p.q).col(2) - z.normalized()).norm() < 1e-14);
+    CHECK(p.x == Vec3(1, 2, 3));
+    CHECK(std::abs(norm2(p.q) - 1) < 1e-14);
+  }
+  CHECK((rotation(at(Vec3::Zero(), Vec3(0, 0, 5)).q) - Mat3::Identity()).norm() < 1e-14);
+}
+
+TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]") {
+  System system;
+  Body& a = system.add_body("a", kMass, {Vec3(1, 0, 0), axis_angle(Vec3(1, 1, 0), 0.6)});
+  Body& wall = system.add_fixed("wall", {Vec3(0, 1, 0), axis_angle(Vec3(0, 0, 1), 0.4)});
+  Body& bead = system.add_particle("bead", 1.0, Vec3(0, 0, 2));
+  Marker& P = system.add_marker("P", a);
+  Marker& S = system.add_marker("S", wall);
+  Counting& link = system.add<Counting>("link", P, S);
+  CHECK_FALSE(system.ready());
+  system.setup();
+  CHECK(system.ready());
+  CHECK(system.n_slots() == 2);
+  CHECK(system.n_velocities() == 9);
+  CHECK(a.slot == 0);
+  CHECK(bead.slot == 1);
+  CHECK(wall.slot == kGround);
+  CHECK(link.number() == 0);
+  system.setup();
+  CHECK(link.n_setups == 1);
+  system.add_body("late", kMass);
+  CHECK_FALSE(system.ready());
+  system.setup();
+  CHECK(link.n_setups == 2);
+  CHECK(system.n_slots() == 3);
+
+  // a slot stands at the mass centre, with the body's axes; the body's own frame comes back
+  a.start = {Vec3(0.1, 0.2, 0.3), Vec3(1, -1, 2)};
+  const State state = system.start();
+  const Mat3 A = oracle::paper::rotation(a.home.q.coefficients());
+  CHECK((state.slot_pose(a.slot).x - (a.home.x + A * kMass.center)).norm() < 1e-15);
+  CHECK((state.slot_twist(a.slot).v - (a.start.v + A * oracle::paper::skew(a.start.w) * kMass.center)).norm() < 1e-15);
+  CHECK((pose(a, state).x - a.home.x).norm() < 1e-15);
+  CHECK((twist(a, state).v - a.start.v).norm() < 1e-15);
+  CHECK(pose(wall, state).x == wall.home.x);
+  CHECK(twist(wall, state).v == Vec3::Zero());
+}
+
+TEST_CASE("the length of a system is its longest arm on a moving body", "[unit][system]") {
+  System system;
+  system.add_marker("wall", system.ground(), at(Vec3(100, 0, 0)));
+  Body& a = system.add_body("a", kMass);
+  system.setup();
+  CHECK(system.length() == 1e-6);
+  system.add_marker("near", a, at(kMass.center + Vec3(0, 0.5, 0)));
+  system.add_marker("far", a, at(kMass.center + Vec3(3, 4, 0)));
+  system.setup();
+  CHECK(std::abs(system.length() - 5) < 1e-14);
+}
+
+TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
+  System system;
+  Body& a = system.add_body("a", kMass);
+  Body& b = system.add_body("b", kMass);
+  auto marker = [&, n = 0](Body& body) mutable -> Marker& {
+    return system.add_marker("m" + std::to_string(n++), body);
+  };
+  system.add<Counting>("l0", marker(a), marker(b));
+  system.add<OtherCounting>("l1", marker(a), marker(b));  // another type
+  system.add<Counting>("l2", marker(b), marker(a));
+  system.add<Counting>("l3", marker(a), marker(b), 7u);            // another pattern
+  system.add<Counting>("l4", marker(a), marker(system.ground()));  // fewer slots
+  system.add<Counting>("l5", marker(a), marker(b));
+  system.setup();
+  RowTable table;
+  std::vector<Motion> motions;
+  State state = system.start();
+  const auto gather = [&] {
+    system.lay_out(state.modes, table);
+    system.motions(state, motions);
+    Inputs in;
+    in.motions = motions;
+    Counting::n_calls = 0, Counting::most_lanes = 0;
+    system.gather_rows(in, table);
+  };
+  gather();
+  CHECK(Counting::n_calls == 4);
+  CHECK(Counting::most_lanes == 3);
+  CHECK(table.n_rows == 6);
+  // every link wrote its own row
+  for (int k = 0; k < 6; ++k) {
+    const RowEntry& e = table.entries[static_cast<std::size_t>(table.entry_of_link[static_cast<std::size_t>(k)])];
+    CHECK(e.link == k);
+    CHECK(table.block(e).C(0) == k);
+    CHECK(system.row_name(table, e.first_row) == "row row of link 'l" + std::to_string(k) + "'");
+  }
+
+  // the middle one of a group out of force: its row goes, and the group is gathered in two pieces
+  state.modes[2] = false;
+  gather();
+  CHECK(table.n_rows == 5);
+  CHECK(table.entry_of_link[2] == -1);
+  CHECK(Counting::n_calls == 5);
+  CHECK(Counting::most_lanes == 1);
+  for (const RowEntry& e : table.entries) CHECK(table.block(e).C(0) == e.link);
+  state.modes.assign(6, false);
+  gather();
+  CHECK(table.n_rows == 0);
+  CHECK(Counting::n_calls == 0);
+}
+
+TEST_CASE("a link that starts out of force has no rows", "[unit][system]") {
+  System system;
+  Body& a = system.add_body("a", kMass);
+  system.add<Revolute>("hinge", a, system.ground(), at(Vec3::Zero())).active_at_start = false;
+  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero()));
+  system.setup();
+  State state = system.start();
+  CHECK(state.modes == std::vector<bool>{false, true});
+  CHECK(gathered(system, state).C.size() == 3);
+  state.modes[0] = true;
+  CHECK(gathered(system, state).C.size() == 8);
+}
+
+TEST_CASE("a second gather asks for no memory", "[unit][system]") {
+  oracle::Configuration c = oracle::random_configuration(3);
+  TwoBodies two(c, 63);
+  two.lock(c, Mask::all, 63);
+  two.system.add<Revolute>("hinge", *two.body1, two.system.ground(), at(Vec3::Zero()))
+      .drive(Axis::rz, std::make_shared<Number>(LawValue{1, 2, 3}));
+  two.system.add<Distance>("rod", *two.body2, two.system.ground(), at(Vec3(5, 5, 5)),
+                           std::make_shared<Number>(LawValue{1, 2, 3}));
+  two.system.set_gravity(Vec3(0, 0, -9.81));
+  // the rod's markers stand at one point at home, which it refuses: give it a length by moving one
+  two.system.marker("rod.S").local.x += Vec3(1, 0, 0);
+  two.system.setup();
+  const State state = two.system.start();
+  RowTable table;
+  std::vector<Motion> motions;
+  VecX f(6 * two.system.n_slots());
+  const auto gather = [&] {
+    two.system.lay_out(state.modes, table);
+    two.system.motions(state, motions);
+    Inputs in;
+    in.motions = motions;
+    two.system.gather_rows(in, table);
+    two.system.gather_forces(in, f);
+  };
+  gather();
+  const std::size_t before = test::n_heap_requests();
+  for (int k = 0; k < 10; ++k) gather();
+  CHECK(test::n_heap_requests() == before);
+  CHECK(f.allFinite());
+  CHECK(table.n_rows == 13);
+}
