@@ -38,13 +38,18 @@ void Dynamics::prepare(const State& state) {
   laid_out_ = true;
 }
 
-void Dynamics::gather(const State& state) {
+/// The first pass: what links and forces see of the state.
+void Dynamics::see(const State& state) {
   prepare(state);
   system_.motions(state, motions_);
   in_.t = state.t;
   in_.motions = motions_;
   in_.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in_.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+}
+
+void Dynamics::gather(const State& state) {
+  see(state);
   system_.gather_rows(in_, rows_);
   system_.gather_forces(in_, f_);
   factored_ = false;
@@ -175,12 +180,7 @@ void Dynamics::normalize(State& state) const {
 
 void Dynamics::accept(State& state) {
   if (state.z.size() == 0) return;
-  prepare(state);
-  system_.motions(state, motions_);
-  in_.t = state.t;
-  in_.motions = motions_;
-  in_.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
-  in_.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  see(state);
   system_.accept(in_, state);
 }
 

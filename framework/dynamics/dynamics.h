@@ -82,6 +82,7 @@ class LOCKSTEP_API Dynamics {
 
  private:
   void prepare(const State&);
+  void see(const State&);
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
   void check_gathered(const State&) const;

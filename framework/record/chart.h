@@ -83,6 +83,8 @@ struct BarSpec {
 /// spec without anything to draw or with lengths that differ, FileError where gnuplot or a file fails.
 LOCKSTEP_API void write_chart(const std::string& path, const ChartSpec&);
 LOCKSTEP_API void write_map(const std::string& path, const MapSpec&);
+/// Maps under one another, each below its own title.
+LOCKSTEP_API void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>&, int width, int height);
 LOCKSTEP_API void write_bars(const std::string& path, const BarSpec&);
 
 }  // namespace lockstep

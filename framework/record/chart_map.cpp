@@ -97,6 +97,24 @@ std::string plot_of(const std::vector<std::string>& clauses) {
   return all;
 }
 
+void add_map(Script& out, const MapSpec& spec) {
+  std::vector<std::string> clauses = cell_clauses(out, spec);
+  const std::vector<double> ex = edges(spec.x, spec.log_x), ey = edges(spec.y, spec.log_y);
+  axis(out, 'x', spec.x_label, spec.log_x, ex.front(), ex.back());
+  axis(out, 'y', spec.y_label, spec.log_y, ey.front(), ey.back());
+  out.line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", ex.front(), ex.back(), ey.front(), ey.back()));
+  out.line("set grid front lc rgb '#ffffff' lw 0.3");
+  notes(out, spec.notes);
+  for (std::size_t i = 0; i < spec.curves.size(); ++i) {
+    const std::string name = fmt::format("curve{}", i);
+    Series s = spec.curves[i];
+    if (s.color.empty()) s.color = "#111111";
+    series_data(out, name, s);
+    clauses.push_back(plot_clause(name, s, i));
+  }
+  out.line(plot_of(clauses));
+}
+
 void check(const BarSpec& spec) {
   Extent y{};
   for (const BarSpec::Group& g : spec.groups) {
@@ -115,23 +133,23 @@ void write_map(const std::string& path, const MapSpec& spec) {
   Script out;
   common(out);
   begin_page(out, 1, spec.title);
-  std::vector<std::string> clauses = cell_clauses(out, spec);
-  const std::vector<double> ex = edges(spec.x, spec.log_x), ey = edges(spec.y, spec.log_y);
-  axis(out, 'x', spec.x_label, spec.log_x, ex.front(), ex.back());
-  axis(out, 'y', spec.y_label, spec.log_y, ey.front(), ey.back());
-  out.line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", ex.front(), ex.back(), ey.front(), ey.back()));
-  out.line("set grid front lc rgb '#ffffff' lw 0.3");
-  notes(out, spec.notes);
-  for (std::size_t i = 0; i < spec.curves.size(); ++i) {
-    const std::string name = fmt::format("curve{}", i);
-    Series s = spec.curves[i];
-    if (s.color.empty()) s.color = "#111111";
-    series_data(out, name, s);
-    clauses.push_back(plot_clause(name, s, i));
-  }
-  out.line(plot_of(clauses));
+  add_map(out, spec);
   end_page(out);
   draw(out, path, spec.width, spec.height);
+}
+
+void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>& specs, int width, int height) {
+  if (specs.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", title));
+  for (const MapSpec& spec : specs) check(spec);
+  Script out;
+  common(out);
+  begin_page(out, specs.size(), title);
+  for (const MapSpec& spec : specs) {
+    out.line(fmt::format("set title {} noenhanced font ',13'", quoted_text(spec.title)));
+    add_map(out, spec);
+  }
+  end_page(out);
+  draw(out, path, width, height);
 }
 
 void write_bars(const std::string& path, const BarSpec& spec) {

@@ -90,6 +90,13 @@ int run_program(int argc, const char* const* argv) {
   add_scene(check, w);
   check.add_flag("--json", w.json, "as JSON");
   check.footer("Example:\n  lockstep check samples/scenes/four_bar.json --json");
+  CLI::App& chart = *app.add_subcommand("chart", "Draw error against CPU time for all integrators, formulations and stabilisations");
+  add_scene(chart, w);
+  chart.add_option("--until", w.until, "end of the runs, s")->type_name("T");
+  chart.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")->type_name("T");
+  chart.add_option("--out", w.out, "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here")->type_name("DIR");
+  chart.add_flag("--quiet", w.quiet, "do not name each run");
+  chart.footer("Example:\n  lockstep chart samples/scenes/four_bar.json --budget 60s --out charts");
   CLI::App& assemble = *app.add_subcommand("assemble", "Bring the start of a scene onto its constraints; say what moved how far");
   add_scene(assemble, w);
   assemble.add_flag("--json", w.json, "as JSON");
@@ -115,6 +122,7 @@ int run_program(int argc, const char* const* argv) {
   return guarded([&] {
     if (run.parsed()) return run_command(w);
     if (check.parsed()) return check_command(w);
+    if (chart.parsed()) return chart_command(w);
     if (assemble.parsed()) return assemble_command(w);
     if (list.parsed()) return list_command(name, w);
     if (describe.parsed()) return describe_command(name, w);

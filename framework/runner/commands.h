@@ -31,7 +31,7 @@ class UsageError : public Error {
 
 /// What the command line says about a scene and how to run it. Empty: not said.
 struct Words {
-  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record;
+  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
   std::vector<std::string> plugins;
   bool quiet = false, json = false;
 };
@@ -49,6 +49,7 @@ Loaded load(const Words&);
 
 int run_command(const Words&);
 int check_command(const Words&);
+int chart_command(const Words&);
 int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);

@@ -117,7 +117,7 @@ int run_command(const Words& w) {
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {} rows up to there are in {}\n", sim.state().t, recorder->table().n_rows(), csv);
     std::rethrow_exception(ended.error);
   }
-  const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table());
+  const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table(), m.run.draw);
   if (!w.quiet) {
     print_end(sim, m.run, summary, seconds);
     fmt::print("  files      {} ({} rows)\n", csv, recorder->table().n_rows());

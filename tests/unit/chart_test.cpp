@@ -110,6 +110,9 @@ TEST_CASE("maps and bars are drawn with their words in them", "[unit][record]") 
   heat.value_label = "error [m]";
   write_map(folder.file("heat"), heat);
   check_words(contents(folder.file("heat.svg")), {"error [m]", "limit"});
+  heat.title = "second of two";
+  write_maps(folder.file("pair"), "both", {small_map(), heat}, 800, 900);
+  check_words(contents(folder.file("pair.svg")), {"both", "second of two", "works", "error [m]"});
   const BarSpec bars{"cost", "operations", {"none", "all six laws"}, {{"lock", {322, 1219}, ""}}};
   write_bars(folder.file("bars"), bars);
   check_words(contents(folder.file("bars.svg")), {"all six laws", "1219", "operations"});
@@ -154,6 +157,8 @@ TEST_CASE("charts that cannot be are refused in words", "[unit][record]") {
   check_words(refusal([&] { write_map("x", map); }), {"kind 3", "0 to 2"});
   map.cells.pop_back();
   check_words(refusal([&] { write_map("x", map); }), {"5 cells", "3 x 2"});
+  check_words(refusal([&] { write_maps("x", "both", {small_map(), map}, 800, 900); }), {"5 cells", "3 x 2"});
+  check_words(refusal([] { write_maps("x", "both", {}, 800, 900); }), {"both", "no maps"});
   map = small_map();
   map.x[1] = map.x[0];
   check_words(refusal([&] { write_map("x", map); }), {"along x", "rise"});

@@ -12,7 +12,9 @@
 #include "tests/support/catch.h"
 #include "tests/support/heap_counter.h"
 #include "tests/support/lock_inputs.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
+
+using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 using namespace lockstep::inputs;

@@ -1,0 +1,177 @@
+// The paper's own claim as a chart: rows and right side of the lock derived in four ways, cost against error of the rows
+// and of a trajectory. CSV and pictures.
+#include <fstream>
+#include <limits>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/analysis/assembly.h"
+#include "framework/analysis/work_precision.h"
+#include "framework/kkt/sparse_solver.h"
+#include "framework/links/joints.h"
+#include "integrators/dop853.h"
+#include "integrators/dopri5.h"
+#include "samples/shared/output.h"
+#include "tests/support/derivations.h"
+#include "tests/support/lock_checks.h"
+#include "tests/support/paths.h"
+
+using namespace lockstep;
+using namespace lockstep::derivations;
+
+namespace {
+
+// --- rows -----------------------------------------------------------------------------------------------------------
+
+/// ns of one lock with all laws, and its largest error against 60 digits, of rows, Ct and right side.
+struct RowResult {
+  double ns = 0, error_J = 0, error_Qhat = 0;
+};
+
+template <class F> double nanoseconds(F&& once) {
+  double best = std::numeric_limits<double>::infinity(), sum = 0;
+  for (int repeat = 0; repeat < 7; ++repeat) {
+    long n = 0;
+    const double begin = thread_seconds();
+    double spent = 0;
+    for (; spent < 0.03; spent = thread_seconds() - begin)
+      for (int i = 0; i < 100; ++i, ++n) sum += once();
+    best = std::min(best, 1e9 * spent / static_cast<double>(n));
+  }
+  volatile double keep = sum;  // so that nothing is optimised away
+  (void)keep;
+  return best;
+}
+
+RowResult measure_rows(Way way, const oracle::LockChecks& checks, const Steps& steps) {
+  RowResult result;
+  std::vector<Place> places;
+  for (const oracle::LockCheck& check : checks.entries) {
+    places.push_back(place(check.input));
+    const Rows r = rows(way, places.back(), steps);
+    result.error_J = std::max(result.error_J, (r.J - check.at("J")).cwiseAbs().maxCoeff());
+    result.error_Qhat = std::max(result.error_Qhat, (r.Qhat - check.at("Qhat")).cwiseAbs().maxCoeff());
+  }
+  const oracle::Configuration& c = checks.entries.front().input;
+  Place in = places.front();
+  oracle::Configuration moved = c;
+  result.ns = nanoseconds([&] {  // another place each time
+    in.O1.x[0] += 1e-9, moved.x1[0] += 1e-9;
+    switch (way) {
+      case Way::compact: return compact(in).Qhat[5];
+      case Way::products: return products(moved).Qhat[5];
+      case Way::jets: return jets(moved).Qhat[5];
+      default: return differences(moved, steps).Qhat[5];
+    }
+  });
+  return result;
+}
+
+// --- a trajectory ---------------------------------------------------------------------------------------------------
+
+/// The four-bar of the references, let go: crank 0.1 m, coupler 0.3 m, rocker 0.25 m, pivots 0.28 m apart, the crank at 0.3
+/// rad turning at 10 rad/s. Four hinges of five rows each, redundant in space.
+struct FourBar {
+  System sys{System::Options{Vec3(0, -9.81, 0)}};
+  FourBar(Way way, bool library) {
+    const Vec3 A(0, 0, 0), D(0.28, 0, 0), B = 0.1 * Vec3(std::cos(0.3), std::sin(0.3), 0);
+    const Vec3 along = (D - B).normalized(), across(-along[1], along[0], 0);
+    const double d = (D - B).norm(), x = (0.3 * 0.3 - 0.25 * 0.25 + d * d) / (2 * d);
+    const Vec3 C = B + x * along + std::sqrt(0.3 * 0.3 - x * x) * across;
+    Body& crank = sys.add_body("crank", rod(0.5, A, B));
+    Body& coupler = sys.add_body("coupler", rod(1.2, B, C));
+    Body& rocker = sys.add_body("rocker", rod(0.9, D, C));
+    const auto hinge = [&](const std::string& name, Body& p, Body& s, const Vec3& at_x) {
+      Marker &P = sys.add_marker_at(name + ".P", p, at(at_x)), &S = sys.add_marker_at(name + ".S", s, at(at_x));
+      const Mask mask = Mask::xyz | Mask::e1 | Mask::e2;
+      if (library) sys.add<GenericLock>(name, P, S, mask);
+      else sys.add(std::make_unique<DerivedLock>(name, P, S, mask, way));
+    };
+    hinge("A", crank, sys.ground(), A), hinge("B", coupler, crank, B), hinge("C", coupler, rocker, C), hinge("D", rocker, sys.ground(), D);
+  }
+};
+
+Subject subject_of(Way way, bool library) {
+  auto four_bar = std::make_shared<FourBar>(way, library);
+  Subject subject{four_bar, &four_bar->sys, {}};
+  subject.start = four_bar->sys.start();
+  Dynamics dynamics(four_bar->sys, std::make_unique<SparseSolver>());
+  FourBar exact(way, true);
+  Dynamics rows_of_the_library(exact.sys, std::make_unique<SparseSolver>());
+  assemble(rows_of_the_library, subject.start, {{"A", Axis::rz, 10.0}});
+  return subject;
+}
+
+WorkPrecision trajectory(Way way) {
+  WorkPrecisionOptions options;
+  options.integrators = {{"dop853", [] { return std::make_unique<Dop853>(); }}};
+  options.solvers = {{"sparse", [] { return std::make_unique<SparseSolver>(); }}};
+  options.formulations = {Formulation::omega};
+  options.stabilizations = {Stabilization::Kind::project};
+  options.reference = options.integrators.front();
+  options.second = {"dopri5", [] { return std::make_unique<Dopri5>(); }};
+  options.gains.tolerance = 1e-12;
+  options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+  options.budget = 40;
+  const Course course{.make = [way] { return subject_of(way, false); }, .length = 1.0, .outputs = 20, .truth = [way] { return subject_of(way, true); }};
+  return work_precision(course, options);
+}
+
+}  // namespace
+
+int main() {
+  const oracle::LockChecks checks = oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
+  ChartSpec by_rows{"One lock with all laws, derived in four ways", "CPU time of one lock: C, Ct, six rows, right side [ns]", {}};
+  by_rows.log_x = true;
+  by_rows.panels = {{"error of the rows", {}, true}, {"error of the right side [1/s^2]", {}, true}, {"error of a trajectory [m]", {}, true}};
+  ChartSpec by_trajectory{"A free four-bar for 1 s, dop853, its joints' rows derived in four ways", "CPU time of the run [s]", {}};
+  by_trajectory.log_x = true;
+  by_trajectory.panels = {{"largest position error [m]", {}, true}};
+  std::ofstream csv(samples::output("derivations.csv"));
+  csv << "derivation,operations,cpu of a lock [ns],error of the rows,error of the right side [1/s^2],best error of a trajectory [m],its cpu [s]\n";
+  fmt::print("{:20} {:>10} {:>8} {:>10} {:>12} {:>12} {:>9}\n", "derivation", "operations", "ns", "rows", "right side", "trajectory m", "CPU s");
+
+  for (const Way way : kWays) {
+    const RowResult r = measure_rows(way, checks, {});
+    const WorkPrecision runs = trajectory(way);
+    const WorkPrecisionRun* best = nullptr;
+    Series curve{name(way), {}, {}, SeriesStyle::linespoints};
+    for (const WorkPrecisionRun& run : runs.runs) {
+      if (!run.done()) continue;
+      curve.x.push_back(run.cpu), curve.y.push_back(run.error.position);
+      if (best == nullptr || run.error.position < best->error.position) best = &run;
+    }
+    const long n = operations(way, checks.entries.front().input);
+    const std::string legend = fmt::format("{}: {} operations", name(way), n);
+    const auto point = [&](const char* label, double y) { return Series{label, {r.ns}, {std::max(y, 1e-17)}, SeriesStyle::points}; };
+    by_rows.panels[0].series.push_back(point(legend.c_str(), r.error_J));
+    by_rows.panels[1].series.push_back(point("", r.error_Qhat));
+    by_rows.panels[2].series.push_back(point("", best == nullptr ? NAN : best->error.position));
+    by_trajectory.panels[0].series.push_back(curve);
+    const double error = best == nullptr ? NAN : best->error.position, cpu = best == nullptr ? NAN : best->cpu;
+    csv << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.3g},{:.3g}\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error, cpu);
+    fmt::print("{:20} {:10} {:8.0f} {:10.1e} {:12.1e} {:12.1e} {:9.2g}   references agree to {:.1e} m\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error, cpu, runs.agreement.position);
+  }
+  // Other steps of the differences: one cost, no step that is good for both.
+  Series other_rows{"differences, steps 1e-1 to 1e-9", {}, {}, SeriesStyle::linespoints, "#bbbbbb"}, other_right = other_rows;
+  other_right.label = "";
+  const double ns = by_rows.panels[0].series.back().x.front();
+  for (double h = 1e-1; h > 0.5e-9; h *= 0.1) {
+    const RowResult r = [&] {
+      RowResult e;
+      for (const oracle::LockCheck& check : checks.entries) {
+        const Rows d = differences(check.input, {h, h});
+        e.error_J = std::max(e.error_J, (d.J - check.at("J")).cwiseAbs().maxCoeff());
+        e.error_Qhat = std::max(e.error_Qhat, (d.Qhat - check.at("Qhat")).cwiseAbs().maxCoeff());
+      }
+      return e;
+    }();
+    other_rows.x.push_back(ns), other_rows.y.push_back(r.error_J);
+    other_right.x.push_back(ns), other_right.y.push_back(r.error_Qhat);
+  }
+  by_rows.panels[0].series.push_back(other_rows), by_rows.panels[1].series.push_back(other_right);
+  by_rows.height = 1000;
+  write_chart(samples::output("derivations"), by_rows);
+  write_chart(samples::output("derivations_trajectory"), by_trajectory);
+  fmt::print("{}, derivations.svg, derivations.png, derivations_trajectory.svg, derivations_trajectory.png\n", samples::output("derivations.csv"));
+}

@@ -1,0 +1,51 @@
+// Baumgarte's gain times step, against the step: where a swinging rod works, is inaccurate, fails; CSV and picture.
+#include <fstream>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/record/chart.h"
+#include "samples/shared/output.h"
+#include "tests/support/stability_probe.h"
+
+using namespace lockstep;
+using namespace lockstep::stability;
+
+namespace {
+
+std::vector<double> spaced(double low, double high, int n) {
+  std::vector<double> x;
+  for (int i = 0; i < n; ++i) x.push_back(low * std::pow(high / low, static_cast<double>(i) / (n - 1)));
+  return x;
+}
+
+}  // namespace
+
+int main() {
+  const std::vector<double> gain_h = spaced(0.05, 5, 41), steps = spaced(1e-3, 0.1, 25);
+  const Vec3 truth = swung();
+  constexpr const char* kWords[] = {"works", "inaccurate", "fails"};
+  const std::string file = samples::output("stability_map.csv");
+  std::ofstream csv(file);
+  csv << "method,gain times step,step [s],verdict\n";
+  std::vector<MapSpec> maps;
+  for (const Limit& limit : kLimits) {
+    MapSpec map;
+    map.title = limit.method, map.x_label = "Baumgarte's gain times the step, alpha h = beta h", map.y_label = "step h [s]";
+    map.x = gain_h, map.y = steps;
+    map.log_x = map.log_y = true;
+    map.kinds = {{"works", "#6fbfae"}, {"inaccurate", "#f2c14e"}, {"fails", "#cf5b50"}};
+    long counts[3] = {};
+    for (const double h : steps)
+      for (const double g : gain_h) {
+        const Verdict verdict = swing(limit, g, h, truth);
+        map.cells.push_back(verdict);
+        ++counts[verdict];
+        csv << fmt::format("{},{:.4g},{:.4g},{}\n", limit.method, g, h, kWords[verdict]);
+      }
+    map.curves = {{fmt::format("theory (2.16): {:.3f}", limit.gain_h), {limit.gain_h, limit.gain_h}, {steps.front() * 0.9, steps.back() * 1.1}, SeriesStyle::lines}};
+    fmt::print("{:20} works {:4}, inaccurate {:4}, fails {:4} of {} runs\n", limit.method, counts[kWorks], counts[kInaccurate], counts[kFails], gain_h.size() * steps.size());
+    maps.push_back(std::move(map));
+  }
+  write_maps(samples::output("stability_map"), "Baumgarte stabilisation: does a rod of 1 m, swinging for 2 s, end within 1 cm of the truth?", maps, 1000, 900);
+  fmt::print("{}, stability_map.svg, stability_map.png\n", file);
+}
