@@ -70,17 +70,17 @@ const std::vector<Bad> kLinks = {
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rw", "law": 1}}])", {"link 'A', drive.axis", "rw"}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rz"}}])", {"nothing drives it"}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "start": {"velocity": {"x": ~1}}}])", {"free one"}},
-    {TWO_BODIES R"("links": [~{"name": "A", "type": "revolute", "p": "bob", "s": "ground"}])", {"'A'", "bob"}},
-    {TWO_BODIES R"("links": [~{"name": "A", "type": "lock", "mask": "x q", "p": "arm", "s": "ground", "at": [0,0,0]}])", {"q"}},
+    {TWO_BODIES R"("links": [{"name": ~"A", "type": "revolute", "p": "bob", "s": "ground"}])", {"link 'A'", "'bob'", "particle"}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "lock", "mask": ~"x q", "p": "arm", "s": "ground", "at": [0,0,0]}])", {"q"}},
     {TWO_BODIES ONE_LINK R"("markers": [{"name": "m", "body": ~"arn"}])", {"marker 'm', body", "did you mean \"arm\""}},
     {TWO_BODIES R"("markers": [{"name": "m", "body": "arm", "at": ~[0,0,0], "world_at": [1,0,0]}])", {"marker 'm', at", "remove"}},
     {TWO_BODIES R"("markers": [{"name": ~"arm", "body": "arm"}])", {"marker 'arm'", "taken by a body"}},
     {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])", {"force 'f'", "did you mean \"spring_damper\""}},
-    {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"'f'", "\"p\""}},
+    {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
 };
 
 const std::vector<Bad> kRuns = {
-    {R"("run": {"step": ~0})", {"run, step", "greater than 0"}},
+    {R"("run": {"step": ~0})", {"run.step", "greater than 0"}},
     {R"("run": {"step": ~-0.1})", {"-0.1"}},
     {R"("run": {"tolerance": ~0})", {"tolerance is 0"}},
     {R"("run": {"until": ~-1})", {"-1"}},

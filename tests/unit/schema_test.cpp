@@ -1,6 +1,7 @@
 // The schema: up to date as committed, and one with the tables and the registry.
 #include "framework/scene/schema.h"
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -50,8 +51,9 @@ TEST_CASE("the schema, list and describe name every type of the registry", "[uni
       INFO(d.info.name);
       CHECK(d.origin == "built in");
       CHECK(text.find("\"const\": \"" + d.info.name + "\"") != std::string::npos);
-      const std::string described = describe(find_descriptions(registry, d.info.name).front());
-      for (const Key& key : find_descriptions(registry, d.info.name).front().info.keys)
+      const Description found = find_descriptions(registry, d.info.name).front();
+      const std::string described = describe(found);
+      for (const Key& key : found.info.keys)
         CHECK(described.find("\n  " + key.name + " ") != std::string::npos);
     }
   CHECK_THROWS_AS(shelf_contents(registry, "linkz"), SceneError);
