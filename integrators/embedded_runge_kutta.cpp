@@ -24,6 +24,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   error_ = sized_like(state);
   poly_.resize(static_cast<std::size_t>(3 + scheme_.n_dense));
   for (StateRate& p : poly_) p = sized_like(state);
+  norm_.set_states(dynamics.system().n_steering_states());
   norm_.scale(state, 1.0);
   control_.begin();
   h_ = 0;

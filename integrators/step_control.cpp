@@ -36,7 +36,8 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
   r_ = atol + rtol * std::max(2 * std::sqrt(r), h * largest(y0.v, 3));
   v_ = atol + rtol * std::max(std::sqrt(v), h * largest(k0.v, 0));
   w_ = atol + rtol * std::max(std::sqrt(w), h * largest(k0.v, 3));
-  s_ = (atol + rtol * y0.s.array().abs().max(y1.s.array().abs())).matrix();
+  const int n_s = n_s_;
+  s_ = (atol + rtol * (y1.s.head(n_s) - y0.s.head(n_s)).array().abs().max(h * k0.s.head(n_s).array().abs())).matrix();
 }
 
 void ErrorNorm::scale(const State& y0, double length) {
@@ -45,7 +46,7 @@ void ErrorNorm::scale(const State& y0, double length) {
   r_ = atol + rtol;
   v_ = atol + rtol * largest(y0.v, 0);
   w_ = atol + rtol * largest(y0.v, 3);
-  s_ = (atol + rtol * y0.s.array().abs()).matrix();
+  s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
 }
 
 // Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; what lengthens e is normalised away.
@@ -58,7 +59,7 @@ double ErrorNorm::of(const StateRate& error, const State& y1) const {
   }
   double worst =
       std::max({std::sqrt(x) / x_, 2 * std::sqrt(r) / r_, largest(error.v, 0) / v_, largest(error.v, 3) / w_});
-  for (Eigen::Index i = 0; i < error.s.size(); ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
+  for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
   return error.q.allFinite() && error.v.allFinite() && error.s.allFinite() ? worst : HUGE_VAL;
 }
 

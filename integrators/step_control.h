@@ -13,11 +13,13 @@ namespace lockstep {
 /// X, R, V, W are the largest change of any body over the step, but not less than what its rate at the beginning would
 /// make of it: h |v|, h |w|, h |a|, h |alpha| (a body that swings to and fro within one step has moved). They are
 /// increments, so that a mechanism far from the origin is no less accurate; for short steps they vanish and atol is
-/// what counts.
+/// what counts. Each integrated state that steers is held against its own change likewise; quadratures are not looked at.
 class LOCKSTEP_API ErrorNorm {
  public:
   void set(const Tolerance& tolerance) { tolerance_ = tolerance; }
   const Tolerance& tolerance() const { return tolerance_; }
+  /// The first n of State::s are looked at (System::n_steering_states).
+  void set_states(int n) { n_s_ = n; }
   /// Scales for the step of h from y0, with the rates `k0` there, to y1 (quaternions not yet normalised).
   void scale(const State& y0, const StateRate& k0, double h, const State& y1);
   /// Scales of a state at rest in itself: X = `length`, R = 1 rad, V and W the present speeds. For the first step.
@@ -29,6 +31,7 @@ class LOCKSTEP_API ErrorNorm {
   Tolerance tolerance_;
   double x_ = 1, r_ = 1, v_ = 1, w_ = 1;  // weights
   VecX s_;
+  int n_s_ = 0;
 };
 
 /// Proportional-integral control of the step (Gustafsson 1991): exponents 0.7/p and 0.4/p, safety 0.9, factors 0.2 ...

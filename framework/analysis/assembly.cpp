@@ -49,6 +49,7 @@ class Assembler {
     double now = residual();
     report.before = now;
     const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
+    int stalls = 0;  // in a row
     for (report.iterations = 0; now > goal; ++report.iterations) {
       if (report.iterations == options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
       const VecX c = -C_;
@@ -62,7 +63,8 @@ class Assembler {
         if (next < now || share < 1e-3) break;
       }
       const bool stalled = !(next < 0.9 * now);
-      if (stalled && next > 1e3 * goal && report.iterations > 10) stop(next, report.iterations + 1);
+      stalls = stalled ? stalls + 1 : 0;
+      if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
       if (stalled && next <= 1e3 * goal) {  // as far as round-off lets it
         now = std::min(next, now);
         break;

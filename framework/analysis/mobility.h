@@ -18,7 +18,8 @@ struct MobilityReport {
   std::vector<std::string> redundant_links;  ///< links that share in a dependency of the rows
 };
 
-/// Rank by a pivoted QR of the rows scaled with the mass matrix; relative threshold 1e-9. For descriptions, not for runs.
+/// Rank by a pivoted QR of the rows, turns counted as lengths, every row made one long; threshold 1e-9. For descriptions, not
+/// for runs.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
 
 }  // namespace lockstep

@@ -23,8 +23,13 @@ Dynamics::~Dynamics() = default;
 
 /// Sizes and the symbolic work, when the description or the set of active links changed.
 void Dynamics::prepare(const State& state) {
-  if (laid_out_ && system_.ready() && state.modes == modes_) return;
+  if (laid_out_ && system_.ready() && system_.revision() == revision_ && state.modes == modes_) {
+    system_.check_size(state);
+    return;
+  }
   system_.setup();
+  system_.check_size(state);
+  revision_ = system_.revision();
   if (!matrix_) matrix_ = std::make_unique<Matrix>(system_, options_.formulation);
   modes_ = state.modes;
   system_.lay_out(modes_, rows_);
@@ -38,16 +43,22 @@ void Dynamics::prepare(const State& state) {
   laid_out_ = true;
 }
 
-void Dynamics::gather(const State& state) {
+/// The first pass: what links and forces see of the state.
+void Dynamics::see(const State& state) {
   prepare(state);
   system_.motions(state, motions_);
   in_.t = state.t;
   in_.motions = motions_;
   in_.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in_.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+}
+
+void Dynamics::gather(const State& state) {
+  see(state);
   system_.gather_rows(in_, rows_);
   system_.gather_forces(in_, f_);
   factored_ = false;
+  check_gathered(state);
 }
 
 void Dynamics::refactor() {
@@ -73,7 +84,6 @@ const SolveReport& Dynamics::solve_loaded(const VecX& f, const VecX& c, bool mov
 
 const Evaluated& Dynamics::evaluate(const State& state) {
   gather(state);
-  check_gathered(state);
   refactor();
   // c = Qhat + Qs; Qs = -2 alpha Cd - beta^2 C (2.15)
   const bool baumgarte = options_.stabilization.kind == Stabilization::Kind::baumgarte;
@@ -106,9 +116,7 @@ void Dynamics::rate(const State& state, StateRate& out) {
   out.v = a_;
   if (state.s.size() > 0) {
     system_.state_rates(*values_, out.s);
-    if (!out.s.allFinite())
-      throw NonFiniteError("t = " + number(state.t) + " s: a rate of the integrated states (speed laws, controllers, "
-                           "quadratures) is not finite; look at what feeds them", state.t);
+    if (!out.s.allFinite()) blame_rates(state, out.s);
   }
 }
 
@@ -175,12 +183,7 @@ void Dynamics::normalize(State& state) const {
 
 void Dynamics::accept(State& state) {
   if (state.z.size() == 0) return;
-  prepare(state);
-  system_.motions(state, motions_);
-  in_.t = state.t;
-  in_.motions = motions_;
-  in_.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
-  in_.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  see(state);
   system_.accept(in_, state);
 }
 
@@ -216,6 +219,22 @@ void Dynamics::check_gathered(const State& state) const {
                            ") is not finite; look at its law and parameters", state.t);
   }
   throw NonFiniteError(when() + "the inertia forces are not finite; make the step smaller, or try dopri5", state.t);
+}
+
+/// Names whose rate of State::s is not finite.
+void Dynamics::blame_rates(const State& state, const VecX& sd) const {
+  const std::string when = "t = " + number(state.t) + " s: ";
+  const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
+  for (const auto& link : system_.links())
+    if (bad(link->first_state(), link->n_states())) {
+      const std::string law = link->blame(state.t);
+      throw NonFiniteError(when + "link '" + link->name() + "': the rate of its driven speed is not finite" +
+                           (law.empty() ? "" : ": " + law) + "; look at its parameters", state.t);
+    }
+  for (const auto& auxiliary : system_.auxiliaries())
+    if (bad(auxiliary->first(), auxiliary->size()))
+      throw NonFiniteError(when + "the integrated state '" + auxiliary->name() + "' has a rate that is not finite; look at what feeds it",
+                           state.t);
 }
 
 void Dynamics::check_solved(const State& state) const {

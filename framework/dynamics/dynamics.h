@@ -20,7 +20,7 @@ struct WorkCount {
 
 struct ProjectReport {
   double before = 0, after = 0;  ///< |C|, metres
-  double before_v = 0;           ///< |Jh v + Ct|, m/s
+  double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
   int rounds = 0;
   bool converged = true;
 };
@@ -37,6 +37,8 @@ class LOCKSTEP_API Dynamics {
   ~Dynamics();
 
   const System& system() const { return system_; }
+  /// Sets the system up when its description changed.
+  void set_up() { system_.setup(); }
   const DynamicsOptions& options() const { return options_; }
   const LinearSolver& solver() const { return *solver_; }
 
@@ -50,8 +52,8 @@ class LOCKSTEP_API Dynamics {
 
   /// Least mass-weighted move onto C = 0 (exponential update), then onto Jh v = -Ct; quaternions normalised first.
   ProjectReport project(State&);
-  /// Only the velocity level.
-  void project_velocity(State&);
+  /// Only the velocity level; what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict one another.
+  double project_velocity(State&);
   /// |C| in metres: over the rows of the present set (numerics page); and |Jh v + Ct| in m/s.
   double violation(const State&);
   double violation_v(const State&);
@@ -82,12 +84,14 @@ class LOCKSTEP_API Dynamics {
 
  private:
   void prepare(const State&);
+  void see(const State&);
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
   void check_gathered(const State&) const;
+  [[noreturn]] void blame_rates(const State&, const VecX& sd) const;
   void check_solved(const State&) const;
   void project_position(State&, ProjectReport&);
-  void velocity_rounds(State&);
+  double velocity_rounds(State&);
   void update_velocities(const State&);
 
   System& system_;
@@ -97,6 +101,7 @@ class LOCKSTEP_API Dynamics {
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
   bool laid_out_ = false, factored_ = false;
+  long revision_ = -1;  // of the system that was laid out
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
   VecX solved_f_, solved_c_, solved_a_, solved_lambda_;  // in the formulation's own unknowns

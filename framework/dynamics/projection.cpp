@@ -48,28 +48,29 @@ ProjectReport Dynamics::project(State& state) {
   ++work_.projections;
   project_position(state, report);
   report.before_v = norm(Cd_);  // at the projected position, which was gathered last
-  velocity_rounds(state);
+  report.after_v = velocity_rounds(state);
   return report;
 }
 
-void Dynamics::project_velocity(State& state) {
+double Dynamics::project_velocity(State& state) {
   gather(state);
   residuals(C_, Cd_);
-  velocity_rounds(state);
+  return velocity_rounds(state);
 }
 
 /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), from residuals gathered at this state; the same factor for all rounds.
-void Dynamics::velocity_rounds(State& state) {
+double Dynamics::velocity_rounds(State& state) {
   const double ulp = std::numeric_limits<double>::epsilon();
   const double goal = std::max(1e-3 * options_.stabilization.tolerance, 8 * ulp * state.v.lpNorm<Eigen::Infinity>());
   for (int round = 0; round < 3; ++round) {
-    if (norm(Cd_) <= goal) return;
+    if (norm(Cd_) <= goal) break;
     Cd_ = -Cd_;
     solve(zero_, Cd_, d_, lambda_);
     state.v += d_;
     update_velocities(state);
     residuals(C_, Cd_);
   }
+  return norm(Cd_);
 }
 
 /// New velocities at the same pose: the jacobians stand, only v and w of the slots are written anew.

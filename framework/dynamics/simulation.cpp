@@ -31,17 +31,6 @@ std::string worst_row(Dynamics& dynamics, const State& state) {
   return rows.n_rows > 0 ? dynamics.system().row_name(rows, worst) : "no row";
 }
 
-void check_size(const System& system, const State& s) {
-  const bool fits = s.q.size() == 7 * system.n_slots() && s.v.size() == 6 * system.n_slots() &&
-                    s.s.size() == system.n_states() && s.modes.size() == system.links().size();
-  if (!fits)
-    throw ModelError(
-        fmt::format("a state of {} coordinates, {} velocities, {} own states and {} links does not fit a system "
-                    "of {} moving bodies, {} own states and {} links; begin from System::start()",
-                    s.q.size(), s.v.size(), s.s.size(), s.modes.size(), system.n_slots(), system.n_states(),
-                    system.links().size()));
-}
-
 void check_start(Dynamics& dynamics, const State& s, double limit) {
   const double c = dynamics.violation(s);
   if (!(c <= limit))
@@ -82,19 +71,23 @@ Simulation::Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, S
     throw ModelError(
         fmt::format("{} works with a fixed step; say which: SimulationOptions::step, or --step", info.name));
   method_->set_tolerance(options_.tolerance);
+  dynamics_.set_up();
   state_ = dynamics_.system().start();
 }
 
 Simulation::~Simulation() = default;
 
 void Simulation::set_state(State state) {
-  check_size(system(), state);
+  system().check_size(state);
   check_start(dynamics_, state, options_.start_limit);
   state_ = std::move(state);
   begun_ = false;
 }
 
-void Simulation::add_observer(Observer& observer) { observers_.push_back(&observer); }
+void Simulation::add_observer(Observer& observer) {
+  observers_.push_back(&observer);
+  if (begun_) observer.start(Sample(dynamics_, state_, loop_->step));
+}
 
 Event& Simulation::add_event(Event event) {
   if (!event.value && !(event.at >= 0))
@@ -105,7 +98,11 @@ Event& Simulation::add_event(Event event) {
   for (const std::vector<std::string>* names : {&event.activate, &event.deactivate})
     for (const std::string& name : *names) system().link(name);
   events_.push_back(std::move(event));
-  if (begun_) loop_->watched.push_back({}), loop_->watch();
+  if (begun_) {
+    loop_->watched.push_back({});
+    loop_->watched.back().over = !events_.back().value && events_.back().at < state_.t;
+    loop_->watch();
+  }
   return events_.back();
 }
 
@@ -144,7 +141,7 @@ StepReport Simulation::step(double h) {
 
 void Simulation::Loop::start() {
   if (sim.begun_) return;
-  check_size(sim.system(), sim.state_);
+  sim.system().check_size(sim.state_);
   check_start(sim.dynamics_, sim.state_, sim.options_.start_limit);
   adaptive = sim.method_->info().adaptive;
   from = scratch = sim.state_;
@@ -178,7 +175,7 @@ void Simulation::Loop::advance(double limit, double largest) {
   if (landed) sim.state_.t = target.reach;
   take_advice(wanted);
   const bool met = !sim.events_.empty() && locate_events();
-  if (met) landed = false;
+  if (met && sim.state_.t < target.reach) landed = false;
   if (landed && target.jump) sim.state_.t = target.t;
   sim.dynamics_.accept(sim.state_);
   ++sim.report_.steps;
@@ -186,7 +183,7 @@ void Simulation::Loop::advance(double limit, double largest) {
   sim.report_.largest_violation = std::max(sim.report_.largest_violation, step.violation_after);
   outputs_inside(from.t, sim.state_.t);
   observe_end();
-  if (landed && target.jump) make_consistent("a law jumps there: smooth it, or start after it");
+  if (landed && target.jump) make_consistent("the jump of a law");
   if (landed || met) anchor = sim.state_.t, n_from_anchor = 0;
   if (!sim.events_.empty()) fire_due();
 }

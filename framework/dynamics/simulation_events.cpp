@@ -159,7 +159,18 @@ void Simulation::Loop::act(const Event& e) {
     throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, sim.state_.t),
                          sim.state_.t);
   sim.dynamics_.normalize(sim.state_);
+  engage(e.activate);
   check_links(e.activate, "event '" + e.name + "'");
+}
+
+// Own states of links that come into force: a driven speed begins where the mechanism is.
+void Simulation::Loop::engage(const std::vector<std::string>& links) {
+  for (const std::string& name : links) {
+    const Lock& link = sim.system().link(name);
+    if (link.n_states() == 0) continue;
+    sim.dynamics_.gather(sim.state_);
+    link.engage(sim.dynamics_.inputs(), {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+  }
 }
 
 // A link that is put in force must fit where it is: nothing is pulled together from afar.
@@ -185,15 +196,22 @@ void Simulation::Loop::check_links(const std::vector<std::string>& links, const 
 // impact.
 void Simulation::Loop::make_consistent(const std::string& cause) {
   State& state = sim.state_;
+  double left = 0;
   if (projecting()) {
     const double violation = sim.dynamics_.violation(state);
     const bool near = violation <= sim.options_.start_limit;
-    if (!near || !sim.dynamics_.project(state).converged)
-      throw AssemblyError(fmt::format("at t = {:.9g} s the constraints are violated by {:.3g} m (limit {:.3g} m) by {}",
-                                      state.t, violation, sim.options_.start_limit, cause));
+    const ProjectReport report = near ? sim.dynamics_.project(state) : ProjectReport{};
+    if (!near || !report.converged)
+      throw AssemblyError(fmt::format("{} leaves the constraints violated by {:.3g} m at t = {:.9g} s (limit {:.3g} m)",
+                                      cause, violation, state.t, sim.options_.start_limit));
+    left = report.after_v;
   } else {
-    sim.dynamics_.project_velocity(state);
+    left = sim.dynamics_.project_velocity(state);
   }
+  if (!(left <= sim.options_.start_limit))
+    throw AssemblyError(fmt::format("{} at t = {:.9g} s leaves velocities that no motion can have, {:.3g} m/s beside the "
+                                    "constraints (limit {:.3g} m/s); two laws may drive one coordinate",
+                                    cause, state.t, left, sim.options_.start_limit));
   sim.dynamics_.accept(state);
   if (!sim.events_.empty()) watch();
 }

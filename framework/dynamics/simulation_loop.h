@@ -43,6 +43,7 @@ struct Simulation::Loop {
   bool locate_events();  ///< cuts the step at the first condition met; true when one was met
   void fire_due();       ///< timed events and those that were met, at the present state
   void act(const Event&);
+  void engage(const std::vector<std::string>& links);
   void check_links(const std::vector<std::string>& links, const std::string& cause);
   void make_consistent(const std::string& cause);
   void begin_method();

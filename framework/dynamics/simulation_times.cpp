@@ -16,8 +16,9 @@ constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what 
 
 }  // namespace
 
-// A law jumps at t: its left side is integrated up to a few roundings before t, so that no stage sees the right side;
-// then the clock is put on t.
+// A law jumps at t: its left side is integrated up to a hair before t, so that no stage sees the right side; then the
+// clock is put on t. The hair is wider than the share of its own duration by which a law may count an instant as the jump
+// (motionlaws/side.h: 1e-14), for laws up to a hundred times as long as the run.
 Simulation::Loop::Target Simulation::Loop::next_target(double limit) {
   const double t = sim.state_.t;
   double next = limit;
@@ -33,8 +34,9 @@ Simulation::Loop::Target Simulation::Loop::next_target(double limit) {
   Target target{next, next, false};
   if (next_breakpoint < breakpoints.size() && breakpoints[next_breakpoint] <= next) {
     const double jump = breakpoints[next_breakpoint];
-    const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::max(std::abs(jump), jump - t);
-    target = {jump, jump - rounding > t ? jump - rounding : jump, true};
+    const double span = std::isfinite(t_end) ? t_end - t_start : 0;
+    const double hair = 1e-12 * std::max({std::abs(jump), jump - t, span});
+    target = {jump, jump - hair > t ? jump - hair : jump, true};
   }
   return target;
 }
@@ -75,7 +77,7 @@ void Simulation::Loop::refresh_breakpoints(double limit, double largest) {
   const bool open = !std::isfinite(limit);  // single steps: no end is known
   if (breakpoints_to >= (open ? t + 2 * size : limit)) return;
   const double far = open ? t + 256 * size : limit;
-  breakpoints = sim.system().breakpoints(t, far);
+  breakpoints = sim.system().breakpoints(t, std::nextafter(far, kInfinity));  // one at the very end is landed on too
   breakpoints_to = far;
   next_breakpoint = 0;
 }

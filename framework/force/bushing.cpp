@@ -107,4 +107,12 @@ double Bushing::quantity(int k, const Inputs& in) const {
          (r.A_S * r.M).dot(turn_rate(in, P_.slot) - turn_rate(in, S_.slot));
 }
 
+// power + dV/dt + D: the share of markers that move on their bodies; dV/dt = d'K dd + (J' Kt th)'w.
+double Bushing::supply(const Inputs& in) const {
+  const Offset r = offset(in);
+  const double stored = r.d.dot(options_.stiffness.cwiseProduct(r.dd)) +
+                        transposed_rate(r.th, options_.torsion_stiffness.cwiseProduct(r.th)).dot(r.w);
+  return quantity(12, in) + stored + dissipation(in);
+}
+
 }  // namespace lockstep

@@ -35,6 +35,7 @@ class LOCKSTEP_API Bushing final : public MarkerForce {
   /// x y z (d), angle_x angle_y angle_z (th), force_on_p_link_x .. z, torque_on_p_link_x .. z (S axes), power
   std::vector<Quantity> quantities() const override;
   double quantity(int k, const Inputs&) const override;
+  double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
   double potential(const Inputs&) const override;

@@ -17,6 +17,7 @@ double Lock::quantity(int, const Inputs&) const { return 0; }
 
 void Lock::start_states(std::span<double> s) const { std::fill(s.begin(), s.end(), 0.0); }
 void Lock::state_rates(const Inputs&, std::span<double> sd) const { std::fill(sd.begin(), sd.end(), 0.0); }
+void Lock::engage(const Inputs&, std::span<double>) const {}
 void Lock::start_memory(std::span<double> z) const { std::fill(z.begin(), z.end(), 0.0); }
 void Lock::accept(const Inputs&, std::span<double>) const {}
 

@@ -63,6 +63,8 @@ class LOCKSTEP_API Lock {
   virtual int n_states() const { return 0; }     ///< in State::s, from first_state()
   virtual void start_states(std::span<double> s) const;
   virtual void state_rates(const Inputs&, std::span<double> sd) const;
+  /// Its states when it comes into force in this pose (an event): a driven speed begins where the mechanism is.
+  virtual void engage(const Inputs&, std::span<double> s) const;
   virtual int n_memory() const { return 0; }     ///< in State::z, from first_memory()
   virtual void start_memory(std::span<double> z) const;
   virtual void accept(const Inputs&, std::span<double> z) const;  ///< after an accepted step

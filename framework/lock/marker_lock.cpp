@@ -147,16 +147,28 @@ void MarkerLock::setup() {
   const unsigned sides = (side1_ < 0 ? 1u : 0u) | (side2_ < 0 ? 2u : 0u);
   pattern_ = laws_ | static_cast<unsigned>(rows_) << 8 | static_cast<unsigned>(mask_) << 14 | sides << 20;
 
-  // A driven speed starts from the coordinate at the start: rho_k, or the turn of P against S (turned by q_D) about the axis.
   speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
-  Pose rel = start_pose();
-  if (turn_) rel.q = conjugate(turn_->at(0.0).q) * rel.q;
-  for (const Drive& d : drives_) {
-    if (!d.speed) continue;
-    const int k = index(d.axis) % 3;
-    speed_start_[static_cast<std::size_t>(d.state)] =
-        is_rotation(d.axis) ? 2.0 * std::atan2(rel.q.vec()[k], rel.q.w) : rel.x[k];
-  }
+  for (const Drive& d : drives_)
+    if (d.speed) speed_start_[static_cast<std::size_t>(d.state)] = coordinate(d, start_pose(), 0.0);
+}
+
+/// rho_k, or the turn of P against S (turned by q_D) about the axis.
+double MarkerLock::coordinate(const Drive& d, Pose rel, double t) const {
+  const int k = index(d.axis) % 3;
+  if (!is_rotation(d.axis)) return rel.x[k];
+  if (turn_) rel.q = conjugate(turn_->at(t).q) * rel.q;
+  return 2.0 * std::atan2(rel.q.vec()[k], rel.q.w);
+}
+
+void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
+  const auto pose_of = [&](const MarkerFrame& f) {
+    const Motion& O = in.slot(f.slot);
+    const MarkerMotion m = f.at(in.t);
+    return Pose{O.x, O.e} * Pose{m.u, m.q};
+  };
+  const Pose rel = inverse(pose_of(S_)) * pose_of(P_);
+  for (const Drive& d : drives_)
+    if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, in.t);
 }
 
 Pose MarkerLock::start_pose() const {

@@ -57,6 +57,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   int n_states() const override { return n_speeds_; }
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;
+  void engage(const Inputs&, std::span<double> s) const override;
 
  protected:
   /// Throws ModelError when a particle is asked to hold a turn: by `rows`, or by a function of the turn ("phi").
@@ -67,6 +68,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
  private:
   friend struct MarkerLockGather;
   void add_drive(Drive drive);
+  double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
   void refuse_when_set_up(const std::string& what) const;
 
   Marker* p_;

@@ -2,6 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "framework/record/chart_style.h"
 #include "framework/support/error.h"
 
@@ -42,6 +45,17 @@ void range(Script& out, char a, const std::optional<Range>& r) {
     out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
 }
 
+// Distance of the tics, 1, 2 or 5 times a power of ten, so that a panel of this height is not crowded.
+double tic_step(double low, double high, int height) {
+  const double most = std::clamp(height / 45, 2, 10);
+  const double raw = (high - low) / most;
+  if (!(raw > 0) || !std::isfinite(raw)) return 0;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= raw) return digit * power;
+  return 10.0 * power;
+}
+
 void panel(Script& out, const ChartSpec& spec, std::size_t k) {
   const Panel& p = spec.panels[k];
   const bool last = k + 1 == spec.panels.size();
@@ -51,6 +65,11 @@ void panel(Script& out, const ChartSpec& spec, std::size_t k) {
   axis(out, 'x', last ? spec.x_label : "", spec.log_x, x.low, x.high);
   axis(out, 'y', p.y_label, p.log_y, y.low, y.high);
   if (!last) out.line("set format x ''");
+  if (!p.log_y) {
+    const Range r = p.y_range.value_or(Range{y.low, y.high});
+    const double step = tic_step(r.first, r.second, (spec.height - 120) / static_cast<int>(spec.panels.size()) - 40);
+    out.line(step > 0 ? fmt::format("set ytics {}", step) : std::string("set ytics autofreq"));
+  }
   range(out, 'x', spec.x_range);
   range(out, 'y', p.y_range);
   notes(out, p.notes);

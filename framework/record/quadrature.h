@@ -13,6 +13,7 @@ class LOCKSTEP_API Quadrature final : public Auxiliary {
   Quadrature(std::string name, std::function<double(const Evaluated&)> rate)
       : Auxiliary(std::move(name)), rate_(std::move(rate)) {}
   int size() const override { return 1; }
+  bool steers() const override { return false; }  // what is only looked at must not change the run
   void rates(const Evaluated& values, std::span<double> sd) const override { sd[0] = rate_(values); }
   double value(const State& s) const { return s.s[first()]; }
 

@@ -33,22 +33,43 @@ void check_writable(const std::string& file) {
   if (!there) fs::remove(file, error);
 }
 
-std::vector<std::string> draw_columns(const std::string& csv, const std::string& title, const Table& table) {
+namespace {
+
+// The columns by unit, as far as a picture holds them.
+std::vector<Panel> panels_by_unit(const Table& table) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
-  if (table.n_rows() < 2 || table.n_columns() < 2 || find_gnuplot().empty()) return {};
-  ChartSpec chart{title, "t [s]", {}};
+  std::vector<Panel> panels;
+  const std::string& time = table.columns().front().name;
   for (const Column& column : table.columns()) {
     if (&column == &table.columns().front()) continue;
     const std::string label = column.unit.empty() ? "1" : column.unit;
     Panel* panel = nullptr;
-    for (Panel& p : chart.panels)
+    for (Panel& p : panels)
       if (p.y_label == label) panel = &p;
     if (panel == nullptr) {
-      if (chart.panels.size() == kMostPanels) continue;
-      panel = &chart.panels.emplace_back(Panel{label, {}});
+      if (panels.size() == kMostPanels) continue;
+      panel = &panels.emplace_back(Panel{label, {}});
     }
-    if (panel->series.size() < kMostCurves) panel->series.push_back(curve(table, table.columns().front().name, column.name, column.name));
+    if (panel->series.size() < kMostCurves) panel->series.push_back(curve(table, time, column.name, column.name));
   }
+  return panels;
+}
+
+std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<std::string>>& draw) {
+  std::vector<Panel> panels;
+  for (const std::vector<std::string>& names : draw) {
+    Panel& panel = panels.emplace_back(Panel{table.column(names.front()).unit, {}});
+    for (const std::string& name : names) panel.series.push_back(curve(table, table.columns().front().name, name, name));
+  }
+  return panels;
+}
+
+}  // namespace
+
+std::vector<std::string> draw_columns(const std::string& csv, const std::string& title, const Table& table,
+                                      const std::vector<std::vector<std::string>>& draw) {
+  if (table.n_rows() < 2 || table.n_columns() < 2 || find_gnuplot().empty()) return {};
+  ChartSpec chart{title, "t [s]", draw.empty() ? panels_by_unit(table) : panels_of(table, draw)};
   const std::string base = fs::path(csv).replace_extension().string();
   write_chart(base, chart);
   return {base + ".svg", base + ".png"};

@@ -5,6 +5,7 @@
 
 #include "framework/analysis/assembly.h"
 #include "framework/dynamics/simulation.h"
+#include "framework/model/read.h"
 #include "framework/runner/commands.h"
 #include "framework/runner/files.h"
 #include "framework/runner/progress.h"
@@ -87,7 +88,7 @@ int run_command(const Words& w) {
   Loaded loaded = load(w);
   Mechanism m = build(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
-    throw SceneError(loaded.scene.file + ": run.until: the scene does not say how long it runs; add it, or give --until 5", loaded.scene.file);
+    refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until", "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
   const std::string csv = csv_path(w.record, w.scene);
   check_writable(csv);
@@ -116,7 +117,7 @@ int run_command(const Words& w) {
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {} rows up to there are in {}\n", sim.state().t, recorder->table().n_rows(), csv);
     std::rethrow_exception(ended.error);
   }
-  const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table());
+  const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table(), m.run.draw);
   if (!w.quiet) {
     print_end(sim, m.run, summary, seconds);
     fmt::print("  files      {} ({} rows)\n", csv, recorder->table().n_rows());

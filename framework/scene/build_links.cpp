@@ -81,8 +81,8 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   Marker *P = nullptr, *S = nullptr;
   if (marker_s) S = side(p, "s", name, nullptr), at_marker = home(*S);
   P = side(p, "p", name, marker_s && !marker_p ? &at_marker : nullptr);
-  if (marker_p) at_marker = home(*P);
-  if (p.has("s") && S == nullptr) S = side(p, "s", name, marker_p ? &at_marker : nullptr);
+  at_marker = home(*P);
+  if (p.has("s") && S == nullptr) S = side(p, "s", name, &at_marker);
   if (S != nullptr && P->body == S->body)
     p.refuse("s", "both sides are on body '" + P->body->name + "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
   if (both && still(*P->body) && still(*S->body))

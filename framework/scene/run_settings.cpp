@@ -83,6 +83,28 @@ std::vector<ChannelRequest> read_record(const Params& run) {
   return all;
 }
 
+// Panels: lists of names that are recorded.
+std::vector<std::vector<std::string>> read_draw(const Params& run, const std::vector<ChannelRequest>& record) {
+  std::vector<std::vector<std::string>> panels;
+  if (!run.has("draw")) return panels;
+  std::vector<std::string> known;
+  for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
+  const Value::List* lists = run.value("draw").list();
+  if (lists == nullptr) run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
+  for (const Value& panel : *lists) {
+    if (panel.list() == nullptr) refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
+    if (panel.list()->empty()) refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
+    panels.emplace_back();
+    for (const Value& item : *panel.list()) {
+      const std::string name = read_text(item, "run.draw");
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        refuse(item.where, "run.draw", "\"" + name + "\" is not recorded" + suggestion(name, known));
+      panels.back().push_back(name);
+    }
+  }
+  return panels;
+}
+
 }  // namespace
 
 RunSettings read_run(const Value& v) {
@@ -101,6 +123,7 @@ RunSettings read_run(const Value& v) {
   run.stabilization = read_stabilization(p);
   run.assemble = p.boolean("assemble");
   run.record = read_record(p);
+  run.draw = read_draw(p, run.record);
   return run;
 }
 

@@ -37,6 +37,7 @@ struct RunSettings {
   Stabilization stabilization;
   bool assemble = true;
   std::vector<ChannelRequest> record{};
+  std::vector<std::vector<std::string>> draw{};  ///< panels of the picture, each recorded names; empty: by unit
   Where where{};
 };
 

@@ -55,6 +55,7 @@ Json part_schema(const Key& key, const Part& part) {
     case Holds::object_or_list: return any_of({reference(part.table), list_of(reference(part.table))});
     case Holds::choice_or_object: return any_of({{{"enum", key.choices}}, reference(part.table)});
     case Holds::texts: return list_of(text);
+    case Holds::text_lists: return list_of(list_of(text));
     case Holds::channels: return list_of(any_of({text, {{"type", "object"}, {"additionalProperties", text}}}));
     case Holds::typed: return reference(part.table);
     case Holds::vector_or_object:

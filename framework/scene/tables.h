@@ -16,6 +16,7 @@ enum class Holds {
   object_or_list,   ///< either
   choice_or_object, ///< one of the key's choices, or an object of `table`
   texts,            ///< a list of texts
+  text_lists,       ///< a list of lists of texts
   channels,         ///< a list of channel names and of objects {"own name": "channel name"}
   typed,            ///< a name on the shelf `table`, or {"type": name, and its keys}
   vector_or_object, ///< [x, y, z], an object of `table`, or three rows of three

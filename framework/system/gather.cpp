@@ -70,8 +70,13 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
 }
 
 void System::state_rates(const Evaluated& values, VecX& sd) const {
-  for (const auto& link : links_)
-    if (link->n_states() > 0) link->state_rates(values.in, part(sd, link->first_state(), link->n_states()));
+  for (const auto& link : links_) {
+    if (link->n_states() == 0) continue;
+    const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
+    const std::span<double> rates = part(sd, link->first_state(), link->n_states());
+    if (active) link->state_rates(values.in, rates);
+    else std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
+  }
   for (const auto& auxiliary : auxiliaries_) auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size()));
 }
 

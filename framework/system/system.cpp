@@ -164,6 +164,14 @@ void System::setup() {
   setup_slots();
   setup_links();
   setup_forces();
+  setup_states();
+  setup_length();
+  ready_ = true;
+  ++revision_;
+}
+
+// States that steer the step stand first, quadratures behind them.
+void System::setup_states() {
   n_states_ = 0;
   n_memory_ = 0;
   int number = 0;
@@ -176,11 +184,25 @@ void System::setup() {
     force->place(n_memory_);
     n_memory_ += force->n_memory();
   }
-  for (auto& auxiliary : auxiliaries_) {
-    auxiliary->place(n_states_);
-    n_states_ += auxiliary->size();
+  for (const bool steering : {true, false}) {
+    for (auto& auxiliary : auxiliaries_) {
+      if (auxiliary->steers() != steering) continue;
+      auxiliary->place(n_states_);
+      n_states_ += auxiliary->size();
+    }
+    if (steering) n_steering_ = n_states_;
   }
-  ready_ = true;
+}
+
+void System::setup_length() {
+  length_ = 1e-6;
+  for (const Marker& m : markers_)
+    if (!m.body->fixed) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
+  for (const Body* b : slot_bodies_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
+    if (b->freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(b->mass.J.trace() / (2 * b->mass.mass)));
+  for (const auto& link : links_)
+    for (const auto& [p, s] : link->pairs())
+      length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
 }
 
 void System::setup_slots() {
@@ -193,13 +215,13 @@ void System::setup_slots() {
       continue;
     }
     b.slot = static_cast<int>(slot_bodies_.size());
+    if (b.freedoms == Freedoms::particle && !b.start.w.isZero(0))
+      throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " + brief(b.start.w.norm()) +
+                       " rad/s; a particle does not turn: leave it out, or give the body an inertia");
     b.in_slot = {-b.mass.center, {}};  // a slot's origin is the mass centre, its axes are the body's
     slot_bodies_.push_back(&b);
     n_velocities_ += b.freedoms == Freedoms::particle ? 3 : 6;
   }
-  length_ = 1e-6;
-  for (const Marker& m : markers_)
-    if (!m.body->fixed) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
 }
 
 void System::setup_links() {
@@ -233,7 +255,22 @@ void System::setup_forces() {
   for (auto& force : forces_) force->setup();
 }
 
+void System::check_size(const State& state) const {
+  const auto links = links_.size();
+  if (state.q.size() == 7 * n_slots() && state.v.size() == 6 * n_slots() && state.s.size() == n_states_ &&
+      state.z.size() == n_memory_ && state.modes.size() == links)
+    return;
+  throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
+                   " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
+                   " remembered numbers and " + std::to_string(state.modes.size()) + " links does not fit a system of " +
+                   std::to_string(n_slots()) + " moving bodies, " + std::to_string(n_states_) + " own states, " +
+                   std::to_string(n_memory_) + " remembered numbers and " + std::to_string(links) +
+                   " links; begin from System::start() once the system is complete");
+}
+
 State System::start() const {
+  if (!ready_)
+    throw ModelError("System::start: the system is not set up, or was changed since; call setup(), or make its Dynamics, first");
   State state;
   const int n = n_slots();
   state.q.resize(7 * n);

@@ -75,12 +75,20 @@ class LOCKSTEP_API System {
   // -- setup: slots, folded markers, states, memory, groups. Throws ModelError. Automatic when the description changed.
   void setup();
   bool ready() const { return ready_; }
+  /// To be said after a body, marker or gravity was altered in place: the next evaluation sets up anew.
+  void changed() { ready_ = false; }
+  long revision() const { return revision_; }                    ///< counts the setups that did something
   int n_slots() const { return static_cast<int>(slot_bodies_.size()); }
   const Body& body_of_slot(int slot) const { return *slot_bodies_[static_cast<std::size_t>(slot)]; }
   int n_velocities() const { return n_velocities_; }              ///< unknown velocities: 6 a body, 3 a particle
   int n_states() const { return n_states_; }
-  /// The state at the start: home poses, start velocities, start values; not yet assembled.
+  int n_memory() const { return n_memory_; }
+  /// The first so many of State::s steer the step of an adaptive integrator; the others are only quadratures.
+  int n_steering_states() const { return n_steering_; }
+  /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before setup.
   State start() const;
+  /// Throws ModelError when the state was made for another description: sizes of q, v, s, z and modes.
+  void check_size(const State&) const;
 
   // -- evaluation
   /// Row table for the links in force; groups stand one after another. Allocates only beyond what was there.
@@ -100,7 +108,8 @@ class LOCKSTEP_API System {
 
   /// "row e1 of link 'C'" for a row of the table; for messages.
   std::string row_name(const RowTable& table, int row) const;
-  /// Longest arm of a marker on its body, at least 1e-6 m: turns angles into lengths in norms (numerics page).
+  /// Turns angles into lengths in norms: the largest of the arms of markers on moving bodies, the radii of gyration of
+  /// bodies that turn, and the distances of paired markers at home; at least 1e-6 m.
   double length() const { return length_; }
 
  private:
@@ -108,6 +117,8 @@ class LOCKSTEP_API System {
   void setup_slots();
   void setup_links();
   void setup_forces();
+  void setup_states();
+  void setup_length();
 
   Options options_;
   std::deque<Body> bodies_;
@@ -121,7 +132,8 @@ class LOCKSTEP_API System {
   std::vector<Body*> slot_bodies_;
   std::vector<const Lock*> ordered_;  // links, groups one after another
   std::vector<int> group_;            // group of each of them
-  int n_velocities_ = 0, n_states_ = 0, n_memory_ = 0;
+  int n_velocities_ = 0, n_states_ = 0, n_steering_ = 0, n_memory_ = 0;
+  long revision_ = 0;
   double length_ = 1e-6;
 };
 

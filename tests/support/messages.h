@@ -20,6 +20,13 @@ std::string message_of(F&& act) {
   return "no error";
 }
 
+/// Whether all parts stand in the text.
+inline bool says(const std::string& text, std::initializer_list<const char*> parts) {
+  for (const char* part : parts)
+    if (text.find(part) == std::string::npos) return false;
+  return true;
+}
+
 /// Every part stands in the message.
 inline void check_words(const std::string& message, std::initializer_list<std::string> parts) {
   for (const std::string& part : parts) {

@@ -3,8 +3,10 @@
 #include "framework/model/params.h"
 #include "framework/support/error.h"
 #include "tests/support/allocations.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
 #include "tests/support/solver_checks.h"
+
+using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 using namespace lockstep::test;

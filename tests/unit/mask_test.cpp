@@ -5,7 +5,9 @@
 
 #include "framework/support/error.h"
 #include "tests/support/catch.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
+
+using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 

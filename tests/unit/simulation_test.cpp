@@ -12,8 +12,10 @@
 #include "integrators/rk4.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
 #include "tests/support/motions.h"
+
+using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 

@@ -12,7 +12,9 @@
 #include "tests/support/catch.h"
 #include "tests/support/heap_counter.h"
 #include "tests/support/lock_inputs.h"
-#include "tests/support/message.h"
+#include "tests/support/messages.h"
+
+using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 using namespace lockstep::inputs;
@@ -154,12 +156,13 @@ TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]"
   CHECK(twist(wall, state).v == Vec3::Zero());
 }
 
-TEST_CASE("the length of a system is its longest arm on a moving body", "[unit][system]") {
+TEST_CASE("the length of a system is its longest arm, radius of gyration or span of a link", "[unit][system]") {
   System system;
   system.add_marker("wall", system.ground(), at(Vec3(100, 0, 0)));
   Body& a = system.add_body("a", kMass);
   system.setup();
-  CHECK(system.length() == 1e-6);
+  const double gyration = std::sqrt(kMass.J.trace() / (2 * kMass.mass));
+  CHECK(std::abs(system.length() - gyration) < 1e-15);
   system.add_marker("near", a, at(kMass.center + Vec3(0, 0.5, 0)));
   system.add_marker("far", a, at(kMass.center + Vec3(3, 4, 0)));
   system.setup();

@@ -1,0 +1,16 @@
+// A plugin that gives up half way: nothing of it may stay.
+#include "framework/plugin/plugin.h"
+#include "framework/support/error.h"
+
+namespace {
+
+struct Still final : lockstep::MotionLaw {
+  lockstep::LawValue at(double) const override { return {}; }
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) {
+  registry.laws.add({"half_law", "registered before the failure", {}}, [](const lockstep::Params&) { return std::make_shared<Still>(); });
+  throw lockstep::PluginError("the other half is missing");
+}

@@ -1,0 +1,181 @@
+// The program, called as a person calls it.
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "framework/record/table.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+using namespace lockstep;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kFolder = std::string(paths::kBuild) + "/output/runner";
+const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
+
+struct Result {
+  int exit = -1;
+  std::string text;  // both streams
+};
+
+Result call(const std::string& words, const std::string& before = {}) {
+  fs::create_directories(kFolder);
+  const std::string command = "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' " + before + " '" + paths::kProgram + "' " + words + " 2>&1";
+  Result result;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::array<char, 4096> part;
+  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) result.text.append(part.data(), n);
+  const int status = pclose(pipe);
+  result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+std::string scene(const std::string& name, const std::string& members) {
+  fs::create_directories(kFolder);
+  const std::string path = kFolder + "/" + name + ".json";
+  std::ofstream(path) << "{\"lockstep\": 1,\n" << members << "\n}\n";
+  return path;
+}
+
+const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
+const std::string kHinge = R"("name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])";
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("run writes the columns and says what moved", "[runner]") {
+  const std::string csv = kFolder + "/bar.csv";
+  fs::remove(csv);
+  const Result r = call("run '" + kFourBar + "' --record bar.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  for (const char* word : {"crank", "work of drives", "energy balance", "bar.csv"}) CHECK(contains(r.text, word));
+  const Table table = read_csv(csv);
+  CHECK(table.n_rows() == 71);
+  CHECK(table.last("theta") == Approx(7.3).epsilon(1e-12));
+  std::ifstream file(csv);
+  std::string header;
+  std::getline(file, header);
+  CHECK(contains(header, "t [s],theta [rad]"));
+  CHECK(contains(header, "Bx [N]"));
+}
+
+TEST_CASE("options of the command line stand over the scene", "[runner]") {
+  const Result r = call("run '" + kFourBar + "' --integrator rk4 --step 1ms --until '50 ms' --solver dense --formulation quaternion"
+                        " --stabilization baumgarte --record short.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, "50 steps of rk4"));
+  CHECK(read_csv(kFolder + "/short.csv").last("t") == Approx(0.05));
+  const Result quiet = call("run '" + kFourBar + "' --quiet --until 0.02");
+  CHECK(quiet.exit == 0);
+  CHECK(quiet.text.empty());
+  CHECK(fs::exists(kFolder + "/four_bar.csv"));
+}
+
+TEST_CASE("every verb has help with an example", "[runner]") {
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart"}) {
+    const Result r = call(std::string(verb) + " --help");
+    INFO(verb);
+    CHECK(r.exit == 0);
+    CHECK(contains(r.text, "Example:\n  lockstep "));
+  }
+}
+
+TEST_CASE("wrong words are a usage error", "[runner]") {
+  for (const std::string& words : std::vector<std::string>{"", "fly", "run", "run '" + kFourBar + "' --fast", "run '" + kFourBar + "' --step 0",
+                                   "run '" + kFourBar + "' --step x", "run '" + kFourBar + "' --integrator rk5", "list wheels", "describe revolut",
+                                   "run '" + kFourBar + "' --step 1 --tolerance 1"}) {
+    const Result r = call(words);
+    INFO(words << "\n" << r.text);
+    CHECK(r.exit == 2);
+    CHECK_FALSE(r.text.empty());
+  }
+}
+
+TEST_CASE("each kind of failure has its number", "[runner]") {
+  const auto exit_of = [](const std::string& words, const std::string& part) {
+    const Result r = call(words);
+    INFO(words << "\n" << r.text);
+    CHECK(contains(r.text, part));
+    return r.exit;
+  };
+  CHECK(exit_of("run '" + scene("bad", R"("boddies": [])") + "'", "bad.json:2:1: scene: unknown key \"boddies\"; did you mean \"bodies\"?") == 3);
+  CHECK(exit_of("run '" + scene("endless", kArm + R"("run": {})") + "'", "--until") == 3);
+  CHECK(exit_of("run '" + kFourBar + "' --plugin no_such_plugin", "not found") == 4);
+  CHECK(exit_of("run no_such_scene.json", "no_such_scene.json") == 8);
+  CHECK(exit_of("run '" + kFourBar + "' --record /dev/null/out.csv", "/dev/null") == 8);
+  const std::string apart = scene("apart", kArm + R"("links": [{)" + kHinge + R"(},
+    {"name": "L", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0], "at_s": [0,0,0], "length": 3}], "run": {"until": 1})");
+  CHECK(exit_of("run '" + apart + "'", "link 'L'") == 5);
+  // Two laws for one angle that agree in value and speed at the start, not in acceleration.
+  const std::string torn = scene("torn", kArm + R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 1]}}},
+    {"name": "B", "type": "lock", "mask": "e1 e2", "p": "arm", "s": "ground", "at": [0,0,0],
+     "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 2]}}}], "run": {"integrator": "rk4", "step": 0.01, "until": 1})");
+  CHECK(exit_of("run '" + torn + "'", "cannot hold together") == 6);
+}
+
+TEST_CASE("a number that is none stops the run, what was computed is kept", "[runner]") {
+  const std::string blow = scene("blow", kArm + R"("links": [{)" + kHinge + R"(,
+    "drive": {"axis": "rz", "law": {"type": "sequence", "laws": [{"type": "constant", "value": 0}, {"type": "polynomial", "coefficients": [0, 1e308, 1e308]}],
+    "durations": [0.5, 9]}}}], "run": {"integrator": "rk4", "step": 0.1, "until": 2, "record": ["arm.x"]})");
+  const Result r = call("run '" + blow + "' --record blow.csv");
+  INFO(r.text);
+  CHECK(r.exit == 7);
+  CHECK(contains(r.text, "link 'A'"));
+  CHECK(contains(r.text, "t = 0.5 s"));
+  CHECK(contains(r.text, "rows up to there are in"));
+  CHECK(read_csv(kFolder + "/blow.csv").n_rows() >= 5);
+}
+
+TEST_CASE("an interrupted run ends after its step with everything written", "[runner]") {
+  const std::string swing = scene("swing", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
+    "run": {"integrator": "rk4", "step": 1e-3, "until": 1e6, "output": 1, "record": ["arm.x"]})");
+  const Result r = call("run '" + swing + "' --record swing.csv", "timeout --preserve-status -s INT 3");
+  INFO(r.text);
+  CHECK(r.exit == 130);
+  CHECK(contains(r.text, "interrupted at t = "));
+  CHECK(read_csv(kFolder + "/swing.csv").n_rows() >= 1);
+}
+
+TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]") {
+  const auto check = nlohmann::json::parse(call("check '" + kFourBar + "' --json").text);
+  CHECK(check["bodies"] == 3);
+  CHECK(check["unknowns"] == 18);
+  CHECK(check["rows"] == 21);
+  CHECK(check["redundant"] == 3);
+  CHECK(check["freedoms"] == 0);
+  CHECK_FALSE(check["left_out"].empty());
+  CHECK(contains(call("check '" + kFourBar + "'").text, "degrees of freedom  0"));
+
+  const std::string off = scene("off", R"("bodies": [{"name": "bob", "particle": 1, "position": [1.1, 0, 0]}],
+    "links": [{"name": "L", "type": "distance", "p": "bob", "s": "ground", "at_s": [0,0,0], "length": 1}], "run": {"until": 0.1})");
+  const auto report = nlohmann::json::parse(call("assemble '" + off + "' --json").text);
+  CHECK(report["largest_move"].get<double>() == Approx(0.1));
+  CHECK(report["moved_most"] == "bob");
+  CHECK(report["bodies"]["bob"]["position"][0].get<double>() == Approx(1.0));
+  const Result run = call("run '" + off + "' --record off.csv");
+  CHECK(run.exit == 0);
+  CHECK(contains(run.text, "moved 'bob' by 0.1 m"));
+}
+
+TEST_CASE("list, describe and schema speak of the same things", "[runner]") {
+  const auto all = nlohmann::json::parse(call("list --json").text);
+  for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"}) CHECK_FALSE(all[shelf].empty());
+  CHECK(contains(call("list links").text, "revolute"));
+  CHECK(contains(call("describe ramp").text, "slope"));
+  CHECK(contains(call("describe body").text, "omega_world"));
+  CHECK(contains(call("list laws --plugin '" + std::string(paths::kBuild) + "/test_plugins/probe.so'").text, "probe_law"));
+  CHECK(nlohmann::json::parse(call("schema").text).contains("$defs"));
+}

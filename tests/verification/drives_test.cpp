@@ -1,0 +1,132 @@
+// Drives of every kind against closed forms: a speed that is integrated, an actuator, a trajectory, the full motion, a motor
+// that pushes instead of holding.
+#include <cmath>
+#include <memory>
+
+#include "framework/lockstep.h"
+#include "tests/support/catch.h"
+
+using namespace lockstep;
+
+namespace {
+
+/// Runs to t = 2 s with dop853 at 1e-10 and gives the table.
+Table run(System& sys, std::vector<Request> wanted) {
+  Recorder recorder(sys, std::move(wanted));
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State start = sys.start();
+  assemble(dynamics, start);
+  Simulation simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
+  simulation.set_state(start);
+  simulation.add_observer(recorder);
+  simulation.run_until(2.0);
+  return recorder.table();
+}
+
+template <class Exact> double worst(const Table& t, const std::string& column, Exact exact) {
+  double w = 0;
+  for (std::size_t i = 0; i < t.n_rows(); ++i) w = std::max(w, std::abs(t[column][i] - exact(t["t"][i])));
+  return w;
+}
+
+MassProperties flywheel() { return {2.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.3).asDiagonal()}; }
+
+}  // namespace
+
+TEST_CASE("a speed law is integrated: angle, speed and torque in closed form", "[verification][drives]") {
+  System sys;
+  Body& wheel = sys.add_body("wheel", flywheel());
+  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), at({0, 0, 0}));
+  hinge.drive_speed(Axis::rz, law([](auto t) { return 3.0 + 2.0 * sin(4.0 * t); }));
+  const Table t = run(sys, {"hinge.angle_z", "hinge.angle_z_d", "hinge.drive.torque_on_p_link_z", "hinge.drive.work"});
+  CHECK(worst(t, "hinge.angle_z", [](double s) { return 3.0 * s + 0.5 * (1 - std::cos(4 * s)); }) < 1e-9);
+  CHECK(worst(t, "hinge.angle_z_d", [](double s) { return 3.0 + 2.0 * std::sin(4 * s); }) < 1e-9);
+  CHECK(worst(t, "hinge.drive.torque_on_p_link_z", [](double s) { return 0.3 * 8.0 * std::cos(4 * s); }) < 1e-8);
+  // work of the drive = change of kinetic energy
+  CHECK(worst(t, "hinge.drive.work", [](double s) {
+          const double w = 3.0 + 2.0 * std::sin(4 * s);
+          return 0.5 * 0.3 * (w * w - 9.0);
+        }) < 1e-8);
+}
+
+TEST_CASE("a driven speed begins where the mechanism is", "[verification][drives]") {
+  System sys;
+  Body& wheel = sys.add_body("wheel", flywheel(), Pose{{0, 0, 0}, axis_angle(Vec3::UnitZ(), 0.7)});
+  Marker& P = sys.add_marker("P", wheel);
+  Marker& S = sys.add_marker("S", sys.ground());
+  sys.add<Revolute>("hinge", P, S).drive_speed(Axis::rz, ramp(1.0));
+  const Table t = run(sys, {"hinge.angle_z"});
+  CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.7 + 0.5 * s * s; }) < 1e-9);
+}
+
+TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verification][drives]") {
+  System sys({.gravity = {0, 0, -9.81}});
+  Body& slider = sys.add_body("slider", flywheel());
+  sys.add<Prismatic>("guide", slider, sys.ground(), at({0, 0, 0})).drive(Axis::z, sine({.amplitude = 0.2, .omega = 5}));
+  const Table t = run(sys, {"guide.z", "guide.drive.force_on_p_link_z", "guide.force_on_p_link_z"});
+  CHECK(worst(t, "guide.z", [](double s) { return 0.2 * std::sin(5 * s); }) < 1e-10);
+  CHECK(worst(t, "guide.drive.force_on_p_link_z", [](double s) { return 2.0 * (9.81 - 5.0 * std::sin(5 * s)); }) < 1e-8);
+  CHECK(worst(t, "guide.force_on_p_link_z", [](double) { return 0.0; }) < 1e-12);  // the joint itself does not push along z
+}
+
+TEST_CASE("a trajectory leads a point and leaves its turns free; the full motion leads both", "[verification][drives]") {
+  const auto path = translation([](auto t) { return std::array{0.3 * sin(2.0 * t), 0.2 * t * t, 0.1 * cos(t) - 0.1}; });
+  SECTION("trajectory") {
+    System sys;
+    Body& body = sys.add_body("body", flywheel());
+    body.start.w = {0, 0, 5};
+    sys.add<Spherical>("lead", body, sys.ground(), at({0, 0, 0})).move(path);
+    const Table t = run(sys, {"body.x", "body.y", "body.z", "body.omega_body_z", "lead.force_on_p_world_y"});
+    CHECK(worst(t, "body.x", [](double s) { return 0.3 * std::sin(2 * s); }) < 1e-10);
+    CHECK(worst(t, "body.y", [](double s) { return 0.2 * s * s; }) < 1e-10);
+    CHECK(worst(t, "body.omega_body_z", [](double) { return 5.0; }) < 1e-9);
+    CHECK(worst(t, "lead.force_on_p_world_y", [](double) { return 2.0 * 0.4; }) < 1e-9);
+  }
+  SECTION("full motion") {
+    System sys;
+    Body& body = sys.add_body("body", flywheel());
+    auto& lead = sys.add<Fixed>("lead", body, sys.ground(), at({0, 0, 0}));
+    lead.move(path);
+    lead.turn(axis_rotation({0, 0, 1}, sine({.amplitude = 0.8, .omega = 3})));
+    const Table t = run(sys, {"body.z", "body.angle_z", "lead.torque_on_p_world_z"});
+    CHECK(worst(t, "body.z", [](double s) { return 0.1 * std::cos(s) - 0.1; }) < 1e-10);
+    CHECK(worst(t, "body.angle_z", [](double s) { return 0.8 * std::sin(3 * s); }) < 1e-10);
+    CHECK(worst(t, "lead.torque_on_p_world_z", [](double s) { return -0.3 * 0.8 * 9 * std::sin(3 * s); }) < 1e-8);
+  }
+}
+
+TEST_CASE("torque and force motors push without holding", "[verification][drives]") {
+  System sys;
+  Body& wheel = sys.add_body("wheel", flywheel());
+  Body& slider = sys.add_body("slider", flywheel(), Pose{{1, 0, 0}, {}});
+  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), at({0, 0, 0}));
+  auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({1, 0, 0}));
+  sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = constant(0.6)});
+  sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"), {.force = sine({.amplitude = 4, .omega = 2})});
+  CHECK(hinge.row_count() == 5);
+  CHECK(guide.row_count() == 5);
+  const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
+  CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.5 * (0.6 / 0.3) * s * s; }) < 1e-9);
+  CHECK(worst(t, "guide.z", [](double s) { return 2.0 * (s / 2 - std::sin(2 * s) / 4); }) < 1e-9);
+  CHECK(worst(t, "energy.balance", [](double) { return 0.0; }) < 1e-8);
+  CHECK(t.last("energy.supplied") > 1.0);
+}
+
+TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verification][drives]") {
+  System sys;
+  Body& crank = sys.add_body("crank", rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
+  Body& bar = sys.add_body("bar", rod(1.0, {0, 0.2, 0}, {0.5, 0.2, 0}));
+  Body& rocker = sys.add_body("rocker", rod(1.0, {0.5, 0, 0}, {0.5, 0.2, 0}));
+  sys.add<Revolute>("A", crank, sys.ground(), at({0, 0, 0}));
+  sys.add<Revolute>("B", bar, crank, at({0, 0.2, 0}));
+  sys.add<Revolute>("C", bar, rocker, at({0.5, 0.2, 0}));
+  sys.add<Revolute>("D", rocker, sys.ground(), at({0.5, 0, 0}));
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State start = sys.start();
+  assemble(dynamics, start, {{"A", Axis::rz, 3.0}});
+  CHECK(std::abs(twist(crank, start).w[2] - 3.0) < 1e-10);
+  CHECK(std::abs(twist(rocker, start).w[2] - 3.0) < 1e-10);
+  CHECK(twist(bar, start).w.norm() < 1e-10);  // a parallelogram's coupler does not turn
+  CHECK(std::abs(twist(bar, start).v[0] + 3.0 * 0.2) < 1e-10);
+  CHECK_THROWS_AS(assemble(dynamics, start, {{"A", Axis::rz, 3.0}, {"D", Axis::rz, 2.0}}), AssemblyError);
+}
