@@ -235,6 +235,7 @@ void Dynamics::blame_rates(const State& state, const VecX& sd) const {
     if (bad(auxiliary->first(), auxiliary->size()))
       throw NonFiniteError(when + "the integrated state '" + auxiliary->name() + "' has a rate that is not finite; look at what feeds it",
                            state.t);
+  throw NonFiniteError(when + "a rate of the integrated states is not finite; look at what feeds them", state.t);
 }
 
 void Dynamics::check_solved(const State& state) const {
