@@ -130,3 +130,31 @@ TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verific
   CHECK(std::abs(twist(bar, start).v[0] + 3.0 * 0.2) < 1e-10);
   CHECK_THROWS_AS(assemble(dynamics, start, {{"A", Axis::rz, 3.0}, {"D", Axis::rz, 2.0}}), AssemblyError);
 }
+
+TEST_CASE("a speed drive that comes into force begins where the mechanism is", "[verification][drives]") {
+  System sys;
+  Body& wheel = sys.add_body("wheel", flywheel());
+  wheel.start.w = {0, 0, 2.0};
+  Marker& P = sys.add_marker("P", wheel);
+  Marker& S = sys.add_marker("S", sys.ground());
+  sys.add<Revolute>("bearing", P, S);
+  auto& clutch = sys.add<AngularAlignment>("brake", P, S);  // never in force: only shows that others may share the markers
+  clutch.active_at_start = false;
+  auto& motor = sys.add<Revolute>("motor", P, S);
+  motor.drive_speed(Axis::rz, ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
+  motor.active_at_start = false;
+  Recorder recorder(sys, {"bearing.angle_z"});
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
+  run.add_observer(recorder);
+  run.add_event({.name = "engage", .at = 0.5, .activate = {"motor"}});
+  run.add_event({.name = "release", .at = 1.5, .deactivate = {"motor"}});
+  run.run_until(2.0);
+  // 2 t, then 1 + 2 u + u^2/2 for u = t - 0.5, then at 3 rad/s
+  const Table& t = recorder.table();
+  CHECK(worst(t, "bearing.angle_z", [](double s) {
+          if (s <= 0.5) return 2 * s;
+          const double u = std::min(s, 1.5) - 0.5;
+          return 1 + 2 * u + 0.5 * u * u + 3 * std::max(0.0, s - 1.5);
+        }) < 1e-8);
+}

@@ -1,0 +1,159 @@
+// Assembly, projection and mobility: from afar, with redundant rows, and what they say when it cannot be.
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "framework/lockstep.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using lockstep::testing::message_of, lockstep::testing::says;
+
+namespace {
+
+/// A spatial four-bar of revolutes about z: 20 rows, 17 of them independent, one freedom.
+System four_bar() {
+  System sys;
+  Body& crank = sys.add_body("crank", rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
+  Body& bar = sys.add_body("bar", rod(1.0, {0, 0.2, 0}, {0.5, 0.3, 0}));
+  Body& rocker = sys.add_body("rocker", rod(1.0, {0.5, 0, 0}, {0.5, 0.3, 0}));
+  sys.add<Revolute>("A", crank, sys.ground(), at({0, 0, 0}));
+  sys.add<Revolute>("B", bar, crank, at({0, 0.2, 0}));
+  sys.add<Revolute>("C", bar, rocker, at({0.5, 0.3, 0}));
+  sys.add<Revolute>("D", rocker, sys.ground(), at({0.5, 0, 0}));
+  return sys;
+}
+
+std::unique_ptr<LinearSolver> solver(bool dense) {
+  if (dense) return std::make_unique<DenseSolver>();
+  return std::make_unique<SparseSolver>();
+}
+
+}  // namespace
+
+TEST_CASE("a mechanism whose bodies lie about comes together, redundant rows or not", "[unit][analysis]") {
+  const bool dense = GENERATE(true, false);
+  System sys = four_bar();
+  Dynamics dynamics(sys, solver(dense));
+  State state = sys.start();
+  // moved by decimetres, turned by most of a radian, out of its plane too
+  const double shift[] = {0.3, -0.2, 0.1};
+  for (int k = 0; k < 3; ++k) {
+    state.q.segment<3>(7 * k) += Vec3(shift[k], 0.15, -shift[k]);
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * exponential(Vec3(0.5 * shift[k], 0.4, -0.6));
+    state.q.segment<4>(7 * k + 3) = q.coefficients();
+  }
+  state.v.setConstant(0.7);
+  const AssemblyReport report = assemble(dynamics, state);
+  CHECK(report.before > 0.1);
+  CHECK(report.after < 1e-12);
+  CHECK(dynamics.violation(state) < 1e-12);
+  CHECK(dynamics.violation_v(state) < 1e-10);
+  CHECK(report.largest_move > 0.1);
+  CHECK_FALSE(report.moved_most.empty());
+}
+
+TEST_CASE("one joint comes home from any error below half a turn", "[unit][analysis]") {
+  const double angle = GENERATE(1.0, 2.5, 3.0, 3.1);
+  System sys;
+  Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
+  sys.add<Fixed>("hold", body, sys.ground(), at({0, 0, 0}));
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  State state = sys.start();
+  state.q.segment<4>(3) = axis_angle(Vec3(1, 2, -1), angle).coefficients();
+  const AssemblyReport report = assemble(dynamics, state);
+  CHECK(report.iterations <= 2);  // (8.2): the Cayley update takes the whole error away at once
+  CHECK(report.after < 1e-12);
+}
+
+TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and the state is left alone", "[unit][analysis]") {
+  System sys;
+  Body& body = sys.add_body("body", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  sys.add<Spherical>("left", body, sys.ground(), at({0, 0, 0}));
+  Marker& end = sys.add_marker_at("end", body, {{1, 0, 0}, {}});
+  sys.add<Spherical>("right", end, sys.add_marker("far", sys.ground(), {{1.5, 0, 0}, {}}));  // the rod is too short
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State state = sys.start();
+  const State before = state;
+  const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
+  CHECK(says(message, {"assembly stopped", "row x of link", "Check the start poses"}));
+  CHECK(state.q == before.q);
+}
+
+TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit][analysis]") {
+  const auto sick = law([](auto t) { return sqrt(0.5 - t) * 0.1; });  // a NaN from t = 0.5 s on
+  System sys;
+  Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
+  auto& slide = sys.add<Prismatic>("slide", body, sys.ground(), at({0, 0, 0}));
+  slide.drive(Axis::z, sick);
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State start = sys.start();
+  assemble(dynamics, start);
+  SECTION("in a run, with what was computed kept") {
+    Recorder recorder(sys, {"body.z"});
+    Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
+    run.set_state(start);
+    run.add_observer(recorder);
+    const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });
+    CHECK(says(message, {"link 'slide'", "the law of drive z", "t = 0.5"}));
+    CHECK(recorder.table().n_rows() > 40);
+  }
+  SECTION("at the start") {
+    State late = start;
+    late.t = 0.6;
+    const std::string message = message_of<NonFiniteError>([&] { assemble(dynamics, late); });
+    CHECK(says(message, {"link 'slide'", "the law of drive z"}));
+  }
+}
+
+TEST_CASE("projection moves the least in the mass metric", "[unit][dynamics]") {
+  // Two bodies on one prismatic axis z, held at one point by a distance... here: tied together by a lock on z alone. An
+  // error e in z is shared in the inverse ratio of the masses.
+  System sys;
+  Body& light = sys.add_body("light", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
+  Body& heavy = sys.add_body("heavy", MassProperties{3.0, Vec3::Zero(), Mat3::Identity()});
+  Marker& P = sys.add_marker("P", light);
+  Marker& S = sys.add_marker("S", heavy);
+  sys.add<PointOnPlane>("tie", P, S);
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State state = sys.start();
+  state.q[2] = 0.04;   // z of the light one
+  state.v[2] = 0.8;
+  const ProjectReport report = dynamics.project(state);
+  CHECK(std::abs(report.before - 0.04) < 1e-15);
+  CHECK(report.converged);
+  CHECK(std::abs(state.q[2] - 0.01) < 1e-12);   // 3/4 of the way
+  CHECK(std::abs(state.q[9] - 0.01) < 1e-12);   // 1/4
+  CHECK(std::abs(state.v[2] - 0.2) < 1e-12);    // momentum is kept
+  CHECK(std::abs(state.v[8] - 0.2) < 1e-12);
+}
+
+TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
+  System sys = four_bar();
+  Body& free = sys.add_body("free", box(1.0, {1, 1, 1}));
+  sys.add<Spherical>("ball", free, sys.ground(), at({3, 0, 0}));
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  State state = sys.start();
+  assemble(dynamics, state);
+  const MobilityReport m = mobility(dynamics, state);
+  CHECK(m.bodies == 4);
+  CHECK(m.unknowns == 24);
+  CHECK(m.rows == 23);
+  CHECK(m.rank == 20);
+  CHECK(m.freedoms == 4);
+  CHECK(m.redundant == 3);
+  CHECK(m.redundant_links == std::vector<std::string>{"A", "B", "C", "D"});
+}
+
+TEST_CASE("a system that grew is set up anew, and a state of before is refused", "[unit][dynamics]") {
+  System sys = four_bar();
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  const State old = sys.start();
+  dynamics.evaluate(old);
+  sys.add_body("late", box(1.0, {1, 1, 1}));
+  CHECK(says(message_of<ModelError>([&] { sys.start(); }), {"not set up", "setup()"}));
+  sys.setup();
+  CHECK(says(message_of<ModelError>([&] { dynamics.evaluate(old); }), {"does not fit", "4 moving bodies", "System::start"}));
+  CHECK(dynamics.evaluate(sys.start()).a.size() == 24);
+}
