@@ -35,6 +35,10 @@ void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
   VecX& a_f = size_n_;
   a_f.setZero();
   add_mass_times(kkt.pattern, kkt.Minv, f, a_f);
+  energy_f_ = 0.0;
+  for_each_mass(kkt.pattern, [&](int first, int width, std::size_t) {
+    energy_f_ = std::max(energy_f_, f.segment(first, width).dot(a_f.segment(first, width)));
+  });
   scale_.setZero();
   add_rows_times(kkt, a_f, scale_);
   scale_ = scale_.cwiseAbs() + c.cwiseAbs();
@@ -63,27 +67,29 @@ bool StopRule::rows_met(const Kkt& kkt, const VecX& c, const VecX& a) {
   return largest_ <= kRowTolerance;
 }
 
-// Where all scales of a unit vanish (a mechanism driven in other directions only), r is rounding that came from other
-// units. By Cauchy and Schwarz |J_j a| <= sum over the slots of sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame. No
-// scale is taken under 1e-3 of the largest of these bounds in its unit: the tolerance is then 1e-15 of it, a few units
-// in the last place.
+// Where all scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that
+// came from other units. By Cauchy and Schwarz |J_j a| <= sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame, and likewise
+// for a_f = M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. No scale is taken under 1e-3 of
+// the largest of these bounds in its unit, with the slot that has most: the tolerance is then 1e-15 of it, a few units in
+// the last place.
 StopRule::Floors StopRule::size_floors(const Kkt& kkt, const VecX& a) const {
+  double most = energy_f_;
+  for_each_mass(kkt.pattern, [&](int first, int width, std::size_t at) {
+    most = std::max(most, energy_f_ + quadratic_form(kkt.M.data() + at, a.data() + first, width));
+  });
   Floors floors{};
   for (const KktLink& link : kkt.pattern.links)
     for (int k = 0; k < link.m; ++k) {
-      double bound = 0.0;
+      double S = 0.0;
       std::size_t at = link.J;
       for (int i = 0; i < link.n_slots; ++i) {
         const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
         const int width = kkt.pattern.width[slot];
-        const double* row = kkt.J.data() + at + static_cast<std::size_t>(k * width);
-        bound +=
-            std::sqrt(quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot], row, width) *
-                      quadratic_form(kkt.M.data() + kkt.pattern.M[slot], a.data() + kkt.pattern.first[slot], width));
+        S += quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot], kkt.J.data() + at + static_cast<std::size_t>(k * width), width);
         at += static_cast<std::size_t>(link.m * width);
       }
       double& floor = floors[static_cast<std::size_t>(kind_of(link, k))];
-      floor = std::max(floor, kScaleFloor * bound);
+      floor = std::max(floor, kScaleFloor * std::sqrt(S * most));
     }
   return floors;
 }

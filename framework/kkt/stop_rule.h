@@ -40,6 +40,7 @@ class StopRule {
   bool forces_met(const Kkt&, const VecX& f, const VecX& a, const VecX& lambda);
 
   VecX r_f_, r_c_, scale_, size_n_;
+  double energy_f_ = 0.0;  // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
 };

@@ -92,7 +92,9 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
   assemble(dynamics, start);
   SECTION("in a run, with what was computed kept") {
     Recorder recorder(sys, {"body.z"});
-    Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
+    SimulationOptions options;
+    options.step = 0.01;
+    Simulation run(dynamics, std::make_unique<Rk4>(), options);
     run.set_state(start);
     run.add_observer(recorder);
     const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });

@@ -158,3 +158,25 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
           return 1 + 2 * u + 0.5 * u * u + 3 * std::max(0.0, s - 1.5);
         }) < 1e-8);
 }
+
+TEST_CASE("a mechanism held at rest by its drives carries its weight, with every solver and formulation", "[verification][drives]") {
+  const bool dense = GENERATE(false, true);
+  const auto formulation = GENERATE(Formulation::omega, Formulation::quaternion);
+  System sys({.gravity = {0, -9.81, 0}});
+  Body& arm = sys.add_body("arm", rod(2.0, {0, 0, 0}, {1, 0, 0}));
+  Body& fore = sys.add_body("fore", rod(1.0, {1, 0, 0}, {1.5, 0, 0}));
+  auto& shoulder = sys.add<Revolute>("shoulder", arm, sys.ground(), at({0, 0, 0}));
+  auto& elbow = sys.add<Revolute>("elbow", fore, arm, at({1, 0, 0}));
+  shoulder.drive(Axis::rz, ramp(0.0));
+  elbow.drive(Axis::rz, constant(0.0));
+  Channel torque = make_channel(sys, "shoulder.drive.torque_on_p_link_z");
+  std::unique_ptr<LinearSolver> solver;
+  if (dense) solver = std::make_unique<DenseSolver>();
+  else solver = std::make_unique<SparseSolver>();
+  Dynamics dynamics(sys, std::move(solver), {formulation, {}});
+  const State state = sys.start();
+  const Evaluated& values = dynamics.evaluate(state);
+  CHECK(values.a.norm() < 1e-10);
+  const StepReport none;
+  CHECK(std::abs(torque.value(Sample(dynamics, state, none)) - 9.81 * (2.0 * 0.5 + 1.0 * 1.25)) < 1e-9);
+}
