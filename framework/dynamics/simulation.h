@@ -12,7 +12,7 @@ namespace lockstep {
 
 struct SimulationOptions {
   double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
-  Tolerance tolerance;                 ///< adaptive methods
+  Tolerance tolerance{};               ///< adaptive methods
   double output = 0;                   ///< interval of output times from the start, s, and the end; 0: every step
   std::vector<double> output_times{};  ///< or these instants, rising (they win over `output`)
   double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
