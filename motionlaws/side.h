@@ -8,7 +8,7 @@ namespace lockstep {
 /// Every law is continuous from the right: at a breakpoint it has the value that holds afterwards. Times are sums of
 /// durations and delays, so an instant that is meant to be the breakpoint may miss it by a rounding error; whatever
 /// lies within this share of the law's own duration before it counts as the breakpoint.
-inline constexpr double kEarly = 1e-14;
+inline constexpr double kEarly = 1e-12;
 
 /// The limit of `law` for t from below, extrapolated from two instants 1e-9 `span` apart (error: square of that).
 LawValue left_limit(const MotionLaw& law, double t, double span);

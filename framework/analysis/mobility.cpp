@@ -38,10 +38,13 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
     report.rank = static_cast<int>(cod.rank());
     // Rows with a share in the null space of Jt: what the projector onto the row space's complement leaves of each.
     const MatX projector = cod.pseudoInverse() * Jt;
-    for (const RowEntry& e : table.entries) {
+    for (const auto& link : system.links()) {
+      const int entry = table.entry_of_link[static_cast<std::size_t>(link->number())];
+      if (entry < 0) continue;
+      const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
       bool shares = false;
       for (int k = 0; k < e.m; ++k) shares = shares || 1.0 - projector(e.first_row + k, e.first_row + k) > 1e-9;
-      if (shares) report.redundant_links.push_back(system.links()[static_cast<std::size_t>(e.link)]->name());
+      if (shares) report.redundant_links.push_back(link->name());
     }
   }
   report.freedoms = report.unknowns - report.rank;

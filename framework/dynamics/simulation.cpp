@@ -176,7 +176,7 @@ void Simulation::Loop::advance(double limit, double largest) {
   take_advice(wanted);
   const bool met = !sim.events_.empty() && locate_events();
   if (met && sim.state_.t < target.reach) landed = false;
-  if (landed && target.jump) sim.state_.t = target.t;
+  if (landed && target.jump) cross_to(target.t);
   sim.dynamics_.accept(sim.state_);
   ++sim.report_.steps;
   sim.report_.rejected += step.rejected;

@@ -29,6 +29,7 @@ struct Simulation::Loop {
   };
   Target next_target(double limit);
   double step_towards(const Target&, double largest) const;
+  void cross_to(double t);
   void take_advice(double asked);
   void refresh_breakpoints(double limit, double largest);
   double output_time(long k) const;  ///< infinity: none left
@@ -57,6 +58,7 @@ struct Simulation::Loop {
   State scratch;           ///< a state inside it
   Snapshot before, after;  ///< the method's memory around it
   StepReport step;         ///< report of the present step
+  StateRate hair_rate;     ///< scratch of cross_to
 
   double advised = 0;  ///< the method's next step
   double anchor = 0;   ///< fixed steps: the n-th ends at anchor + n step

@@ -16,9 +16,9 @@ constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what 
 
 }  // namespace
 
-// A law jumps at t: its left side is integrated up to a hair before t, so that no stage sees the right side; then the
-// clock is put on t. The hair is wider than the share of its own duration by which a law may count an instant as the jump
-// (motionlaws/side.h: 1e-14), for laws up to a hundred times as long as the run.
+// A law jumps at t: its left side is integrated up to a hair before t, so that no stage sees the right side; the hair itself
+// is crossed by the rates there (cross_to). It is wider than the share of its own duration by which a law may count an
+// instant as the jump (motionlaws/side.h: 1e-12), for laws up to a hundred times as long as the run.
 Simulation::Loop::Target Simulation::Loop::next_target(double limit) {
   const double t = sim.state_.t;
   double next = limit;
@@ -35,10 +35,24 @@ Simulation::Loop::Target Simulation::Loop::next_target(double limit) {
   if (next_breakpoint < breakpoints.size() && breakpoints[next_breakpoint] <= next) {
     const double jump = breakpoints[next_breakpoint];
     const double span = std::isfinite(t_end) ? t_end - t_start : 0;
-    const double hair = 1e-12 * std::max({std::abs(jump), jump - t, span});
+    const double hair = 1e-10 * std::max({std::abs(jump), jump - t, span});
     target = {jump, jump - hair > t ? jump - hair : jump, true};
   }
   return target;
+}
+
+// The last hair before a jump, by the rates on its left side; the error is the square of the hair.
+void Simulation::Loop::cross_to(double t) {
+  State& state = sim.state_;
+  const double h = t - state.t;
+  if (h > 0) {
+    sim.dynamics_.rate(state, hair_rate);
+    state.q += h * hair_rate.q;
+    state.v += h * hair_rate.v;
+    state.s += h * hair_rate.s;
+    sim.dynamics_.normalize(state);
+  }
+  state.t = t;
 }
 
 double Simulation::Loop::step_towards(const Target& target, double largest) const {

@@ -329,7 +329,7 @@ TEST_CASE("a universal joint keeps four rows at every pair of cross angles", "[u
     }
 }
 
-TEST_CASE("a screw counts its turns; a step thrown away leaves no trace", "[unit][links]") {
+TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit][links]") {
   const double pitch = 0.25, home = 2.6;
   for (double sign : {1.0, -1.0}) {
     CAPTURE(sign);

@@ -207,7 +207,7 @@ TEST_CASE("an event that undoes itself does not loop for ever", "[unit][dynamics
   CHECK(run.state().t == 1.5);
 }
 
-TEST_CASE("an event at an instant switches a link off; the body flies on freely", "[unit][dynamics]") {
+TEST_CASE("an event at an instant switches a link off, the body flies on freely", "[unit][dynamics]") {
   const std::string name = GENERATE("rk4", "dopri5", "dop853");
   CAPTURE(name);
   RodPendulum pendulum;
@@ -232,7 +232,7 @@ TEST_CASE("an event at an instant switches a link off; the body flies on freely"
   CHECK_FALSE(run.state().modes[0]);
 }
 
-TEST_CASE("a link that is put in force takes up the velocity; far from its place it is refused by name",
+TEST_CASE("a link that is put in force takes up the velocity, far from its place it is refused by name",
           "[unit][dynamics]") {
   Stone stone;
   Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), at({0, 0, 2}));

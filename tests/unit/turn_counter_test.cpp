@@ -10,7 +10,7 @@ double wrapped(double a) { return std::atan2(std::sin(a), std::cos(a)); }
 
 }  // namespace
 
-TEST_CASE("before the first accepted value an angle is in (-pi, pi]", "[unit][record]") {
+TEST_CASE("before the first accepted value an angle is in the half-open turn around zero", "[unit][record]") {
   const TurnCounter turns;
   CHECK(turns.at(3.0, 0, 0) == 3.0);
   CHECK(turns.at(4.0, 0, 0) == Approx(4.0 - kTwoPi));
