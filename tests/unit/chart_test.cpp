@@ -1,5 +1,7 @@
 #include "framework/record/chart.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -20,7 +22,7 @@ namespace {
 
 // A folder for the pictures of one test.
 struct Folder {
-  Folder() : path(fs::temp_directory_path() / "lockstep_chart_test") {
+  Folder() : path(fs::temp_directory_path() / ("lockstep_chart_test_" + std::to_string(getpid()))) {
     fs::remove_all(path);
     fs::create_directory(path);
   }
