@@ -103,9 +103,9 @@ TEST_CASE("torque and force motors push without holding", "[verification][drives
   auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({1, 0, 0}));
   sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = constant(0.6)});
   sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"), {.force = sine({.amplitude = 4, .omega = 2})});
+  const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
   CHECK(hinge.row_count() == 5);
   CHECK(guide.row_count() == 5);
-  const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
   CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.5 * (0.6 / 0.3) * s * s; }) < 1e-9);
   CHECK(worst(t, "guide.z", [](double s) { return 2.0 * (s / 2 - std::sin(2 * s) / 4); }) < 1e-9);
   CHECK(worst(t, "energy.balance", [](double) { return 0.0; }) < 1e-8);
