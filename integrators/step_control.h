@@ -13,7 +13,8 @@ namespace lockstep {
 /// X, R, V, W are the largest change of any body over the step, but not less than what its rate at the beginning would
 /// make of it: h |v|, h |w|, h |a|, h |alpha| (a body that swings to and fro within one step has moved). They are
 /// increments, so that a mechanism far from the origin is no less accurate; for short steps they vanish and atol is
-/// what counts. Each integrated state that steers is held against its own change likewise; quadratures are not looked at.
+/// what counts. Each integrated state that steers is held against its own change likewise; quadratures are not looked
+/// at.
 class LOCKSTEP_API ErrorNorm {
  public:
   void set(const Tolerance& tolerance) { tolerance_ = tolerance; }

@@ -43,8 +43,8 @@ int main() {
   for (const char* integrator : {"dopri5", "dop853"}) {
     last = run_with(integrator, registry);
     const double error = std::max(std::abs(last.table.last("beta") - beta), std::abs(last.table.last("gamma") - gamma));
-    fmt::print("{:8} {:7} evaluations   beta {:.12f}   gamma {:.12f}   off the published end by {:.1e} rad\n", integrator,
-               last.evaluations, last.table.last("beta"), last.table.last("gamma"), error);
+    fmt::print("{:8} {:7} evaluations   beta {:.12f}   gamma {:.12f}   off the published end by {:.1e} rad\n",
+               integrator, last.evaluations, last.table.last("beta"), last.table.last("gamma"), error);
     worst = std::max(worst, error);
   }
   const Table& t = last.table;
@@ -52,11 +52,10 @@ int main() {
   write_chart(samples::output("andrews"),
               {.title = "Andrews' squeezing mechanism",
                .x_label = "t [s]",
-               .panels = {{.y_label = "angle [rad]",
-                           .series = {curve(t, "t", "beta", "beta (crank)")}},
+               .panels = {{.y_label = "angle [rad]", .series = {curve(t, "t", "beta", "beta (crank)")}},
                           {.y_label = "angle [rad]",
-                           .series = {curve(t, "t", "gamma", "gamma"), curve(t, "t", "phi", "phi"), curve(t, "t", "delta", "delta"),
-                                      curve(t, "t", "epsilon", "epsilon")}}}});
+                           .series = {curve(t, "t", "gamma", "gamma"), curve(t, "t", "phi", "phi"),
+                                      curve(t, "t", "delta", "delta"), curve(t, "t", "epsilon", "epsilon")}}}});
   fmt::print("{}, andrews.svg, andrews.png\n", samples::output("andrews.csv"));
   return worst < 5e-9 ? 0 : 1;
 }

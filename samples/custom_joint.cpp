@@ -15,7 +15,10 @@ namespace {
 struct ScrewThread {
   double lead;  // m a turn
   static constexpr bool kCountsTurns = true;
-  template <class T> T operator()(const LockCoords<T>& y) const { return y.z - lead / kTwoPi * y.angle_z(); }
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - lead / kTwoPi * y.angle_z();
+  }
 };
 
 /// Free: turning about z of S, advancing along it by the lead a turn.
@@ -34,7 +37,8 @@ int main() {
   Body& nut = sys.add_body("nut", MassProperties{m, Vec3::Zero(), Vec3(0.003, 0.003, J).asDiagonal()});
   sys.add<Screw>("thread", nut, sys.ground(), at({0, 0, 0}), lead);
 
-  Recorder recorder(sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
+  Recorder recorder(
+      sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SparseSolver>());
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
   run.add_observer(recorder);
@@ -50,11 +54,12 @@ int main() {
     force = std::max(force, std::abs(t["thread.force_on_p_world_z"][i] - m * (a + g)));
   }
   write_csv(samples::output("custom_joint.csv"), t);
-  write_chart(samples::output("custom_joint"),
-              {.title = "A nut runs down a screw of 100 mm lead",
-               .x_label = "t [s]",
-               .panels = {{.y_label = "height [m]", .series = {curve(t, "t", "nut.z", "nut")}},
-                          {.y_label = "angle [rad]", .series = {curve(t, "t", "thread.angle_z", "turns counted on")}}}});
+  write_chart(
+      samples::output("custom_joint"),
+      {.title = "A nut runs down a screw of 100 mm lead",
+       .x_label = "t [s]",
+       .panels = {{.y_label = "height [m]", .series = {curve(t, "t", "nut.z", "nut")}},
+                  {.y_label = "angle [rad]", .series = {curve(t, "t", "thread.angle_z", "turns counted on")}}}});
   fmt::print("{:.1f} turns; height to {:.1e} m, angle to {:.1e} rad, axial force to {:.1e} N of the closed form\n",
              t.last("thread.angle_z") / kTwoPi, z, turn, force);
   fmt::print("energy changed by {:.1e} J\n{}, custom_joint.svg, custom_joint.png\n", t.change("energy.total"),

@@ -18,7 +18,8 @@ int main() {
   auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({0, 0, 0}));
   guide.drive(Axis::z, lift);
 
-  Recorder recorder(sys, {"slider.z", "slider.az", "guide.drive.force_on_p_link_z", "guide.drive.work", "energy.total"});
+  Recorder recorder(sys,
+                    {"slider.z", "slider.az", "guide.drive.force_on_p_link_z", "guide.drive.work", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SparseSolver>());
   State start = sys.start();
   assemble(dynamics, start);
@@ -36,7 +37,8 @@ int main() {
               {.title = "A slider lifted by a law of one's own",
                .x_label = "t [s]",
                .panels = {{.y_label = "height [m]", .series = {curve(t, "t", "slider.z", "height")}},
-                          {.y_label = "force [N]", .series = {curve(t, "t", "guide.drive.force_on_p_link_z", "force of the drive")}}}});
+                          {.y_label = "force [N]",
+                           .series = {curve(t, "t", "guide.drive.force_on_p_link_z", "force of the drive")}}}});
   const double gap = t.change("energy.total") - t.change("guide.drive.work");
   fmt::print("drive force = m (s'' + g) to {:.1e} N\n", worst);
   fmt::print("energy change {:.9f} J, work of the drive {:.9f} J, gap {:.1e} J\n", t.change("energy.total"),

@@ -12,7 +12,8 @@ using namespace lockstep;
 int main() {
   try {
     Registry registry = builtin_registry();
-    for (const char* plugin : {"cam_follower", "bump"}) fmt::print("loaded {}\n", load_plugin(registry, plugin, {paths::kPlugins}));
+    for (const char* plugin : {"cam_follower", "bump"})
+      fmt::print("loaded {}\n", load_plugin(registry, plugin, {paths::kPlugins}));
 
     System sys({.gravity = {0, -9.81, 0}});
     Body& cam = sys.add_body("cam", cylinder(1.0, 0.05, 0.02));
@@ -23,8 +24,10 @@ int main() {
     // By name, like a built-in one: the cam joint from one plugin, the law of the shaft's angle from the other.
     Marker& tip = sys.add_marker_at("tip", follower, {{0, 0.05, 0}, {}});
     Marker& disc = sys.add_marker_at("disc", cam, {{0, 0, 0}, axis_angle(Vec3::UnitZ(), kPi / 2)});
-    sys.add(registry.links.make("cam_follower", Site{"ride", {{&tip, &disc}}}, Params{{"base", 0.05}, {"lift", 0.02}}, &registry, "host"));
-    shaft.drive(Axis::rz, registry.laws.make("bump", Params{{"height", kTwoPi}, {"at", 1.0}, {"width", 1.0}}, &registry, "host"));
+    sys.add(registry.links.make("cam_follower", Site{"ride", {{&tip, &disc}}}, Params{{"base", 0.05}, {"lift", 0.02}},
+                                &registry, "host"));
+    shaft.drive(Axis::rz,
+                registry.laws.make("bump", Params{{"height", kTwoPi}, {"at", 1.0}, {"width", 1.0}}, &registry, "host"));
 
     Recorder recorder(sys, {"shaft.angle_z", "follower.y", "shaft.drive.torque_on_p_link_z"});
     Dynamics dynamics(sys, registry.solvers.make("sparse", Params{}, &registry, "host"));

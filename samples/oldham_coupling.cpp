@@ -38,16 +38,20 @@ int main() {
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double phi = w * t["t"][i];
     turn = std::max(turn, std::abs(t["shaft_out.angle_z"][i] - phi));
-    circle = std::max(circle, std::hypot(t["disc.x"][i] - e / 2 * (1 + std::cos(2 * phi)), t["disc.y"][i] - e / 2 * std::sin(2 * phi)));
+    circle = std::max(circle, std::hypot(t["disc.x"][i] - e / 2 * (1 + std::cos(2 * phi)),
+                                         t["disc.y"][i] - e / 2 * std::sin(2 * phi)));
     couple = std::max(couple, std::abs(t["slot_in.torque_on_p_world_z"][i] - 0.8 * w * w * e * e * std::sin(2 * phi)));
   }
   write_csv(samples::output("oldham_coupling.csv"), t);
-  write_chart(samples::output("oldham_coupling"),
-              {.title = "Oldham coupling: the disc over one turn of the shafts",
-               .x_label = "t [s]",
-               .panels = {{.y_label = "disc [m]", .series = {curve(t, "t", "disc.x", "x"), curve(t, "t", "disc.y", "y")}},
-                          {.y_label = "couple [N m]", .series = {curve(t, "t", "slot_in.torque_on_p_world_z", "input hub on disc")}}}});
-  fmt::print("output follows input to {:.1e} rad; disc on its circle to {:.1e} m; couple exact to {:.1e} N m\n", turn, circle, couple);
+  write_chart(
+      samples::output("oldham_coupling"),
+      {.title = "Oldham coupling: the disc over one turn of the shafts",
+       .x_label = "t [s]",
+       .panels = {{.y_label = "disc [m]", .series = {curve(t, "t", "disc.x", "x"), curve(t, "t", "disc.y", "y")}},
+                  {.y_label = "couple [N m]",
+                   .series = {curve(t, "t", "slot_in.torque_on_p_world_z", "input hub on disc")}}}});
+  fmt::print("output follows input to {:.1e} rad; disc on its circle to {:.1e} m; couple exact to {:.1e} N m\n", turn,
+             circle, couple);
   fmt::print("{}, oldham_coupling.svg, oldham_coupling.png\n", samples::output("oldham_coupling.csv"));
   return turn < 1e-10 && circle < 1e-10 ? 0 : 1;
 }

@@ -41,7 +41,8 @@ int main() {
   write_chart(samples::output("pendulum"),
               {.title = "A rod swings from the horizontal",
                .x_label = "t [s]",
-               .panels = {{.y_label = "angle [rad]", .series = {curve(recorder.table(), "t", "rod.angle_z", "angle of the rod")}},
+               .panels = {{.y_label = "angle [rad]",
+                           .series = {curve(recorder.table(), "t", "rod.angle_z", "angle of the rod")}},
                           {.y_label = "force on the rod [N]",
                            .series = {curve(recorder.table(), "t", "hinge.force_on_p_world_x", "x"),
                                       curve(recorder.table(), "t", "hinge.force_on_p_world_y", "y")}}}});

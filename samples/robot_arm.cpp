@@ -5,8 +5,11 @@
 
 #include "framework/lockstep.h"
 #include "samples/shared/output.h"
+#include "samples/shared/robot_arm.h"
 
 using namespace lockstep;
+
+using samples::Arm, samples::make_arm;
 
 namespace {
 
@@ -32,37 +35,6 @@ class Sampled final : public MotionLaw {
  private:
   std::vector<LawValue> y_;
 };
-
-struct Arm {
-  System sys{{.gravity = {0, 0, -9.81}}};
-  std::vector<Revolute*> joints;
-  Marker* tool = nullptr;
-};
-
-/// Links in the pose of the six angles q; joint k turns about its axis, placed at p in the frame of link k-1.
-Arm make_arm(const std::array<double, 6>& q) {
-  const std::array<Vec3, 6> axis{Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitX()};
-  const std::array<Vec3, 6> p{Vec3(0, 0, .2), Vec3(0, 0, .2), Vec3(.45, 0, 0), Vec3(.4, 0, 0), Vec3(.12, 0, 0), Vec3(.09, 0, 0)};
-  const std::array<Vec3, 6> com{Vec3(0, 0, .1), Vec3(.22, 0, .03), Vec3(.18, .02, 0), Vec3(.06, 0, 0), Vec3(.04, 0, .01), Vec3(.03, .01, 0)};
-  const std::array<double, 6> m{8, 6, 4, 2, 1.2, .6};
-  const std::array<Vec3, 6> J{Vec3(.08, .08, .05), Vec3(.02, .12, .12), Vec3(.01, .06, .06), Vec3(.003, .005, .005),
-                              Vec3(.0015, .002, .002), Vec3(.0004, .0006, .0006)};
-  Arm arm;
-  Body* previous = &arm.sys.ground();
-  Pose home;
-  for (std::size_t k = 0; k < 6; ++k) {
-    home = home * Pose{p[k], axis_angle(axis[k], q[k])};
-    Body& link = arm.sys.add_body(fmt::format("link_{}", k + 1), {m[k], com[k], J[k].asDiagonal()}, home);
-    // P and S have their z along the joint's axis; P turns with the link, so the angle starts at q.
-    const Quat z_to_axis = at({0, 0, 0}, axis[k]).q;
-    Marker& P = arm.sys.add_marker(fmt::format("p{}", k + 1), link, {{0, 0, 0}, z_to_axis});
-    Marker& S = arm.sys.add_marker(fmt::format("s{}", k + 1), *previous, {p[k], z_to_axis});
-    arm.joints.push_back(&arm.sys.add<Revolute>(fmt::format("J{}", k + 1), P, S));
-    previous = &link;
-  }
-  arm.tool = &arm.sys.add_marker("tool", *previous, {{0.08, 0, 0}, {}});
-  return arm;
-}
 
 Table run(Arm& arm) {
   std::vector<Request> wanted{"tool.x", "tool.y", "tool.z", "tool.qw", "tool.qx", "tool.qy", "tool.qz"};
@@ -109,16 +81,19 @@ int main() {
     for (const char* c : {"tool.qw", "tool.qx", "tool.qy", "tool.qz"}) dot += a[c][i] * b[c][i];
     const double sign = dot < 0 ? -1 : 1;
     for (const char* c : {"tool.x", "tool.y", "tool.z"}) position = std::max(position, std::abs(a[c][i] - b[c][i]));
-    for (const char* c : {"tool.qw", "tool.qx", "tool.qy", "tool.qz"}) turn = std::max(turn, std::abs(a[c][i] - sign * b[c][i]));
+    for (const char* c : {"tool.qw", "tool.qx", "tool.qy", "tool.qz"})
+      turn = std::max(turn, std::abs(a[c][i] - sign * b[c][i]));
   }
   write_csv(samples::output("robot_arm.csv"), a);
   write_chart(samples::output("robot_arm"),
               {.title = "Six joint angles of an arm whose tool follows a trajectory",
                .x_label = "t [s]",
                .panels = {{.y_label = "angle [rad]",
-                           .series = {curve(a, "t", "J1.angle_z", "J1"), curve(a, "t", "J2.angle_z", "J2"), curve(a, "t", "J3.angle_z", "J3"),
-                                      curve(a, "t", "J4.angle_z", "J4"), curve(a, "t", "J5.angle_z", "J5"), curve(a, "t", "J6.angle_z", "J6")}}}});
-  fmt::print("tool led and tool driven through the joints differ by {:.1e} m and {:.1e} rad over {:.1f} s\n", position, 2 * turn, kEnd);
+                           .series = {curve(a, "t", "J1.angle_z", "J1"), curve(a, "t", "J2.angle_z", "J2"),
+                                      curve(a, "t", "J3.angle_z", "J3"), curve(a, "t", "J4.angle_z", "J4"),
+                                      curve(a, "t", "J5.angle_z", "J5"), curve(a, "t", "J6.angle_z", "J6")}}}});
+  fmt::print("tool led and tool driven through the joints differ by {:.1e} m and {:.1e} rad over {:.1f} s\n", position,
+             2 * turn, kEnd);
   fmt::print("{}, robot_arm.svg, robot_arm.png\n", samples::output("robot_arm.csv"));
   return position < 1e-10 && turn < 1e-10 ? 0 : 1;
 }

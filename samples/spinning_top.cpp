@@ -30,7 +30,8 @@ int main() {
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double phase = W * t["t"][i], r = l * std::sin(th);
     height = std::max(height, std::abs(t["top.center_z"][i] - l * std::cos(th)));
-    path = std::max(path, std::hypot(t["top.center_x"][i] - r * std::sin(phase), t["top.center_y"][i] + r * std::cos(phase)));
+    path = std::max(path,
+                    std::hypot(t["top.center_x"][i] - r * std::sin(phase), t["top.center_y"][i] + r * std::cos(phase)));
   }
   write_csv(samples::output("spinning_top.csv"), t);
   write_chart(samples::output("spinning_top"),

@@ -33,7 +33,8 @@ std::string worst_rows(const Dynamics& dynamics, const VecX& C) {
 
 double round_off(const State& state, double length) {
   double x_max = 0;
-  for (int k = 0; k + 7 <= state.q.size(); k += 7) x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
+  for (int k = 0; k + 7 <= state.q.size(); k += 7)
+    x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
@@ -100,7 +101,8 @@ class Assembler {
       const MatX compliance = rows * response;
       const VecX impulse = compliance.completeOrthogonalDecomposition().solve(gap);
       if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max(1.0, gap.lpNorm<Eigen::Infinity>()))
-        throw AssemblyError("start velocity: " + target_names(targets) + " cannot be had together; the mechanism does not move that way: "
+        throw AssemblyError("start velocity: " + target_names(targets) +
+                            " cannot be had together; the mechanism does not move that way: "
                             "ask for fewer coordinates, or for one that is free");
       state_.v += response * impulse;
       dynamics_.project_velocity(state_);

@@ -20,8 +20,8 @@ struct AssemblyReport {
   double before = 0, after = 0;      ///< |C|, m
   double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
   int iterations = 0;
-  double largest_move = 0;           ///< m
-  double largest_turn = 0;           ///< rad
+  double largest_move = 0;              ///< m
+  double largest_turn = 0;              ///< rad
   std::string moved_most, turned_most;  ///< bodies
 };
 
@@ -31,8 +31,8 @@ struct AssemblyOptions {
 };
 
 /// Newton with the Cayley update (8.2), least mass-weighted move; a step that does not lessen |C| is halved. Then the
-/// least mass-weighted change of the velocities onto Jh v = -Ct and the targets. Throws AssemblyError with the worst rows
-/// by name; the state is left as it was then.
+/// least mass-weighted change of the velocities onto Jh v = -Ct and the targets. Throws AssemblyError with the worst
+/// rows by name; the state is left as it was then.
 LOCKSTEP_API AssemblyReport assemble(Dynamics&, State&, const std::vector<VelocityTarget>& targets = {},
                                      const AssemblyOptions& options = {});
 

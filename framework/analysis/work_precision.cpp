@@ -90,7 +90,8 @@ Outcome run_once(const Course& course, const Recipe& recipe, double limit, bool 
   const Subject subject = truth && course.truth ? course.truth() : course.make();
   HistoryObserver observer(make_channel(*subject.system, "energy.total"), out.history);
   Dynamics dynamics(*subject.system, recipe.solver->make(), recipe.dynamics);
-  Simulation sim(dynamics, recipe.method->make(), {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(course)});
+  Simulation sim(dynamics, recipe.method->make(),
+                 {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(course)});
   sim.set_state(subject.start);
   for (Observer* o : subject.observers) sim.add_observer(*o);
   sim.add_observer(observer);
@@ -106,8 +107,10 @@ Outcome run_once(const Course& course, const Recipe& recipe, double limit, bool 
   out.cpu = thread_seconds() - begin;
   out.evaluations = dynamics.work().evaluations;
   out.report = sim.report();
-  if (given_up) out.failure = fmt::format("given up after {:.2g} s of computing", out.cpu);
-  else if (out.failure.empty() && out.report.stopped) out.failure = "stopped by '" + out.report.stopped_by + "' before the end";
+  if (given_up)
+    out.failure = fmt::format("given up after {:.2g} s of computing", out.cpu);
+  else if (out.failure.empty() && out.report.stopped)
+    out.failure = "stopped by '" + out.report.stopped_by + "' before the end";
   return out;
 }
 
@@ -118,7 +121,8 @@ double clock_seconds() {
 /// All combinations, rung by rung, as long as there is time.
 class Survey {
  public:
-  Survey(const Course& course, const WorkPrecisionOptions& options) : course_(course), options_(options), begin_(clock_seconds()) {}
+  Survey(const Course& course, const WorkPrecisionOptions& options)
+      : course_(course), options_(options), begin_(clock_seconds()) {}
 
   WorkPrecision run() {
     make_reference();
@@ -146,10 +150,11 @@ class Survey {
     const SolverChoice& solver = options_.solvers.front();
     const auto tightest = [&](const MethodChoice& method) {
       const double r = options_.reference_tolerance;
-      Outcome out = run_once(course_, {&method, &solver, {Formulation::omega, tight}, {r, 1e-2 * r}, 0}, 0.5 * options_.budget, true);
+      Outcome out = run_once(course_, {&method, &solver, {Formulation::omega, tight}, {r, 1e-2 * r}, 0},
+                             0.5 * options_.budget, true);
       if (!out.failure.empty())
-        throw StepError("the reference by " + method.name + " at a tolerance of " + fmt::format("{:g}", r) + " cannot be made: " + out.failure +
-                            "; chart a shorter run, or give a larger budget",
+        throw StepError("the reference by " + method.name + " at a tolerance of " + fmt::format("{:g}", r) +
+                            " cannot be made: " + out.failure + "; chart a shorter run, or give a larger budget",
                         out.history.t.empty() ? 0.0 : out.history.t.back());
       return out.history;
     };
@@ -196,8 +201,10 @@ class Survey {
     Stabilization stabilization = options_.gains;
     stabilization.kind = lane.kind;
     Recipe recipe{lane.method, lane.solver, {lane.formulation, stabilization}, {}, 0};
-    if (lane.adaptive) recipe.tolerance = {run.setting, 1e-2 * run.setting};
-    else recipe.step = run.setting;
+    if (lane.adaptive)
+      recipe.tolerance = {run.setting, 1e-2 * run.setting};
+    else
+      recipe.step = run.setting;
     for (int k = 0; k < std::max(1, options_.repeats); ++k) {
       const Outcome out = run_once(course_, recipe, limit);
       run.cpu = k == 0 ? out.cpu : std::min(run.cpu, out.cpu);
@@ -211,7 +218,8 @@ class Survey {
   }
 
   std::size_t open_lanes() const {
-    return static_cast<std::size_t>(std::count_if(lanes_.begin(), lanes_.end(), [](const Lane& l) { return !l.closed; }));
+    return static_cast<std::size_t>(
+        std::count_if(lanes_.begin(), lanes_.end(), [](const Lane& l) { return !l.closed; }));
   }
   void tell(const std::string& what) const {
     if (options_.progress) options_.progress(what);
@@ -236,8 +244,9 @@ double thread_seconds() {
 
 WorkPrecision work_precision(const Course& course, const WorkPrecisionOptions& options) {
   if (!(course.length > 0) || course.outputs < 1)
-    throw ModelError(fmt::format("a chart of {} s with {} outputs has no history; give a length > 0 and an output at least", course.length,
-                                 course.outputs));
+    throw ModelError(
+        fmt::format("a chart of {} s with {} outputs has no history; give a length > 0 and an output at least",
+                    course.length, course.outputs));
   if (options.integrators.empty() || options.solvers.empty() || !options.reference.make || !options.second.make)
     throw ModelError("a chart needs an integrator, a solver and two references; take them from the registry");
   return Survey(course, options).run();

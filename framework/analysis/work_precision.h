@@ -16,9 +16,9 @@ namespace lockstep {
 struct Subject {
   std::shared_ptr<void> owner;
   System* system = nullptr;
-  State start;                          ///< assembled
+  State start;  ///< assembled
   std::vector<Event> events{};
-  std::vector<Observer*> observers{};   ///< those that the events' conditions need
+  std::vector<Observer*> observers{};  ///< those that the events' conditions need
 };
 
 /// What is charted: equal starts, one a call; from the start for `length` seconds, compared at `outputs` evenly spaced
@@ -45,14 +45,17 @@ struct WorkPrecisionOptions {
   std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
   std::vector<Stabilization::Kind> stabilizations{Stabilization::Kind::project, Stabilization::Kind::baumgarte,
                                                   Stabilization::Kind::none};
-  Stabilization gains;                  ///< Baumgarte's rates and the projection's tolerance
-  std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};  ///< falling; atol_x is 1e-2 of each
-  std::vector<int> steps{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192};  ///< fixed steps in an output interval, rising
-  MethodChoice reference, second;       ///< adaptive both, of different kinds; the tightest runs give truth and its own error
+  Stabilization gains;  ///< Baumgarte's rates and the projection's tolerance
+  std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5,  1e-6,
+                                 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};  ///< falling; atol_x is 1e-2 of each
+  std::vector<int> steps{1,   2,   4,   8,    16,   32,   64,
+                         128, 256, 512, 1024, 2048, 4096, 8192};  ///< fixed steps in an output interval, rising
+  MethodChoice reference,
+      second;  ///< adaptive both, of different kinds; the tightest runs give truth and its own error
   double reference_tolerance = 1e-13;
-  double budget = 60;                   ///< s by the clock; what would not fit is left out and says so
-  int repeats = 3;                      ///< of runs below `quick`; the least time counts
-  double quick = 0.1;                   ///< s
+  double budget = 60;                                  ///< s by the clock; what would not fit is left out and says so
+  int repeats = 3;                                     ///< of runs below `quick`; the least time counts
+  double quick = 0.1;                                  ///< s
   std::function<void(const std::string&)> progress{};  ///< told of every run
 };
 
@@ -68,11 +71,11 @@ struct WorkPrecisionRun {
   Formulation formulation = Formulation::omega;
   Stabilization::Kind stabilization = Stabilization::Kind::project;
   bool adaptive = false;
-  double setting = 0;    ///< relative tolerance, or step in s
+  double setting = 0;  ///< relative tolerance, or step in s
   HistoryError error;
-  double cpu = 0;        ///< s of this thread
+  double cpu = 0;  ///< s of this thread
   long evaluations = 0, steps = 0, rejected = 0;
-  std::string failure{}; ///< why there is no result, in words; "" when there is one
+  std::string failure{};  ///< why there is no result, in words; "" when there is one
   bool done() const { return failure.empty(); }
 };
 
@@ -81,7 +84,7 @@ struct WorkPrecision {
   std::vector<std::string> left_out{};  ///< runs that the budget did not reach
   std::string reference, second;        ///< names
   HistoryError agreement;               ///< of the two references: below it no error means anything
-  HistoryError size;                    ///< largest displacement, speed and energy change of the reference, to judge errors by
+  HistoryError size;  ///< largest displacement, speed and energy change of the reference, to judge errors by
 };
 
 /// Throws what the reference throws when it cannot be made; every other failure is a result.
@@ -102,8 +105,8 @@ LOCKSTEP_API void write_runs(const std::string& file, const WorkPrecision&);
 enum class ChartBy { integrator, form };
 
 /// Position error over CPU time, log-log. ChartBy::integrator: one curve an integrator, at the first formulation, first
-/// solver and `kind`. ChartBy::form: one panel an integrator of `only` (all when empty), one curve a pair of formulation
-/// and stabilisation. Failures are grey marks at the top, at the time they took.
+/// solver and `kind`. ChartBy::form: one panel an integrator of `only` (all when empty), one curve a pair of
+/// formulation and stabilisation. Failures are grey marks at the top, at the time they took.
 LOCKSTEP_API ChartSpec work_precision_chart(const WorkPrecision&, const std::string& title, ChartBy by,
                                             Stabilization::Kind kind = Stabilization::Kind::project,
                                             const std::vector<std::string>& only = {});

@@ -187,15 +187,19 @@ void Dynamics::accept(State& state) {
   system_.accept(in_, state);
 }
 
-// ----------------------------------------------------------------------------------------------------------- not finite
+// ----------------------------------------------------------------------------------------------------------- not
+// finite
 
 void Dynamics::check_gathered(const State& state) const {
-  const auto when = [&] { return "t = " + number(state.t) + " s: "; };  // only for errors: a text would allocate every time
+  const auto when = [&] {
+    return "t = " + number(state.t) + " s: ";
+  };  // only for errors: a text would allocate every time
   for (int k = 0; k < system_.n_slots(); ++k) {
     const Motion& O = in_.slot(k);
     if (!O.x.allFinite() || !O.A.allFinite() || !O.v.allFinite() || !O.w.allFinite())
       throw NonFiniteError(when() + "body '" + system_.body_of_slot(k).name +
-                           "' has a position or velocity that is not finite; make the step smaller, or try dopri5", state.t);
+                               "' has a position or velocity that is not finite; make the step smaller, or try dopri5",
+                           state.t);
   }
   for (const RowEntry& e : rows_.entries) {
     const RowBlock block = rows_.block(e);
@@ -205,9 +209,10 @@ void Dynamics::check_gathered(const State& state) const {
     if (std::isfinite(sum)) continue;
     const Lock& link = *system_.links()[static_cast<std::size_t>(e.link)];
     const std::string law = link.blame(state.t);
-    throw NonFiniteError(when() + "link '" + link.name() + "' (" + std::string(link.type()) + ") made a number that is not finite" +
-                         (law.empty() ? "; look at its function and at the pose it is in" : ": " + law + "; look at its parameters"),
-                         state.t);
+    throw NonFiniteError(
+        when() + "link '" + link.name() + "' (" + std::string(link.type()) + ") made a number that is not finite" +
+            (law.empty() ? "; look at its function and at the pose it is in" : ": " + law + "; look at its parameters"),
+        state.t);
   }
   if (f_.allFinite()) return;
   VecX one = VecX::Zero(f_.size());
@@ -216,7 +221,8 @@ void Dynamics::check_gathered(const State& state) const {
     force->apply(in_, sum);
     if (!one.allFinite())
       throw NonFiniteError(when() + "force '" + force->name() + "' (" + std::string(force->type()) +
-                           ") is not finite; look at its law and parameters", state.t);
+                               ") is not finite; look at its law and parameters",
+                           state.t);
   }
   throw NonFiniteError(when() + "the inertia forces are not finite; make the step smaller, or try dopri5", state.t);
 }
@@ -229,11 +235,13 @@ void Dynamics::blame_rates(const State& state, const VecX& sd) const {
     if (bad(link->first_state(), link->n_states())) {
       const std::string law = link->blame(state.t);
       throw NonFiniteError(when + "link '" + link->name() + "': the rate of its driven speed is not finite" +
-                           (law.empty() ? "" : ": " + law) + "; look at its parameters", state.t);
+                               (law.empty() ? "" : ": " + law) + "; look at its parameters",
+                           state.t);
     }
   for (const auto& auxiliary : system_.auxiliaries())
     if (bad(auxiliary->first(), auxiliary->size()))
-      throw NonFiniteError(when + "the integrated state '" + auxiliary->name() + "' has a rate that is not finite; look at what feeds it",
+      throw NonFiniteError(when + "the integrated state '" + auxiliary->name() +
+                               "' has a rate that is not finite; look at what feeds it",
                            state.t);
   throw NonFiniteError(when + "a rate of the integrated states is not finite; look at what feeds them", state.t);
 }
@@ -242,10 +250,12 @@ void Dynamics::check_solved(const State& state) const {
   const auto when = [&] { return "t = " + number(state.t) + " s: "; };
   if (!a_.allFinite() || !lambda_.allFinite())
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
-                         std::string(solver_->name()) + "' failed on this pose, try `dense`", state.t);
+                             std::string(solver_->name()) + "' failed on this pose, try `dense`",
+                         state.t);
   if (solve_report_.contradictory)
-    throw SolveError(when() + system_.row_name(rows_, solve_report_.worst_row) + " cannot hold together with the others (" +
-                     brief(100 * solve_report_.residual) + " % of its right side is left over); two laws may drive one coordinate: "
+    throw SolveError(when() + system_.row_name(rows_, solve_report_.worst_row) +
+                     " cannot hold together with the others (" + brief(100 * solve_report_.residual) +
+                     " % of its right side is left over); two laws may drive one coordinate: "
                      "look at the drives and masks of this link and its neighbours");
 }
 

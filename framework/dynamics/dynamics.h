@@ -19,7 +19,7 @@ struct WorkCount {
 };
 
 struct ProjectReport {
-  double before = 0, after = 0;  ///< |C|, metres
+  double before = 0, after = 0;      ///< |C|, metres
   double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
   int rounds = 0;
   bool converged = true;
@@ -72,8 +72,8 @@ class LOCKSTEP_API Dynamics {
   void gather(const State&);
   const RowTable& rows() const { return rows_; }
   const VecX& force() const { return f_; }
-  /// M a + Jh^T lambda = f, Jh a = c at the last gathered state (6 a slot; particles' last three are 0). Counts a factor
-  /// when the state is new.
+  /// M a + Jh^T lambda = f, Jh a = c at the last gathered state (6 a slot; particles' last three are 0). Counts a
+  /// factor when the state is new.
   const SolveReport& solve(const VecX& f, const VecX& c, VecX& a, VecX& lambda);
   /// C, Ct and Jh v + Ct of the gathered rows, one a row.
   void residuals(VecX& C, VecX& Cd) const;

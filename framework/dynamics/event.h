@@ -16,11 +16,11 @@ struct Event {
   double at = -1;
   std::function<double(const Sample&)> value{};
   Crossing crossing = Crossing::any;
-  double tolerance = 1e-9;               ///< of the instant, s
-  bool once = true;                      ///< or at every crossing
+  double tolerance = 1e-9;                            ///< of the instant, s
+  bool once = true;                                   ///< or at every crossing
   std::vector<std::string> activate{}, deactivate{};  ///< links
-  bool stop = false;                     ///< end the run there
-  std::function<void(State&)> change{};  ///< anything else; velocities are made consistent afterwards
+  bool stop = false;                                  ///< end the run there
+  std::function<void(State&)> change{};               ///< anything else; velocities are made consistent afterwards
 };
 
 }  // namespace lockstep

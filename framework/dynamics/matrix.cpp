@@ -28,7 +28,8 @@ void Matrix::lay_out(const RowTable& rows) {
   const auto add = [&](KktLink link) {
     link.J = p.size_J;
     for (int i = 0; i < link.n_slots; ++i)
-      p.size_J += static_cast<std::size_t>(link.m * p.width[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])]);
+      p.size_J +=
+          static_cast<std::size_t>(link.m * p.width[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])]);
     link.first_row = p.m;
     p.m += link.m;
     p.links.push_back(link);
@@ -102,7 +103,8 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
   kkt_.update_scales();
 }
 
-void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f, VecX& c) const {
+void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f,
+                  VecX& c) const {
   const KktPattern& p = kkt_.pattern;
   f.resize(p.n);
   c.resize(p.m);
@@ -131,7 +133,8 @@ void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motion
   }
 }
 
-void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6, VecX& lambda6) const {
+void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6,
+                    VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
   for (int k = 0; k < system_.n_slots(); ++k) {

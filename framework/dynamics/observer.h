@@ -5,7 +5,8 @@
 
 namespace lockstep {
 
-/// Views, valid during the call. `values` is evaluated only when asked for: accelerations and multipliers at this very state.
+/// Views, valid during the call. `values` is evaluated only when asked for: accelerations and multipliers at this very
+/// state.
 class Sample {
  public:
   Sample(Dynamics& dynamics, const State& s, const StepReport& r) : state(s), report(r), dynamics_(dynamics) {}
@@ -30,8 +31,8 @@ class LOCKSTEP_API Observer {
   virtual void start(const Sample&);
   /// Every accepted step, the state at its end.
   virtual void step(const Sample&);
-  /// Every output time (the times asked for, or every step when none were); the state interpolated by the method's dense
-  /// output and projected, or landed on.
+  /// Every output time (the times asked for, or every step when none were); the state interpolated by the method's
+  /// dense output and projected, or landed on.
   virtual void output(const Sample&);
   virtual void finish(const Sample&);
 };

@@ -9,12 +9,14 @@ namespace {
 constexpr int kRounds = 6;  // positions; quadratic with a fresh factor, so three are usual
 }
 
-/// (S + E) z = C, d = M^-1 Jh^T z, q <- q (-) d, which is the solution of M d + Jh^T z = 0, Jh d = -C. One factor serves all
-/// rounds while it is good enough (chord). Stops at 1e-2 of the tolerance, not below round-off of the largest position.
+/// (S + E) z = C, d = M^-1 Jh^T z, q <- q (-) d, which is the solution of M d + Jh^T z = 0, Jh d = -C. One factor
+/// serves all rounds while it is good enough (chord). Stops at 1e-2 of the tolerance, not below round-off of the
+/// largest position.
 void Dynamics::project_position(State& state, ProjectReport& report) {
   const double ulp = std::numeric_limits<double>::epsilon();
   double x_max = 0;
-  for (int k = 0; k < system_.n_slots(); ++k) x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
+  for (int k = 0; k < system_.n_slots(); ++k)
+    x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
   const double tolerance = options_.stabilization.tolerance;
   const double goal = std::max(1e-2 * tolerance, 1e-14 * system_.length() + 4 * ulp * x_max);
   double before = 0;

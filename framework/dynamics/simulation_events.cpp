@@ -169,7 +169,8 @@ void Simulation::Loop::engage(const std::vector<std::string>& links) {
     const Lock& link = sim.system().link(name);
     if (link.n_states() == 0) continue;
     sim.dynamics_.gather(sim.state_);
-    link.engage(sim.dynamics_.inputs(), {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+    link.engage(sim.dynamics_.inputs(),
+                {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
   }
 }
 
@@ -209,9 +210,10 @@ void Simulation::Loop::make_consistent(const std::string& cause) {
     left = sim.dynamics_.project_velocity(state);
   }
   if (!(left <= sim.options_.start_limit))
-    throw AssemblyError(fmt::format("{} at t = {:.9g} s leaves velocities that no motion can have, {:.3g} m/s beside the "
-                                    "constraints (limit {:.3g} m/s); two laws may drive one coordinate",
-                                    cause, state.t, left, sim.options_.start_limit));
+    throw AssemblyError(
+        fmt::format("{} at t = {:.9g} s leaves velocities that no motion can have, {:.3g} m/s beside the "
+                    "constraints (limit {:.3g} m/s); two laws may drive one coordinate",
+                    cause, state.t, left, sim.options_.start_limit));
   sim.dynamics_.accept(state);
   if (!sim.events_.empty()) watch();
 }

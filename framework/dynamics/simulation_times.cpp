@@ -16,9 +16,9 @@ constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what 
 
 }  // namespace
 
-// A law jumps at t: its left side is integrated up to a hair before t, so that no stage sees the right side; the hair itself
-// is crossed by the rates there (cross_to). It is wider than the share of its own duration by which a law may count an
-// instant as the jump (motionlaws/side.h: 1e-12), for laws up to a hundred times as long as the run.
+// A law jumps at t: its left side is integrated up to a hair before t, so that no stage sees the right side; the hair
+// itself is crossed by the rates there (cross_to). It is wider than the share of its own duration by which a law may
+// count an instant as the jump (motionlaws/side.h: 1e-12), for laws up to a hundred times as long as the run.
 Simulation::Loop::Target Simulation::Loop::next_target(double limit) {
   const double t = sim.state_.t;
   double next = limit;

@@ -25,7 +25,7 @@ class LOCKSTEP_API Force {
   // -- description
   virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
-  virtual std::vector<Quantity> quantities() const;        ///< "length" m, "force" N, ... for the recorder
+  virtual std::vector<Quantity> quantities() const;  ///< "length" m, "force" N, ... for the recorder
   virtual double quantity(int k, const Inputs&) const;
 
   // -- setup: called once the bodies have their slots
@@ -33,10 +33,10 @@ class LOCKSTEP_API Force {
 
   // -- evaluation
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
-  virtual double potential(const Inputs&) const;           ///< J; asked only while energy is recorded; default 0
-  virtual double dissipation(const Inputs&) const;         ///< W taken out by dampers, >= 0; default 0
-  /// W put in by laws and motors: what the force gives to the bodies beyond -dV/dt and the dampers; default 0. The energy
-  /// balance rests on it.
+  virtual double potential(const Inputs&) const;    ///< J; asked only while energy is recorded; default 0
+  virtual double dissipation(const Inputs&) const;  ///< W taken out by dampers, >= 0; default 0
+  /// W put in by laws and motors: what the force gives to the bodies beyond -dV/dt and the dampers; default 0. The
+  /// energy balance rests on it.
   virtual double supply(const Inputs&) const;
 
   // -- what the force remembers (turn counters)

@@ -13,8 +13,8 @@ namespace lockstep {
 /// The inputs together with what the solution made of them. Views, valid during the call.
 struct Evaluated {
   const Inputs& in;
-  const VecX& a;        ///< 6 a slot: acceleration (world), angular acceleration (slot axes)
-  const VecX& lambda;   ///< one a row of `rows`
+  const VecX& a;       ///< 6 a slot: acceleration (world), angular acceleration (slot axes)
+  const VecX& lambda;  ///< one a row of `rows`
   const RowTable& rows;
 };
 
@@ -34,7 +34,7 @@ class LOCKSTEP_API Auxiliary {
   /// d/dt of its slice of State::s. Its own values stand at in.s[first() ...].
   virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
 
-  int first() const { return first_; }  ///< where its slice begins in State::s
+  int first() const { return first_; }       ///< where its slice begins in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup
 
  private:

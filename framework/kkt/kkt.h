@@ -13,28 +13,28 @@ namespace lockstep {
 
 /// Rows of one link in the matrix.
 struct KktLink {
-  int link = -1;                            ///< number in the system; -1: unit-length row of a quaternion
+  int link = -1;  ///< number in the system; -1: unit-length row of a quaternion
   int first_row = 0, m = 0, n_slots = 0;
   std::array<int, kMaxSlots> slot{};
   std::array<RowKind, kMaxRows> kind{};
-  std::size_t J = 0;                        ///< offset of its first jacobian in Kkt::J: m x width of slot 0, then of slot 1 ...
+  std::size_t J = 0;  ///< offset of its first jacobian in Kkt::J: m x width of slot 0, then of slot 1 ...
 };
 
 /// Shape of the matrix; changes only when the set of active links does.
 struct KktPattern {
-  std::vector<int> width, first;            ///< of each slot: unknowns and the first of them
-  std::vector<std::size_t> M;               ///< offset of each slot's width x width block in Kkt::M
+  std::vector<int> width, first;  ///< of each slot: unknowns and the first of them
+  std::vector<std::size_t> M;     ///< offset of each slot's width x width block in Kkt::M
   std::vector<KktLink> links;
-  int n = 0, m = 0;                         ///< unknowns, rows
+  int n = 0, m = 0;  ///< unknowns, rows
   std::size_t size_M = 0, size_J = 0;
 };
 
 /// Numbers of the matrix. All blocks row-major.
 struct LOCKSTEP_API Kkt {
   KktPattern pattern;
-  std::vector<double> M, Minv;              ///< mass blocks, symmetric positive definite, and their inverses
+  std::vector<double> M, Minv;  ///< mass blocks, symmetric positive definite, and their inverses
   std::vector<double> J;
-  VecX E;                                   ///< one a row: scale s_j of the proximal term (E itself is eps times it)
+  VecX E;  ///< one a row: scale s_j of the proximal term (E itself is eps times it)
 
   /// s_j of every row: mean of the diagonal of J M^-1 J^T over the link's force rows, over its moment rows, of a single
   /// row for a function (numerics page, section 5). Reactions of redundant rows then depend on no frame.

@@ -9,15 +9,16 @@
 namespace lockstep {
 
 struct SolveReport {
-  double residual = 0;         ///< largest |J a - c| over the rows, each against its own scale
-  int worst_row = -1;          ///< the row of that residual
-  int corrections = 0;         ///< proximal corrections made
-  int rank = -1;               ///< rank of J where the solver reveals it, else -1
+  double residual = 0;  ///< largest |J a - c| over the rows, each against its own scale
+  int worst_row = -1;   ///< the row of that residual
+  int corrections = 0;  ///< proximal corrections made
+  int rank = -1;        ///< rank of J where the solver reveals it, else -1
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
   bool contradictory = false;  ///< the rows cannot all hold: the residual stays at the order of its scale
 };
 
-/// Siblings keep the order analyse, factor, solve. Nothing is allocated after analyse (Eigen's own sparse factorisation may).
+/// Siblings keep the order analyse, factor, solve. Nothing is allocated after analyse (Eigen's own sparse factorisation
+/// may).
 class LOCKSTEP_API LinearSolver {
  public:
   virtual ~LinearSolver();

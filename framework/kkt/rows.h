@@ -54,12 +54,14 @@ class RowBlock {
   double* J(int i, int k) const { return p_ + 3 * m_ + 6 * (m_ * i + k); }
 
   /// Row k on slot number i; i < 0 (a grounded side) is ignored.
-  template <class V, class W> void set(int i, int k, const V& v, const W& w) const {
+  template <class V, class W>
+  void set(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
     double* r = J(i, k);
     r[0] = v[0], r[1] = v[1], r[2] = v[2], r[3] = w[0], r[4] = w[1], r[5] = w[2];
   }
-  template <class V, class W> void add(int i, int k, const V& v, const W& w) const {
+  template <class V, class W>
+  void add(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
     double* r = J(i, k);
     r[0] += v[0], r[1] += v[1], r[2] += v[2], r[3] += w[0], r[4] += w[1], r[5] += w[2];
@@ -83,9 +85,9 @@ class RowSpan {
 
 /// Where the rows of one active link stand.
 struct RowEntry {
-  int link = 0;            ///< number of the link in the system
-  int first_row = 0;       ///< its first row among all active ones
-  int m = 0;               ///< its rows
+  int link = 0;       ///< number of the link in the system
+  int first_row = 0;  ///< its first row among all active ones
+  int m = 0;          ///< its rows
   SlotList slots;
   std::size_t offset = 0;  ///< of its block in the table
   std::array<RowKind, kMaxRows> kind{};
@@ -100,7 +102,7 @@ struct RowRun {
 /// All active rows of the system.
 class RowTable {
  public:
-  std::vector<RowEntry> entries;   ///< in the order of the table, group after group
+  std::vector<RowEntry> entries;  ///< in the order of the table, group after group
   std::vector<RowRun> runs;
   std::vector<int> entry_of_link;  ///< -1: not active
   int n_rows = 0;

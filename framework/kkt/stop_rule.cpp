@@ -68,10 +68,10 @@ bool StopRule::rows_met(const Kkt& kkt, const VecX& c, const VecX& a) {
 }
 
 // Where all scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that
-// came from other units. By Cauchy and Schwarz |J_j a| <= sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame, and likewise
-// for a_f = M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. No scale is taken under 1e-3 of
-// the largest of these bounds in its unit, with the slot that has most: the tolerance is then 1e-15 of it, a few units in
-// the last place.
+// came from other units. By Cauchy and Schwarz |J_j a| <= sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame, and
+// likewise for a_f = M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. No scale is taken under
+// 1e-3 of the largest of these bounds in its unit, with the slot that has most: the tolerance is then 1e-15 of it, a
+// few units in the last place.
 StopRule::Floors StopRule::size_floors(const Kkt& kkt, const VecX& a) const {
   double most = energy_f_;
   for_each_mass(kkt.pattern, [&](int first, int width, std::size_t at) {
@@ -85,7 +85,8 @@ StopRule::Floors StopRule::size_floors(const Kkt& kkt, const VecX& a) const {
       for (int i = 0; i < link.n_slots; ++i) {
         const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
         const int width = kkt.pattern.width[slot];
-        S += quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot], kkt.J.data() + at + static_cast<std::size_t>(k * width), width);
+        S += quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot],
+                            kkt.J.data() + at + static_cast<std::size_t>(k * width), width);
         at += static_cast<std::size_t>(link.m * width);
       }
       double& floor = floors[static_cast<std::size_t>(kind_of(link, k))];

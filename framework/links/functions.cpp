@@ -26,7 +26,8 @@ Distance::Distance(std::string name, Marker& p, Marker& s, double length)
 
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
     : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length)}) {
-  if (!phi().length) throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
+  if (!phi().length)
+    throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
 }
 
 Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, home_distance(p, s)) {}

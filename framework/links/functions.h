@@ -15,7 +15,8 @@ struct DistanceFunction {
   LawPtr<MotionLaw> length;
   static constexpr Needs kNeeds = Needs::translation;
   static constexpr RowKind kKind = RowKind::translation;
-  template <class T> T operator()(const LockCoords<T>& y) const {
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
     using std::sqrt;
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - of(*length, y.t);
   }
@@ -26,8 +27,8 @@ struct DistanceFunction {
   }
 };
 
-/// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without a
-/// direction, hence refused, at length zero.
+/// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without
+/// a direction, hence refused, at length zero.
 class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
  public:
   Distance(std::string name, Marker& p, Marker& s, double length);

@@ -7,7 +7,8 @@ namespace lockstep {
 TypeInfo GenericLock::info() {
   return {"lock",
           "any of the 64 masks; free: the axes whose rows are not named",
-          {{"mask", Form::text, Unit::none, "", "rows in words: x y z (translations of P in S axes), e1 e2 e3 (turns about x y z)"}}};
+          {{"mask", Form::text, Unit::none, "",
+            "rows in words: x y z (translations of P in S axes), e1 e2 e3 (turns about x y z)"}}};
 }
 
 std::unique_ptr<Lock> GenericLock::make(const Site& site, const Params& params) {

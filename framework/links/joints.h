@@ -9,7 +9,8 @@
 namespace lockstep {
 
 /// A joint that is nothing but a mask: the class says its name, its rows and one line of help.
-template <class Self, Mask kMask> class MaskJoint : public MarkerLock {
+template <class Self, Mask kMask>
+class MaskJoint : public MarkerLock {
  public:
   MaskJoint(std::string name, Marker& p, Marker& s) : MarkerLock(std::move(name), p, s, kMask) {}
   std::string_view type() const override { return Self::kType; }
@@ -19,7 +20,8 @@ template <class Self, Mask kMask> class MaskJoint : public MarkerLock {
   }
 };
 
-/// Free: nothing. Holds P in S, position and orientation (table 1: fixed). With move() and turn() it is the full motion.
+/// Free: nothing. Holds P in S, position and orientation (table 1: fixed). With move() and turn() it is the full
+/// motion.
 struct LOCKSTEP_API Fixed final : MaskJoint<Fixed, Mask::all> {
   static constexpr const char* kType = "fixed";
   static constexpr const char* kHelp = "holds P in S; free: nothing";
@@ -73,17 +75,19 @@ struct LOCKSTEP_API Prismatic final : MaskJoint<Prismatic, Mask::x | Mask::y | M
   static constexpr const char* kHelp = "slider; free: sliding along z of S";
   using MaskJoint::MaskJoint;
 };
-/// Free: swinging about every axis normal to z of S. Shafts along z_P and z_S meet in one point and turn at equal rates at
-/// every bend (4.21), short of a half turn.
+/// Free: swinging about every axis normal to z of S. Shafts along z_P and z_S meet in one point and turn at equal rates
+/// at every bend (4.21), short of a half turn.
 struct LOCKSTEP_API Rzeppa final : MaskJoint<Rzeppa, Mask::xyz | Mask::e3> {
   static constexpr const char* kType = "rzeppa";
-  static constexpr const char* kHelp = "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z";
+  static constexpr const char* kHelp =
+      "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z";
   using MaskJoint::MaskJoint;
 };
 /// Free: all translations, swinging about every axis normal to z of S. The orientation half of the Rzeppa joint.
 struct LOCKSTEP_API Homokinetic final : MaskJoint<Homokinetic, Mask::e3> {
   static constexpr const char* kType = "homokinetic";
-  static constexpr const char* kHelp = "shafts along z turn at equal rates wherever they are; free: all translations, swinging about axes normal to z";
+  static constexpr const char* kHelp =
+      "shafts along z turn at equal rates wherever they are; free: all translations, swinging about axes normal to z";
   using MaskJoint::MaskJoint;
 };
 /// Free: all turns. The origins of P and S coincide.

@@ -17,7 +17,8 @@ class Lock;
 /// Links of one type and one pattern, gathered by one call.
 using Group = std::span<const Lock* const>;
 
-/// A number that a link or a force can tell about itself beyond what every link has: name and unit of a recorder channel.
+/// A number that a link or a force can tell about itself beyond what every link has: name and unit of a recorder
+/// channel.
 struct Quantity {
   std::string name, unit;
 };
@@ -35,12 +36,12 @@ class LOCKSTEP_API Lock {
   // -- description
   /// Marker pairs, P before S; the first is the one whose P carries the reaction in the recorder.
   virtual std::vector<std::pair<const Marker*, const Marker*>> pairs() const = 0;
-  virtual int row_count() const = 0;             ///< rows while the link is active; constant between two setups
+  virtual int row_count() const = 0;  ///< rows while the link is active; constant between two setups
   virtual RowKind row_kind(int k) const = 0;
-  virtual std::string row_name(int k) const = 0; ///< "x", "e1", "phi": for messages and channels
-  virtual int drive_row(int k) const;            ///< number of the drive that row k belongs to; -1: the joint itself
+  virtual std::string row_name(int k) const = 0;  ///< "x", "e1", "phi": for messages and channels
+  virtual int drive_row(int k) const;             ///< number of the drive that row k belongs to; -1: the joint itself
   virtual int n_drives() const;
-  virtual Quantity drive(int d) const;           ///< name ("rz") and unit (rad, m) of drive d
+  virtual Quantity drive(int d) const;  ///< name ("rz") and unit (rad, m) of drive d
   /// Instants in (t0, t1) where one of its laws jumps.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
   /// Which of its laws is not finite at time t, in words; "" when none is (then the link itself made the NaN).
@@ -49,10 +50,10 @@ class LOCKSTEP_API Lock {
   virtual double quantity(int k, const Inputs&) const;
 
   // -- setup: called once the bodies have their slots
-  virtual void setup() = 0;                      ///< folds markers into slots; throws ModelError naming the link
-  virtual SlotList slots() const = 0;            ///< whose columns its rows touch
-  /// Links with equal dynamic type, pattern, row count and slot count make a group. `pattern` packs whatever a kernel is
-  /// chosen by: mask, laws present, parallel markers, grounded sides.
+  virtual void setup() = 0;            ///< folds markers into slots; throws ModelError naming the link
+  virtual SlotList slots() const = 0;  ///< whose columns its rows touch
+  /// Links with equal dynamic type, pattern, row count and slot count make a group. `pattern` packs whatever a kernel
+  /// is chosen by: mask, laws present, parallel markers, grounded sides.
   virtual unsigned pattern() const { return 0; }
 
   // -- evaluation
@@ -60,16 +61,16 @@ class LOCKSTEP_API Lock {
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
 
   // -- what the link integrates or remembers
-  virtual int n_states() const { return 0; }     ///< in State::s, from first_state()
+  virtual int n_states() const { return 0; }  ///< in State::s, from first_state()
   virtual void start_states(std::span<double> s) const;
   virtual void state_rates(const Inputs&, std::span<double> sd) const;
   /// Its states when it comes into force in this pose (an event): a driven speed begins where the mechanism is.
   virtual void engage(const Inputs&, std::span<double> s) const;
-  virtual int n_memory() const { return 0; }     ///< in State::z, from first_memory()
+  virtual int n_memory() const { return 0; }  ///< in State::z, from first_memory()
   virtual void start_memory(std::span<double> z) const;
   virtual void accept(const Inputs&, std::span<double> z) const;  ///< after an accepted step
 
-  int number() const { return number_; }         ///< in the system; index of its bit in State::modes
+  int number() const { return number_; }  ///< in the system; index of its bit in State::modes
   int first_state() const { return first_state_; }
   int first_memory() const { return first_memory_; }
   void place(int number, int first_state, int first_memory);  ///< called by System::setup

@@ -17,7 +17,8 @@ MarkerLock::~MarkerLock() = default;
 
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
   if (slots_.n == 0) return;
-  throw ModelError("link '" + name() + "': " + what + " comes after the system was set up, when its rows are counted already; "
+  throw ModelError("link '" + name() + "': " + what +
+                   " comes after the system was set up, when its rows are counted already; "
                    "give every law before the first evaluation");
 }
 
@@ -63,7 +64,9 @@ void MarkerLock::add_drive(Drive drive) {
 RowKind MarkerLock::row_kind(int k) const {
   return row_[static_cast<std::size_t>(k)] < 3 ? RowKind::translation : RowKind::rotation;
 }
-std::string MarkerLock::row_name(int k) const { return std::string(lockstep::row_name(row_[static_cast<std::size_t>(k)])); }
+std::string MarkerLock::row_name(int k) const {
+  return std::string(lockstep::row_name(row_[static_cast<std::size_t>(k)]));
+}
 
 int MarkerLock::drive_row(int k) const {
   for (std::size_t d = 0; d < drives_.size(); ++d)
@@ -114,8 +117,9 @@ Vec3 unit(int k) { return Vec3::Unit(k % 3); }
 void MarkerLock::refuse_particles(const std::string& rows) const {
   for (const Marker* m : {p_, s_})
     if (m->body->freedoms == Freedoms::particle)
-      throw ModelError("link '" + name() + "' holds turns (" + rows + ") of '" + m->body->name +
-                       "', which is a particle and does not turn; give it an inertia, or take a link that leaves turns free");
+      throw ModelError(
+          "link '" + name() + "' holds turns (" + rows + ") of '" + m->body->name +
+          "', which is a particle and does not turn; give it an inertia, or take a link that leaves turns free");
 }
 
 void MarkerLock::setup() {
@@ -179,7 +183,9 @@ Pose MarkerLock::start_pose() const {
   return inverse(in_world(*s_, S_.at(0.0))) * in_world(*p_, P_.at(0.0));
 }
 
-void MarkerLock::start_states(std::span<double> s) const { std::copy(speed_start_.begin(), speed_start_.end(), s.begin()); }
+void MarkerLock::start_states(std::span<double> s) const {
+  std::copy(speed_start_.begin(), speed_start_.end(), s.begin());
+}
 
 void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
   for (const Drive& d : drives_)
@@ -188,8 +194,8 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
 
-/// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a larger
-/// set enters as zero.
+/// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a
+/// larger set enters as zero.
 struct MarkerLockGather {
   const Inputs& in;
 
@@ -235,13 +241,15 @@ struct MarkerLockGather {
     return D;
   }
 
-  template <unsigned kLaws> void translations(Group links, RowSpan out) const {
+  template <unsigned kLaws>
+  void translations(Group links, RowSpan out) const {
     TranslationRowsT<double> r;
     ImposedTranslationT<double> D;
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& lock = static_cast<const MarkerLock&>(*links[i]);
       if constexpr (kLaws & with::p) D = imposed_translation(lock);
-      translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+      translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D,
+                         lock.rows_, r);
       const RowBlock block = out.lane(i);
       for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
         const int j = lock.row_[static_cast<std::size_t>(k)];
@@ -252,14 +260,16 @@ struct MarkerLockGather {
     }
   }
 
-  template <unsigned kLaws> void rotations(Group links, RowSpan out) const {
+  template <unsigned kLaws>
+  void rotations(Group links, RowSpan out) const {
     RotationRowsT<double> r;
     ImposedRotationT<double> D;
     const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& lock = static_cast<const MarkerLock&>(*links[i]);
       if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
-      rotation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+      rotation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_,
+                      r);
       const RowBlock block = out.lane(i);
       for (int k = first; k < lock.n_rows_; ++k) {
         const int j = lock.row_[static_cast<std::size_t>(k)] - 3;

@@ -28,14 +28,14 @@ class LOCKSTEP_API MarkerLock : public Lock {
   // -- laws; before the system is set up
   void move(LawPtr<TranslationLaw> law);  ///< p(t), S axes: where P is held, on the rows x y z of the mask
   void turn(LawPtr<RotationLaw> law);     ///< q_D(t): P is held at S turned by it
-  /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other two
-  /// turns are not held has no axis of its own.
+  /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other
+  /// two turns are not held has no axis of its own.
   void drive(Axis axis, LawPtr<MotionLaw> law);
   /// The same with the speed given, m/s or rad/s; the coordinate starts where the mechanism does and is integrated.
   void drive_speed(Axis axis, LawPtr<MotionLaw> law);
 
-  Mask mask() const { return mask_; }     ///< the joint's own rows
-  Mask rows() const { return rows_; }     ///< with the drives'
+  Mask mask() const { return mask_; }  ///< the joint's own rows
+  Mask rows() const { return rows_; }  ///< with the drives'
   const Marker& p() const { return *p_; }
   const Marker& s() const { return *s_; }
 
@@ -82,7 +82,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   // made by setup()
   MarkerFrame P_, S_;
   SlotList slots_;
-  int side1_ = -1, side2_ = -1;      // where O1 and O2 stand in slots_; -1: the ground
+  int side1_ = -1, side2_ = -1;  // where O1 and O2 stand in slots_; -1: the ground
   int n_rows_ = 0;
   std::array<int, 6> row_{};         // row k of the link is row row_[k] of the lock
   unsigned pattern_ = 0, laws_ = 0;  // with::Bits of the laws present

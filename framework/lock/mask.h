@@ -11,8 +11,16 @@ namespace lockstep {
 
 /// x y z: translations of P in S's axes; e1 e2 e3: components of the error quaternion (half turns about x y z of S).
 enum class Mask : std::uint8_t {
-  none = 0, x = 1, y = 2, z = 4, e1 = 8, e2 = 16, e3 = 32,
-  xyz = 7, e123 = 56, all = 63
+  none = 0,
+  x = 1,
+  y = 2,
+  z = 4,
+  e1 = 8,
+  e2 = 16,
+  e3 = 32,
+  xyz = 7,
+  e123 = 56,
+  all = 63
 };
 constexpr Mask operator|(Mask a, Mask b) { return Mask(std::uint8_t(a) | std::uint8_t(b)); }
 constexpr Mask operator&(Mask a, Mask b) { return Mask(std::uint8_t(a) & std::uint8_t(b)); }

@@ -1,5 +1,6 @@
-// PhiLock: a joint from one function of the relative coordinates, phi(y, t) = 0, beside the mask's rows (theory, section 7).
-// Constraint, row, Ct and right side follow from the lock's own and phi's exact derivatives; nobody writes a jacobian.
+// PhiLock: a joint from one function of the relative coordinates, phi(y, t) = 0, beside the mask's rows (theory,
+// section 7). Constraint, row, Ct and right side follow from the lock's own and phi's exact derivatives; nobody writes
+// a jacobian.
 //
 //   struct ScrewThread {                                       // advance per turn along z
 //     double lead;
@@ -18,7 +19,8 @@
 namespace lockstep {
 
 /// What phi sees: P from S in S's axes, before any imposed law. x y z in m; r the unit relative quaternion; t in s.
-template <class T> struct LockCoords {
+template <class T>
+struct LockCoords {
   T x, y, z, e0, e1, e2, e3, t;
   double last_angle = 0;  ///< angle_z at the last accepted step
 
@@ -33,30 +35,42 @@ template <class T> struct LockCoords {
 };
 
 /// Law of time on a jet: f(t) with its exact derivatives.
-template <int N> inline Jet<N> of(const MotionLaw& law, const Jet<N>& t) {
+template <int N>
+inline Jet<N> of(const MotionLaw& law, const Jet<N>& t) {
   const LawValue l = law.at(t.v);
   return jet_detail::chain(t, l.y, l.yd, l.ydd);
 }
 
-/// What phi may say about itself; the defaults serve a function of everything that does not count turns. A function of x y z
-/// alone says kNeeds = Needs::translation: then it costs no rotational half and serves particles too.
-template <class Phi> constexpr bool counts_turns() {
-  if constexpr (requires { Phi::kCountsTurns; }) return Phi::kCountsTurns;
-  else return false;
+/// What phi may say about itself; the defaults serve a function of everything that does not count turns. A function of
+/// x y z alone says kNeeds = Needs::translation: then it costs no rotational half and serves particles too.
+template <class Phi>
+constexpr bool counts_turns() {
+  if constexpr (requires { Phi::kCountsTurns; })
+    return Phi::kCountsTurns;
+  else
+    return false;
 }
-template <class Phi> constexpr Needs needs_of() {
-  if constexpr (requires { Phi::kNeeds; }) return Phi::kNeeds;
-  else return Needs::both;
+template <class Phi>
+constexpr Needs needs_of() {
+  if constexpr (requires { Phi::kNeeds; })
+    return Phi::kNeeds;
+  else
+    return Needs::both;
 }
 
 /// What phi measures, for scales and norms: metres (RowKind::translation), or anything else.
-template <class Phi> constexpr RowKind kind_of() {
-  if constexpr (requires { Phi::kKind; }) return Phi::kKind;
-  else return RowKind::function;
+template <class Phi>
+constexpr RowKind kind_of() {
+  if constexpr (requires { Phi::kKind; })
+    return Phi::kKind;
+  else
+    return RowKind::function;
 }
 
-/// Rows: those of the mask and its drives as in MarkerLock, then phi. Derive, give it a type() and, for files, info() and make().
-template <class Phi> class PhiLock : public MarkerLock {
+/// Rows: those of the mask and its drives as in MarkerLock, then phi. Derive, give it a type() and, for files, info()
+/// and make().
+template <class Phi>
+class PhiLock : public MarkerLock {
  public:
   PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi)
       : MarkerLock(std::move(name), p, s, mask), phi_(std::move(phi)) {}

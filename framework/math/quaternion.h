@@ -7,39 +7,56 @@
 
 namespace lockstep {
 
-template <class T> struct QuatT {
+template <class T>
+struct QuatT {
   T w{1}, x{0}, y{0}, z{0};
 
   Vec3T<T> vec() const { return {x, y, z}; }
   Vec4T<T> coefficients() const { return {w, x, y, z}; }
   static QuatT from(const T& scalar, const Vec3T<T>& v) { return {scalar, v[0], v[1], v[2]}; }
-  template <class D> static QuatT from(const Eigen::MatrixBase<D>& c) { return {c[0], c[1], c[2], c[3]}; }
+  template <class D>
+  static QuatT from(const Eigen::MatrixBase<D>& c) {
+    return {c[0], c[1], c[2], c[3]};
+  }
 };
 using Quat = QuatT<double>;
 
 /// (1.1) a b, 16 multiplications and 12 additions.
-template <class T> inline QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
+template <class T>
+inline QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
   return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
-template <class T> inline QuatT<T> operator+(const QuatT<T>& a, const QuatT<T>& b) {
+template <class T>
+inline QuatT<T> operator+(const QuatT<T>& a, const QuatT<T>& b) {
   return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
 }
-template <class T> inline QuatT<T> operator-(const QuatT<T>& a) { return {-a.w, -a.x, -a.y, -a.z}; }
+template <class T>
+inline QuatT<T> operator-(const QuatT<T>& a) {
+  return {-a.w, -a.x, -a.y, -a.z};
+}
 
 /// (1.2) a', the conjugate; the inverse of a unit quaternion.
-template <class T> inline QuatT<T> conjugate(const QuatT<T>& a) { return {a.w, -a.x, -a.y, -a.z}; }
+template <class T>
+inline QuatT<T> conjugate(const QuatT<T>& a) {
+  return {a.w, -a.x, -a.y, -a.z};
+}
 
-template <class T> inline T norm2(const QuatT<T>& a) { return a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z; }
+template <class T>
+inline T norm2(const QuatT<T>& a) {
+  return a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z;
+}
 
-template <class T> inline QuatT<T> normalized(const QuatT<T>& a) {
+template <class T>
+inline QuatT<T> normalized(const QuatT<T>& a) {
   using std::sqrt;
   const T s = T(1) / sqrt(norm2(a));
   return {a.w * s, a.x * s, a.y * s, a.z * s};
 }
 
 /// (1.5) A(q): axes of the frame -> axes of its parent, for |q| = 1.
-template <class T> inline Mat3T<T> rotation(const QuatT<T>& q) {
+template <class T>
+inline Mat3T<T> rotation(const QuatT<T>& q) {
   const T x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
   const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
   const T wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
@@ -49,7 +66,8 @@ template <class T> inline Mat3T<T> rotation(const QuatT<T>& q) {
 }
 
 /// (1.6) G(q) = 2 [ -qv | q0 1 - qv~ ], 3x4: w = G qd in body axes.
-template <class T> inline Mat34T<T> G_matrix(const QuatT<T>& q) {
+template <class T>
+inline Mat34T<T> G_matrix(const QuatT<T>& q) {
   const T w = q.w + q.w, x = q.x + q.x, y = q.y + q.y, z = q.z + q.z;
   Mat34T<T> G;
   G << -x, w, z, -y, -y, -z, w, x, -z, y, -x, w;
@@ -57,13 +75,15 @@ template <class T> inline Mat34T<T> G_matrix(const QuatT<T>& q) {
 }
 
 /// (1.8) qd = (1/2) q w, w in body axes.
-template <class T> inline QuatT<T> rate(const QuatT<T>& q, const Vec3T<T>& w) {
+template <class T>
+inline QuatT<T> rate(const QuatT<T>& q, const Vec3T<T>& w) {
   const T h(0.5);
   return q * QuatT<T>{T(0), h * w[0], h * w[1], h * w[2]};
 }
 
 /// (1.9) qdd = (1/2) q al - (1/4)|w|^2 q, body axes.
-template <class T> inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>& al) {
+template <class T>
+inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>& al) {
   const T h(0.5);
   return q * QuatT<T>{T(-0.25) * w.dot(w), h * al[0], h * al[1], h * al[2]};
 }

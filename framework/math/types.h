@@ -6,10 +6,14 @@
 
 namespace lockstep {
 
-template <class T> using Vec3T = Eigen::Matrix<T, 3, 1>;
-template <class T> using Vec4T = Eigen::Matrix<T, 4, 1>;
-template <class T> using Mat3T = Eigen::Matrix<T, 3, 3>;
-template <class T> using Mat34T = Eigen::Matrix<T, 3, 4>;
+template <class T>
+using Vec3T = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Vec4T = Eigen::Matrix<T, 4, 1>;
+template <class T>
+using Mat3T = Eigen::Matrix<T, 3, 3>;
+template <class T>
+using Mat34T = Eigen::Matrix<T, 3, 4>;
 using Vec3 = Vec3T<double>;
 using Vec4 = Vec4T<double>;
 using Mat3 = Mat3T<double>;
@@ -29,7 +33,8 @@ inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eige
 }
 
 /// a~, the matrix of the cross product: a~ b = a x b.
-template <class A> inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
+template <class A>
+inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
   using T = typename A::Scalar;
   Mat3T<T> m;
   m << T(0), -a[2], a[1], a[2], T(0), -a[0], -a[1], a[0], T(0);

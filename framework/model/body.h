@@ -17,13 +17,13 @@ inline constexpr int kGround = -1;
 struct Body {
   std::string name;
   MassProperties mass;
-  Pose home;                              ///< pose of the body's frame in the world at the start
-  Twist start;                            ///< v of the frame's origin, world; w in body axes
+  Pose home;    ///< pose of the body's frame in the world at the start
+  Twist start;  ///< v of the frame's origin, world; w in body axes
   Freedoms freedoms = Freedoms::spatial;
   bool fixed = false;
 
-  int slot = kGround;                     ///< set by System::setup
-  Pose in_slot;                           ///< pose of the body's frame in its slot (a slot's origin is its mass centre)
+  int slot = kGround;  ///< set by System::setup
+  Pose in_slot;        ///< pose of the body's frame in its slot (a slot's origin is its mass centre)
 };
 
 }  // namespace lockstep

@@ -9,7 +9,8 @@
 namespace lockstep {
 
 /// Motion of a slot: x, v in the world; A slot -> world; e its quaternion; w in slot axes.
-template <class T> struct MotionT {
+template <class T>
+struct MotionT {
   Vec3T<T> x = Vec3T<T>::Zero();
   Mat3T<T> A = Mat3T<T>::Identity();
   QuatT<T> e;
@@ -18,7 +19,8 @@ template <class T> struct MotionT {
 };
 using Motion = MotionT<double>;
 
-template <class T> struct InputsT {
+template <class T>
+struct InputsT {
   T t{0};
   std::span<const MotionT<T>> motions;  ///< the ground first, then the slots
   std::span<const T> s;

@@ -1,5 +1,5 @@
-// The three kinds of law: a number, a translation and a rotation as functions of time. Value and both derivatives come in
-// one call, because sine and cosine are shared; nothing is ever differenced.
+// The three kinds of law: a number, a translation and a rotation as functions of time. Value and both derivatives come
+// in one call, because sine and cosine are shared; nothing is ever differenced.
 #pragma once
 
 #include <memory>
@@ -36,8 +36,8 @@ class LOCKSTEP_API TranslationLaw {
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 
-/// Rotation q(t), unit; angular velocity w and acceleration a in the moved frame's own axes (so that no rate can leave the
-/// unit sphere: (1.6), (1.9), (1.13)).
+/// Rotation q(t), unit; angular velocity w and acceleration a in the moved frame's own axes (so that no rate can leave
+/// the unit sphere: (1.6), (1.9), (1.13)).
 struct RotationValue {
   Quat q;
   Vec3 w = Vec3::Zero(), a = Vec3::Zero();
@@ -50,6 +50,7 @@ class LOCKSTEP_API RotationLaw {
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 
-template <class L> using LawPtr = std::shared_ptr<const L>;
+template <class L>
+using LawPtr = std::shared_ptr<const L>;
 
 }  // namespace lockstep

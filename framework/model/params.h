@@ -14,28 +14,54 @@ namespace lockstep {
 
 /// What a key holds.
 enum class Form {
-  number, integer, boolean, text, choice,   // choice: one of Key::choices
-  vector3,                                  // [x, y, z]
-  axis,                                     // a direction: "x", "-y" or [x, y, z], not zero; handed out with length 1
-  orientation,                              // quaternion [w, x, y, z], {"axis":, "angle":}, {"angles": [a, b, c], "sequence": "xyz"}, or {"matrix": ...}
-  numbers,                                  // list of numbers
-  points,                                   // list of lists of numbers
-  law, translation_law, rotation_law, laws, // {"type": ..., keys of that law}, a bare number = constant; laws: a list of scalar ones
-  any                                       // the maker reads the Value itself
+  number,
+  integer,
+  boolean,
+  text,
+  choice,       // choice: one of Key::choices
+  vector3,      // [x, y, z]
+  axis,         // a direction: "x", "-y" or [x, y, z], not zero; handed out with length 1
+  orientation,  // quaternion [w, x, y, z], {"axis":, "angle":}, {"angles": [a, b, c], "sequence": "xyz"}, or {"matrix":
+                // ...}
+  numbers,      // list of numbers
+  points,       // list of lists of numbers
+  law,
+  translation_law,
+  rotation_law,
+  laws,  // {"type": ..., keys of that law}, a bare number = constant; laws: a list of scalar ones
+  any    // the maker reads the Value itself
 };
 
 /// The dimension of a number; strings with a unit are converted to SI ("12 mm", "30 deg", "1200 rpm").
-enum class Unit { none, length, angle, time, mass, speed, angular_speed, acceleration, angular_acceleration, force, torque,
-                  inertia, density, stiffness, torsion_stiffness, damping, torsion_damping, frequency,
-                  any };  // any: what its user takes it for (the amplitude of a law); every unit is taken, and turned into SI
+enum class Unit {
+  none,
+  length,
+  angle,
+  time,
+  mass,
+  speed,
+  angular_speed,
+  acceleration,
+  angular_acceleration,
+  force,
+  torque,
+  inertia,
+  density,
+  stiffness,
+  torsion_stiffness,
+  damping,
+  torsion_damping,
+  frequency,
+  any
+};  // any: what its user takes it for (the amplitude of a law); every unit is taken, and turned into SI
 
 struct Key {
   std::string name;
   Form form = Form::number;
   Unit unit = Unit::none;
-  std::string fallback;               ///< default as JSON text; "" = required, "absent" = may be left out (asked by has())
-  std::string help;                   ///< one line, says the frame where there is one
-  std::vector<std::string> choices{}; ///< of Form::choice
+  std::string fallback;  ///< default as JSON text; "" = required, "absent" = may be left out (asked by has())
+  std::string help;      ///< one line, says the frame where there is one
+  std::vector<std::string> choices{};  ///< of Form::choice
 };
 using Keys = std::vector<Key>;
 
@@ -55,11 +81,12 @@ class LOCKSTEP_API LawSource {
   virtual LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner) const = 0;
 };
 
-/// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next move:
-/// unknown key (with the closest known one), missing key, wrong form, unit of another dimension, NaN or infinity.
+/// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next
+/// move: unknown key (with the closest known one), missing key, wrong form, unit of another dimension, NaN or infinity.
 class LOCKSTEP_API Params {
  public:
-  /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through `checked`.
+  /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through
+  /// `checked`.
   Params(std::initializer_list<std::pair<const char*, Value>> members = {});
   /// An object as it stands in a scene, not checked yet either.
   static Params unchecked(Value object);
@@ -102,15 +129,15 @@ class LOCKSTEP_API Params {
   const LawSource* laws_ = nullptr;
 };
 
-/// The place of a part in its owner, for messages: part_of("link 'A'", "law") is "link 'A', law"; part_of("link 'A', law", "slope")
-/// is "link 'A', law.slope".
+/// The place of a part in its owner, for messages: part_of("link 'A'", "law") is "link 'A', law"; part_of("link 'A',
+/// law", "slope") is "link 'A', law.slope".
 LOCKSTEP_API std::string part_of(const std::string& owner, std::string_view part);
 
 /// "number", "choice", "translation law", ... for `describe` and the schema.
 LOCKSTEP_API std::string name_of(Form);
 
-/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not JSON or not of the key's
-/// form, a choice without choices.
+/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not JSON or not of the
+/// key's form, a choice without choices.
 LOCKSTEP_API void check(const TypeInfo&);
 
 }  // namespace lockstep

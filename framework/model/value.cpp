@@ -60,7 +60,8 @@ std::string Value::kind() const {
   if (const bool* b = boolean()) return *b ? "true" : "false";
   if (number() != nullptr) return "a number";
   if (text() != nullptr) return "a text";
-  if (const List* items = list()) return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
+  if (const List* items = list())
+    return items->empty() ? "an empty list" : "a list of " + std::to_string(items->size());
   return "an object";
 }
 

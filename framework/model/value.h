@@ -1,4 +1,5 @@
-// A piece of a description as data: what a scene file says, or what C++ gives in its place. Every piece knows where it stood.
+// A piece of a description as data: what a scene file says, or what C++ gives in its place. Every piece knows where it
+// stood.
 #pragma once
 
 #include <initializer_list>

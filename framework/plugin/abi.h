@@ -1,9 +1,9 @@
-// What a plugin was built with: a plain-C record that stands in the plugin's file as data and is read from there, before
-// the plugin is opened, so before a single line of its code can run.
+// What a plugin was built with: a plain-C record that stands in the plugin's file as data and is read from there,
+// before the plugin is opened, so before a single line of its code can run.
 #pragma once
 
-#include <cstdint>
 #include <cstddef>  // brings the macros of the standard library
+#include <cstdint>
 
 #include <Eigen/Core>
 
@@ -13,18 +13,18 @@ extern "C" {
 
 /// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled.
 struct lockstep_abi_record {
-  char magic[16];             // "lockstep-abi"
-  std::uint32_t size;         // of this record in bytes
-  std::int32_t abi;           // kAbiNumber
-  char compiler[16];          // "gcc", "clang"
+  char magic[16];      // "lockstep-abi"
+  std::uint32_t size;  // of this record in bytes
+  std::int32_t abi;    // kAbiNumber
+  char compiler[16];   // "gcc", "clang"
   std::int32_t compiler_version[3];
-  char library[16];           // "libstdc++", "libc++"
+  char library[16];  // "libstdc++", "libc++"
   std::int32_t library_version;
-  std::int32_t library_abi;   // _GLIBCXX_USE_CXX11_ABI
-  std::int64_t cxx_level;     // __cplusplus
+  std::int32_t library_abi;  // _GLIBCXX_USE_CXX11_ABI
+  std::int64_t cxx_level;    // __cplusplus
   std::int32_t eigen_version[3];
-  std::int32_t alignment;     // EIGEN_MAX_ALIGN_BYTES, 0 where Eigen does not align
-  char flags[64];             // settings that change objects or arithmetic: "debug-library fast-math"
+  std::int32_t alignment;  // EIGEN_MAX_ALIGN_BYTES, 0 where Eigen does not align
+  char flags[64];          // settings that change objects or arithmetic: "debug-library fast-math"
 };
 }
 
@@ -35,7 +35,8 @@ inline constexpr const char* kRegisterSymbol = "lockstep_register_plugin";
 inline constexpr const char* kAbiMagic = "lockstep-abi";
 
 namespace abi_detail {
-template <std::size_t N> constexpr void put(char (&to)[N], const char* from) {
+template <std::size_t N>
+constexpr void put(char (&to)[N], const char* from) {
   std::size_t i = 0;
   while (i < N && to[i] != 0) ++i;
   for (; i + 1 < N && *from != 0; ++i, ++from) to[i] = *from;
@@ -50,7 +51,8 @@ constexpr lockstep_abi_record abi_of_this_build() {
   r.abi = kAbiNumber;
 #if defined(__clang__)
   abi_detail::put(r.compiler, "clang");
-  r.compiler_version[0] = __clang_major__, r.compiler_version[1] = __clang_minor__, r.compiler_version[2] = __clang_patchlevel__;
+  r.compiler_version[0] = __clang_major__, r.compiler_version[1] = __clang_minor__,
+  r.compiler_version[2] = __clang_patchlevel__;
 #elif defined(__GNUC__)
   abi_detail::put(r.compiler, "gcc");
   r.compiler_version[0] = __GNUC__, r.compiler_version[1] = __GNUC_MINOR__, r.compiler_version[2] = __GNUC_PATCHLEVEL__;
@@ -66,7 +68,8 @@ constexpr lockstep_abi_record abi_of_this_build() {
   r.library_version = _LIBCPP_VERSION;
 #endif
   r.cxx_level = __cplusplus;
-  r.eigen_version[0] = EIGEN_WORLD_VERSION, r.eigen_version[1] = EIGEN_MAJOR_VERSION, r.eigen_version[2] = EIGEN_MINOR_VERSION;
+  r.eigen_version[0] = EIGEN_WORLD_VERSION, r.eigen_version[1] = EIGEN_MAJOR_VERSION,
+  r.eigen_version[2] = EIGEN_MINOR_VERSION;
   r.alignment = EIGEN_MAX_ALIGN_BYTES;
 #if defined(_GLIBCXX_DEBUG)
   abi_detail::put(r.flags, "debug-library ");

@@ -18,11 +18,13 @@ class Image {
  public:
   explicit Image(const std::string& path) : path_(path) {
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw PluginError("plugin file '" + path + "' cannot be opened; check the path and that you may read it");
+    if (!file)
+      throw PluginError("plugin file '" + path + "' cannot be opened; check the path and that you may read it");
     bytes_.assign(std::istreambuf_iterator<char>(file), {});
   }
 
-  template <class T> T at(std::uint64_t offset) const {
+  template <class T>
+  T at(std::uint64_t offset) const {
     if (offset > bytes_.size() || bytes_.size() - offset < sizeof(T)) refuse("it ends too early");
     T value;
     std::memcpy(&value, bytes_.data() + offset, sizeof value);
@@ -39,7 +41,8 @@ class Image {
     return {begin, begin + static_cast<std::ptrdiff_t>(n)};
   }
   [[noreturn]] void refuse(const std::string& why) const {
-    throw PluginError("plugin file '" + path_ + "' is no shared library that can be loaded here: " + why + "; rebuild it with lockstep_add_plugin");
+    throw PluginError("plugin file '" + path_ + "' is no shared library that can be loaded here: " + why +
+                      "; rebuild it with lockstep_add_plugin");
   }
 
  private:
@@ -51,7 +54,8 @@ Elf64_Ehdr header_of(const Image& image) {
   const auto header = image.at<Elf64_Ehdr>(0);
   if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) image.refuse("it does not begin as one");
   const unsigned char order = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
-  if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != order) image.refuse("it is made for another kind of machine");
+  if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != order)
+    image.refuse("it is made for another kind of machine");
   if (header.e_type != ET_DYN) image.refuse("it is an object file or a program");
   return header;
 }

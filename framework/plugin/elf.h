@@ -1,4 +1,5 @@
-// Data of a named symbol in a shared library's file, by the ELF format (System V ABI, chapters 4 and 5), nothing opened.
+// Data of a named symbol in a shared library's file, by the ELF format (System V ABI, chapters 4 and 5), nothing
+// opened.
 #pragma once
 
 #include <cstddef>

@@ -26,7 +26,10 @@ std::string version(const std::int32_t (&v)[3]) {
   return std::to_string(v[0]) + "." + std::to_string(v[1]) + "." + std::to_string(v[2]);
 }
 
-template <std::size_t N> std::string text(const char (&s)[N]) { return {s, std::find(s, s + N, '\0')}; }
+template <std::size_t N>
+std::string text(const char (&s)[N]) {
+  return {s, std::find(s, s + N, '\0')};
+}
 
 std::string flags(const lockstep_abi_record& r) {
   std::string all = text(r.flags);
@@ -102,8 +105,9 @@ void set_origin(Registry& registry, const std::string& name) {
 }
 
 bool empty(const Registry& r) {
-  return r.laws.names().empty() && r.translation_laws.names().empty() && r.rotation_laws.names().empty() && r.links.names().empty() &&
-         r.forces.names().empty() && r.integrators.names().empty() && r.solvers.names().empty();
+  return r.laws.names().empty() && r.translation_laws.names().empty() && r.rotation_laws.names().empty() &&
+         r.links.names().empty() && r.forces.names().empty() && r.integrators.names().empty() &&
+         r.solvers.names().empty();
 }
 
 }  // namespace
@@ -130,15 +134,20 @@ std::vector<std::string> plugin_folders() {
 lockstep_abi_record read_abi(const std::string& path) {
   const std::vector<unsigned char> bytes = exported_data(path, kAbiSymbol, sizeof(lockstep_abi_record));
   const std::string who = "plugin '" + name_of(path) + "' (" + path + ")";
-  if (bytes.empty()) throw PluginError(who + " is no plugin of lockstep: it has no symbol \"" + kAbiSymbol + "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
+  if (bytes.empty())
+    throw PluginError(who + " is no plugin of lockstep: it has no symbol \"" + kAbiSymbol +
+                      "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
   lockstep_abi_record record{};
   std::memcpy(&record, bytes.data(), bytes.size());
-  if (text(record.magic) != kAbiMagic) throw PluginError(who + ": the record of its build cannot be read; rebuild the plugin against this lockstep");
+  if (text(record.magic) != kAbiMagic)
+    throw PluginError(who + ": the record of its build cannot be read; rebuild the plugin against this lockstep");
   return record;
 }
 
 std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host) {
-  const auto build = [](const lockstep_abi_record& r) { return "ABI " + std::to_string(r.abi) + " with " + text(r.compiler) + " " + version(r.compiler_version); };
+  const auto build = [](const lockstep_abi_record& r) {
+    return "ABI " + std::to_string(r.abi) + " with " + text(r.compiler) + " " + version(r.compiler_version);
+  };
   const auto sentence = [](const std::string& its, const std::string& ours) {
     return "built for " + its + ", this host is " + ours + "; rebuild the plugin against this lockstep";
   };
@@ -152,9 +161,11 @@ std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi
     return text(r.library) + " " + std::to_string(r.library_version) + (r.library_abi != 0 ? "" : " (old strings)");
   };
   for (const std::string& difference :
-       {differs("C++", std::to_string(plugin.cxx_level), std::to_string(host.cxx_level)), differs("the standard library", library(plugin), library(host)),
+       {differs("C++", std::to_string(plugin.cxx_level), std::to_string(host.cxx_level)),
+        differs("the standard library", library(plugin), library(host)),
         differs("Eigen", version(plugin.eigen_version), version(host.eigen_version)),
-        differs("alignment", std::to_string(plugin.alignment), std::to_string(host.alignment)), differs("settings", flags(plugin), flags(host))})
+        differs("alignment", std::to_string(plugin.alignment), std::to_string(host.alignment)),
+        differs("settings", flags(plugin), flags(host))})
     if (!difference.empty()) return difference;
   return {};
 }
@@ -166,7 +177,8 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   if (!difference.empty()) throw PluginError(who + difference);
 
   dll::shared_library& library = opened(file);  // its code runs from here on
-  if (!library.has(kRegisterSymbol)) throw PluginError(who + "it exports no \"" + kRegisterSymbol + "\"; add LOCKSTEP_PLUGIN(registry) { ... } to it");
+  if (!library.has(kRegisterSymbol))
+    throw PluginError(who + "it exports no \"" + kRegisterSymbol + "\"; add LOCKSTEP_PLUGIN(registry) { ... } to it");
   Registry its;
   try {
     library.get<Register>(kRegisterSymbol)(its);

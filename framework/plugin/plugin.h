@@ -9,9 +9,9 @@
 #include "framework/support/error.h"
 #include "framework/support/text.h"
 
-/// Exports the record of this build and the function that fills a registry. It may throw an Error; then nothing of the plugin
-/// is taken.
-#define LOCKSTEP_PLUGIN(registry)                                                                             \
-  extern "C" LOCKSTEP_API const lockstep_abi_record lockstep_abi;                                             \
-  extern "C" LOCKSTEP_API constexpr lockstep_abi_record lockstep_abi = ::lockstep::abi_of_this_build();       \
+/// Exports the record of this build and the function that fills a registry. It may throw an Error; then nothing of the
+/// plugin is taken.
+#define LOCKSTEP_PLUGIN(registry)                                                                       \
+  extern "C" LOCKSTEP_API const lockstep_abi_record lockstep_abi;                                       \
+  extern "C" LOCKSTEP_API constexpr lockstep_abi_record lockstep_abi = ::lockstep::abi_of_this_build(); \
   extern "C" LOCKSTEP_API void lockstep_register_plugin(::lockstep::Registry& registry)

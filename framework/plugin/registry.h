@@ -1,5 +1,5 @@
-// Registry: shelves of named makers. A plain value that is passed in and filled at run time; two registries in one process
-// know nothing of each other.
+// Registry: shelves of named makers. A plain value that is passed in and filled at run time; two registries in one
+// process know nothing of each other.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,8 @@ namespace lockstep {
 
 /// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
 /// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.
-template <class Product, class... Args> class LOCKSTEP_API Shelf {
+template <class Product, class... Args>
+class LOCKSTEP_API Shelf {
  public:
   using Maker = std::function<Product(Args..., const Params&)>;
   struct Entry {
@@ -29,11 +30,15 @@ template <class Product, class... Args> class LOCKSTEP_API Shelf {
     std::string origin;  ///< "built in", or the plugin's name
   };
 
-  template <class T> void add() { add(T::info(), &T::make); }
+  template <class T>
+  void add() {
+    add(T::info(), &T::make);
+  }
   /// Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
   void add(TypeInfo info, Maker make);
   /// Throws SceneError: unknown name (with the closest), or whatever Params refuses. `laws` makes nested laws.
-  Product make(const std::string& name, Args... args, const Params&, const LawSource* laws, const std::string& owner) const;
+  Product make(const std::string& name, Args... args, const Params&, const LawSource* laws,
+               const std::string& owner) const;
   const Entry* find(const std::string& name) const;
   const std::map<std::string, Entry>& entries() const { return entries_; }
   std::vector<std::string> names() const;
@@ -57,8 +62,8 @@ class LOCKSTEP_API Registry final : public LawSource {
   Shelf<std::unique_ptr<Integrator>> integrators;
   Shelf<std::unique_ptr<LinearSolver>> solvers;
 
-  /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the law
-  /// "constant", whose first key it becomes.
+  /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the
+  /// law "constant", whose first key it becomes.
   LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const override;
   LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const override;
   LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const override;

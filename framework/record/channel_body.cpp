@@ -27,7 +27,8 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
       add(out, fmt::format("{}_{}", name, k + 1), "rad",
           fmt::format("turn {} of three about own axes {}", k + 1, sequence),
           [q, sequence, k](const Sample& s) { return to_angles(sequence, q(s)).value[k]; });
-    add(out, name + "_gimbal", "", "1 where the outer axes of that sequence are parallel and the third turn is set to 0, else 0",
+    add(out, name + "_gimbal", "",
+        "1 where the outer axes of that sequence are parallel and the third turn is set to 0, else 0",
         [q, sequence](const Sample& s) { return to_angles(sequence, q(s)).gimbal ? 1.0 : 0.0; });
   }
 }

@@ -111,20 +111,19 @@ void of_totals(Entries& out) {
          const Quadrature& q = drives(system);
          c.value = [&q](const Sample& s) { return q.value(s.state); };
        }});
-  out.push_back(
-      {"energy.supplied", "J", "work of the laws and motors of all forces since the start", [](System& system, Channel& c) {
-         const Quadrature& q = supplied(system);
-         c.value = [&q](const Sample& s) { return q.value(s.state); };
-       }});
+  out.push_back({"energy.supplied", "J", "work of the laws and motors of all forces since the start",
+                 [](System& system, Channel& c) {
+                   const Quadrature& q = supplied(system);
+                   c.value = [&q](const Sample& s) { return q.value(s.state); };
+                 }});
   out.push_back(
       {"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
          const Quadrature& q = dissipated(system);
          c.value = [&q](const Sample& s) { return q.value(s.state); };
        }});
-  out.push_back(
-      {"energy.balance", "J",
-       "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
-       make_balance});
+  out.push_back({"energy.balance", "J",
+                 "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
+                 make_balance});
   add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
   add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
 }

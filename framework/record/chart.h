@@ -84,7 +84,8 @@ struct BarSpec {
 LOCKSTEP_API void write_chart(const std::string& path, const ChartSpec&);
 LOCKSTEP_API void write_map(const std::string& path, const MapSpec&);
 /// Maps under one another, each below its own title.
-LOCKSTEP_API void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>&, int width, int height);
+LOCKSTEP_API void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>&, int width,
+                             int height);
 LOCKSTEP_API void write_bars(const std::string& path, const BarSpec&);
 
 }  // namespace lockstep

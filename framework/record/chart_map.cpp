@@ -138,7 +138,8 @@ void write_map(const std::string& path, const MapSpec& spec) {
   draw(out, path, spec.width, spec.height);
 }
 
-void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>& specs, int width, int height) {
+void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>& specs, int width,
+                int height) {
   if (specs.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", title));
   for (const MapSpec& spec : specs) check(spec);
   Script out;

@@ -68,8 +68,11 @@ void print_cheapest(const WorkPrecision& result) {
   fmt::print("cheapest run with a position error of at most\n");
   for (const double limit : kLimits) {
     const WorkPrecisionRun* run = cheapest(result, limit);
-    if (run == nullptr) fmt::print("  {:.0e} m   none reached it\n", limit);
-    else fmt::print("  {:.0e} m   {:8.2g} s CPU  {:7} evaluations  {}  (error {:.1e} m)\n", limit, run->cpu, run->evaluations, label(*run), run->error.position);
+    if (run == nullptr)
+      fmt::print("  {:.0e} m   none reached it\n", limit);
+    else
+      fmt::print("  {:.0e} m   {:8.2g} s CPU  {:7} evaluations  {}  (error {:.1e} m)\n", limit, run->cpu,
+                 run->evaluations, label(*run), run->error.position);
   }
 }
 
@@ -77,7 +80,8 @@ void print_failures(const WorkPrecision& result) {
   std::size_t n = 0;
   for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
   if (n > 0) fmt::print("{} runs failed (grey marks in the pictures); the reasons stand in the CSV file\n", n);
-  if (!result.left_out.empty()) fmt::print("{} runs did not fit into the time; give more with --budget\n", result.left_out.size());
+  if (!result.left_out.empty())
+    fmt::print("{} runs did not fit into the time; give more with --budget\n", result.left_out.size());
 }
 
 }  // namespace
@@ -87,8 +91,12 @@ int chart_command(const Words& w) {
   loaded.scene.run.record.clear();
   const double until = loaded.scene.run.until, budget = budget_of(w);
   if (until <= 0)
-    throw SceneError(loaded.scene.file + ": run.until: the scene does not say how long it runs; add it, or give --until 5", loaded.scene.file);
-  const std::string csv = csv_path(w.out.empty() ? "" : (std::filesystem::path(w.out) / std::filesystem::path(w.scene).stem()).string() + ".csv", w.scene);
+    throw SceneError(
+        loaded.scene.file + ": run.until: the scene does not say how long it runs; add it, or give --until 5",
+        loaded.scene.file);
+  const std::string csv = csv_path(
+      w.out.empty() ? "" : (std::filesystem::path(w.out) / std::filesystem::path(w.scene).stem()).string() + ".csv",
+      w.scene);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
 
@@ -103,11 +111,13 @@ int chart_command(const Words& w) {
   const WorkPrecision result = work_precision(course, options);
 
   write_runs(base + ".csv", result);
-  fmt::print("{}\n  {} runs over {:g} s; {} and {} at their tightest agree to {:.1e} m\n", title, result.runs.size(), until, result.reference,
-             result.second, result.agreement.position);
+  fmt::print("{}\n  {} runs over {:g} s; {} and {} at their tightest agree to {:.1e} m\n", title, result.runs.size(),
+             until, result.reference, result.second, result.agreement.position);
   if (imposed)
-    fmt::print("  no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any step;\n"
-               "  the integrators are compared without stabilisation\n");
+    fmt::print(
+        "  no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
+        "step;\n"
+        "  the integrators are compared without stabilisation\n");
   print_cheapest(result);
   print_failures(result);
   fmt::print("files: {}.csv", base);

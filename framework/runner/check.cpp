@@ -27,7 +27,8 @@ bool laws_of(const Marker& m) { return m.slide != nullptr || m.spin != nullptr; 
 Names where(const Mechanism& m, const std::function<bool(const MarkerLock&)>& is_so) {
   Names names;
   for (const auto& link : m.system.links())
-    if (const auto* lock = dynamic_cast<const MarkerLock*>(link.get()); lock != nullptr && is_so(*lock)) names.push_back(link->name());
+    if (const auto* lock = dynamic_cast<const MarkerLock*>(link.get()); lock != nullptr && is_so(*lock))
+      names.push_back(link->name());
   return names;
 }
 
@@ -39,16 +40,17 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
   }
   for (const auto& link : m.system.links())
     if (!link->active_at_start) inactive.push_back(link->name());
-  const bool dense = std::any_of(m.run.record.begin(), m.run.record.end(), [](const ChannelRequest& r) {
-    return r.channel.find("energy.") == 0;
-  });
-  std::vector<LeftOut> all = {
-      {"motion of fixed bodies: no unknowns", fixed},
-      {"rotation of particles: 3 unknowns instead of 6", particles},
-      {"rows of links that are not active at the start", inactive},
-      {"rotational half of the lock: never evaluated", where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::e123); })},
-      {"translational half of the lock: never evaluated", where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::xyz); })},
-      {"motion of markers: they stand still on their bodies", where(m, [](const MarkerLock& l) { return !laws_of(l.p()) && !laws_of(l.s()); })}};
+  const bool dense = std::any_of(m.run.record.begin(), m.run.record.end(),
+                                 [](const ChannelRequest& r) { return r.channel.find("energy.") == 0; });
+  std::vector<LeftOut> all = {{"motion of fixed bodies: no unknowns", fixed},
+                              {"rotation of particles: 3 unknowns instead of 6", particles},
+                              {"rows of links that are not active at the start", inactive},
+                              {"rotational half of the lock: never evaluated",
+                               where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::e123); })},
+                              {"translational half of the lock: never evaluated",
+                               where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::xyz); })},
+                              {"motion of markers: they stand still on their bodies",
+                               where(m, [](const MarkerLock& l) { return !laws_of(l.p()) && !laws_of(l.s()); })}};
   if (!dense) all.push_back({"energy columns: not recorded", {"energy"}});
   if (m.system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
   std::erase_if(all, [](const LeftOut& l) { return l.names.empty(); });
@@ -69,18 +71,29 @@ int check_command(const Words& w) {
   const std::vector<LeftOut> out = left_out(m);
 
   if (w.json) {
-    nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}, {"bodies", r.bodies}, {"unknowns", r.unknowns},
-                                {"rows", r.rows}, {"rank", r.rank}, {"freedoms", r.freedoms}, {"redundant", r.redundant},
-                                {"redundant_links", r.redundant_links}, {"violation", violation}, {"violation_v", violation_v},
-                                {"columns", recorder->table().names()}, {"left_out", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json j = {{"scene", loaded.scene.file},
+                                {"title", loaded.scene.title},
+                                {"bodies", r.bodies},
+                                {"unknowns", r.unknowns},
+                                {"rows", r.rows},
+                                {"rank", r.rank},
+                                {"freedoms", r.freedoms},
+                                {"redundant", r.redundant},
+                                {"redundant_links", r.redundant_links},
+                                {"violation", violation},
+                                {"violation_v", violation_v},
+                                {"columns", recorder->table().names()},
+                                {"left_out", nlohmann::ordered_json::array()}};
     for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
   fmt::print("{}\n", loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title);
-  fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n", r.bodies, r.unknowns, r.rows, r.freedoms);
+  fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
+             r.bodies, r.unknowns, r.rows, r.freedoms);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, join(r.redundant_links));
-  fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v, violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
+  fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
+             violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, join(l.names));
   return kExitOk;

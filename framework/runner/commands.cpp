@@ -14,7 +14,9 @@ namespace lockstep {
 namespace {
 
 void add_plugins(CLI::App& verb, Words& w) {
-  verb.add_option("--plugin", w.plugins, "load a plugin, by name or path; may be given several times")->type_name("P")->expected(1);
+  verb.add_option("--plugin", w.plugins, "load a plugin, by name or path; may be given several times")
+      ->type_name("P")
+      ->expected(1);
 }
 
 void add_scene(CLI::App& verb, Words& w) {
@@ -26,15 +28,21 @@ CLI::App& add_run(CLI::App& app, Words& w) {
   CLI::App& verb = *app.add_subcommand("run", "Compute the motion of a scene, write CSV and a picture");
   add_scene(verb, w);
   verb.add_option("--integrator", w.integrator, "see `lockstep list integrators`")->type_name("N");
-  CLI::Option* step = verb.add_option("--step", w.step, "fixed step, or the largest step of an adaptive integrator, s")->type_name("H");
-  verb.add_option("--tolerance", w.tolerance, "relative tolerance of adaptive integrators")->type_name("T")->excludes(step);
+  CLI::Option* step =
+      verb.add_option("--step", w.step, "fixed step, or the largest step of an adaptive integrator, s")->type_name("H");
+  verb.add_option("--tolerance", w.tolerance, "relative tolerance of adaptive integrators")
+      ->type_name("T")
+      ->excludes(step);
   verb.add_option("--until", w.until, "end of the run, s")->type_name("T");
   verb.add_option("--formulation", w.formulation, "6 velocities a body, or the paper's 7 coordinates")
-      ->check(CLI::IsMember({"omega", "quaternion"}))->type_name("F");
+      ->check(CLI::IsMember({"omega", "quaternion"}))
+      ->type_name("F");
   verb.add_option("--stabilization", w.stabilization, "how drift off the constraints is fought")
-      ->check(CLI::IsMember({"project", "baumgarte", "none"}))->type_name("S");
+      ->check(CLI::IsMember({"project", "baumgarte", "none"}))
+      ->type_name("S");
   verb.add_option("--solver", w.solver, "see `lockstep list solvers`")->type_name("N");
-  verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")->type_name("FILE.csv");
+  verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")
+      ->type_name("FILE.csv");
   verb.add_flag("--quiet", w.quiet, "say nothing but errors");
   verb.footer("Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv");
   return verb;
@@ -86,28 +94,38 @@ int run_program(int argc, const char* const* argv) {
   std::string name;
 
   CLI::App& run = add_run(app, w);
-  CLI::App& check = *app.add_subcommand("check", "Read and build a scene; say its bodies, unknowns, rows and degrees of freedom");
+  CLI::App& check =
+      *app.add_subcommand("check", "Read and build a scene; say its bodies, unknowns, rows and degrees of freedom");
   add_scene(check, w);
   check.add_flag("--json", w.json, "as JSON");
   check.footer("Example:\n  lockstep check samples/scenes/four_bar.json --json");
-  CLI::App& chart = *app.add_subcommand("chart", "Draw error against CPU time for all integrators, formulations and stabilisations");
+  CLI::App& chart =
+      *app.add_subcommand("chart", "Draw error against CPU time for all integrators, formulations and stabilisations");
   add_scene(chart, w);
   chart.add_option("--until", w.until, "end of the runs, s")->type_name("T");
-  chart.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")->type_name("T");
+  chart.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")
+      ->type_name("T");
   chart.add_option("--out", w.out, "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here")->type_name("DIR");
   chart.add_flag("--quiet", w.quiet, "do not name each run");
   chart.footer("Example:\n  lockstep chart samples/scenes/four_bar.json --budget 60s --out charts");
-  CLI::App& assemble = *app.add_subcommand("assemble", "Bring the start of a scene onto its constraints; say what moved how far");
+  CLI::App& assemble =
+      *app.add_subcommand("assemble", "Bring the start of a scene onto its constraints; say what moved how far");
   add_scene(assemble, w);
   assemble.add_flag("--json", w.json, "as JSON");
   assemble.footer("Example:\n  lockstep assemble samples/scenes/four_bar.json");
-  CLI::App& list = *app.add_subcommand("list", "List the laws, links, forces, integrators and solvers that scenes may name");
-  list.add_option("shelf", name, "only one of them")->check(CLI::IsMember({"links", "laws", "forces", "integrators", "solvers"}))->type_name("SHELF");
+  CLI::App& list =
+      *app.add_subcommand("list", "List the laws, links, forces, integrators and solvers that scenes may name");
+  list.add_option("shelf", name, "only one of them")
+      ->check(CLI::IsMember({"links", "laws", "forces", "integrators", "solvers"}))
+      ->type_name("SHELF");
   add_plugins(list, w);
   list.add_flag("--json", w.json, "as JSON");
   list.footer("Example:\n  lockstep list links");
-  CLI::App& describe = *app.add_subcommand("describe", "Say what a type or an object of a scene is and which keys it takes");
-  describe.add_option("name", name, "a name of `lockstep list`, or body, marker, link, force, event, run, ...")->required()->type_name("NAME");
+  CLI::App& describe =
+      *app.add_subcommand("describe", "Say what a type or an object of a scene is and which keys it takes");
+  describe.add_option("name", name, "a name of `lockstep list`, or body, marker, link, force, event, run, ...")
+      ->required()
+      ->type_name("NAME");
   add_plugins(describe, w);
   describe.footer("Example:\n  lockstep describe revolute");
   CLI::App& schema = *app.add_subcommand("schema", "Print the JSON Schema of scene files, for editors");

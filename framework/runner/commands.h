@@ -44,7 +44,8 @@ struct Loaded {
 
 /// Built-in things and those of the plugins.
 Registry make_registry(const std::vector<std::string>& plugins);
-/// Reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws UsageError too.
+/// Reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws UsageError
+/// too.
 Loaded load(const Words&);
 
 int run_command(const Words&);

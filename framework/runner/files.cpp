@@ -21,7 +21,9 @@ std::string csv_path(const std::string& record, const std::string& scene) {
   }
   std::error_code error;
   if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
-  if (error) throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() + "; name another with --record");
+  if (error)
+    throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
+                    "; name another with --record");
   return file.lexically_normal().string();
 }
 
@@ -59,7 +61,8 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
   std::vector<Panel> panels;
   for (const std::vector<std::string>& names : draw) {
     Panel& panel = panels.emplace_back(Panel{table.column(names.front()).unit, {}});
-    for (const std::string& name : names) panel.series.push_back(curve(table, table.columns().front().name, name, name));
+    for (const std::string& name : names)
+      panel.series.push_back(curve(table, table.columns().front().name, name, name));
   }
   return panels;
 }

@@ -19,13 +19,19 @@ Json json_of(const Description& d) {
     if (!key.fallback.empty() && key.fallback != "absent") k["default"] = Json::parse(key.fallback);
     keys.push_back(std::move(k));
   }
-  return {{"name", d.info.name}, {"shelf", d.shelf}, {"origin", d.origin}, {"help", d.info.help}, {"keys", std::move(keys)}};
+  return {{"name", d.info.name},
+          {"shelf", d.shelf},
+          {"origin", d.origin},
+          {"help", d.info.help},
+          {"keys", std::move(keys)}};
 }
 
 void print_shelf(const std::string& shelf, const std::vector<Description>& all) {
   fmt::print("{}:\n", shelf);
   for (const Description& d : all) {
-    const std::string kind = d.shelf == "translation_laws" ? " (translation)" : d.shelf == "rotation_laws" ? " (rotation)" : "";
+    const std::string kind = d.shelf == "translation_laws" ? " (translation)"
+                             : d.shelf == "rotation_laws"  ? " (rotation)"
+                                                           : "";
     const std::string origin = d.origin == "built in" ? "" : " [plugin " + d.origin + "]";
     fmt::print("  {:<22} {}{}\n", d.info.name + kind, d.info.help, origin);
   }

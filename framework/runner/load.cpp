@@ -25,10 +25,12 @@ double positive_number(const std::string& option, const std::string& text, Unit 
   if (error != std::errc() || end != text.data() + text.size()) {
     const Measured measured = read_quantity(text, unit);
     if (!measured.problem.empty() || unit == Unit::none)
-      throw UsageError(option + ": \"" + text + "\" is no " + name_of(unit) + "; write it as in " + option + " " + (unit == Unit::none ? "1e-6" : "0.001"));
+      throw UsageError(option + ": \"" + text + "\" is no " + name_of(unit) + "; write it as in " + option + " " +
+                       (unit == Unit::none ? "1e-6" : "0.001"));
     x = measured.value;
   }
-  if (!(x > 0) || x > 1e300) throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
+  if (!(x > 0) || x > 1e300)
+    throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
   return x;
 }
 
@@ -47,7 +49,8 @@ void put_over(RunSettings& run, const Words& w, const Registry& registry) {
     run.tolerance.relative = positive_number("--tolerance", w.tolerance, Unit::none);
     run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   }
-  if (!w.formulation.empty()) run.formulation = w.formulation == "quaternion" ? Formulation::quaternion : Formulation::omega;
+  if (!w.formulation.empty())
+    run.formulation = w.formulation == "quaternion" ? Formulation::quaternion : Formulation::omega;
   if (w.stabilization == "project") run.stabilization.kind = Stabilization::Kind::project;
   if (w.stabilization == "baumgarte") run.stabilization.kind = Stabilization::Kind::baumgarte;
   if (w.stabilization == "none") run.stabilization.kind = Stabilization::Kind::none;

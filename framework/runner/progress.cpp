@@ -34,7 +34,8 @@ std::string progress_line(double t, double until, double seconds, bool bar) {
   std::string line;
   if (bar) {
     const int n = static_cast<int>(part * kWidth);
-    line = "[" + std::string(static_cast<std::size_t>(n), '#') + std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
+    line = "[" + std::string(static_cast<std::size_t>(n), '#') +
+           std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
   }
   line += fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
   if (seconds > 0 && t > 0) line += fmt::format("  {:.3g} s/s  {:.0f} s to go", t / seconds, (until - t) * seconds / t);

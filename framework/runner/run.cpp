@@ -26,8 +26,9 @@ void record_places(Mechanism& m) {
 }
 
 std::string assembly_text(const AssemblyReport& r) {
-  std::string text = fmt::format("assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
-                                 r.before, r.before_v, r.after, r.after_v);
+  std::string text = fmt::format(
+      "assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
+      r.before, r.before_v, r.after, r.after_v);
   if (r.largest_move == 0 && r.largest_turn == 0) text += "; only velocities changed";
   if (r.largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", r.moved_most, r.largest_move);
   if (r.largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", r.turned_most, r.largest_turn);
@@ -38,7 +39,9 @@ bool worth_saying(const AssemblyReport& r) {
   return r.before > kSayMove || r.before_v > kSayMove || r.largest_move > kSayMove || r.largest_turn > kSayMove;
 }
 
-std::string heading(const Loaded& loaded) { return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title; }
+std::string heading(const Loaded& loaded) {
+  return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
+}
 
 SimulationOptions options_of(const RunSettings& run) {
   SimulationOptions options;
@@ -75,8 +78,8 @@ Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
 
 void print_end(const Simulation& sim, const RunSettings& run, const Summary& summary, double seconds) {
   const SimulationReport& r = sim.report();
-  fmt::print("  run        t = {:.6g} s in {} steps of {} ({} tries rejected), {:.3g} s of computing\n", sim.state().t, r.steps,
-             run.integrator.type, r.rejected, seconds);
+  fmt::print("  run        t = {:.6g} s in {} steps of {} ({} tries rejected), {:.3g} s of computing\n", sim.state().t,
+             r.steps, run.integrator.type, r.rejected, seconds);
   if (r.stopped && !r.stopped_by.empty()) fmt::print("  stopped    by '{}'\n", r.stopped_by);
   fmt::print("{}", summary.text());
   fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
@@ -88,7 +91,8 @@ int run_command(const Words& w) {
   Loaded loaded = load(w);
   Mechanism m = build(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
-    refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until", "the scene does not say how long it runs; add it, or give --until 5");
+    refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
+           "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
   const std::string csv = csv_path(w.record, w.scene);
   check_writable(csv);
@@ -114,7 +118,8 @@ int run_command(const Words& w) {
   const Ended ended = go(sim, m.run.until, w.quiet, seconds);
   write_csv(csv, recorder->table());  // in every case: what was computed is never lost
   if (ended.error) {
-    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {} rows up to there are in {}\n", sim.state().t, recorder->table().n_rows(), csv);
+    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {} rows up to there are in {}\n", sim.state().t,
+               recorder->table().n_rows(), csv);
     std::rethrow_exception(ended.error);
   }
   const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table(), m.run.draw);
@@ -122,9 +127,12 @@ int run_command(const Words& w) {
     print_end(sim, m.run, summary, seconds);
     fmt::print("  files      {} ({} rows)\n", csv, recorder->table().n_rows());
     for (const std::string& picture : pictures) fmt::print("             {}\n", picture);
-    if (pictures.empty()) fmt::print("             no picture: gnuplot is not installed (apt install gnuplot-nox), or there is nothing to draw\n");
+    if (pictures.empty())
+      fmt::print(
+          "             no picture: gnuplot is not installed (apt install gnuplot-nox), or there is nothing to draw\n");
   }
-  if (ended.interrupted) fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
+  if (ended.interrupted)
+    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   return ended.interrupted ? kExitInterrupted : kExitOk;
 }
 
@@ -141,11 +149,14 @@ int assemble_command(const Words& w) {
     const Pose at = pose(body, state);
     bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
     if (!w.json)
-      fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2], at.q.w, at.q.x, at.q.y, at.q.z);
+      fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
+                 at.q.w, at.q.x, at.q.y, at.q.z);
   }
-  const nlohmann::ordered_json report = {{"before", r.before}, {"after", r.after}, {"before_v", r.before_v}, {"after_v", r.after_v},
-                                         {"iterations", r.iterations}, {"largest_move", r.largest_move}, {"moved_most", r.moved_most},
-                                         {"largest_turn", r.largest_turn}, {"turned_most", r.turned_most}, {"bodies", bodies}};
+  const nlohmann::ordered_json report = {{"before", r.before},           {"after", r.after},
+                                         {"before_v", r.before_v},       {"after_v", r.after_v},
+                                         {"iterations", r.iterations},   {"largest_move", r.largest_move},
+                                         {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
+                                         {"turned_most", r.turned_most}, {"bodies", bodies}};
   if (w.json) fmt::print("{}\n", report.dump(1, ' '));
   return kExitOk;
 }

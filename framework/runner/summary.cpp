@@ -13,12 +13,13 @@ enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated
 // Axes of the body's frame at its mass centre.
 Pose center_pose(const Body& body, const State& state) { return pose(body, state) * Pose{body.mass.center, {}}; }
 
-}
+}  // namespace
 
 Summary::Summary(System& system) {
   // What the system has not is not integrated.
   const bool links = !system.links().empty(), forces = !system.forces().empty();
-  for (const char* name : {"energy.total", "energy.kinetic", "energy.balance"}) channels_.push_back(make_channel(system, name));
+  for (const char* name : {"energy.total", "energy.kinetic", "energy.balance"})
+    channels_.push_back(make_channel(system, name));
   channels_.push_back(links ? make_channel(system, "energy.drives") : Channel{});
   for (const char* name : {"energy.supplied", "energy.dissipated"})
     channels_.push_back(forces ? make_channel(system, name) : Channel{});
@@ -55,7 +56,8 @@ void Summary::output(const Sample& s) {
   last_energy_ = value(kTotal, s);
   drives_ = value(kDrives, s), supplied_ = value(kSupplied, s), dissipated_ = value(kDissipated, s);
   balance_ = std::max(balance_, std::abs(value(kBalance, s)));
-  scale_ = std::max({scale_, std::abs(last_energy_ - first_energy_), value(kKinetic, s), std::abs(drives_), std::abs(supplied_)});
+  scale_ = std::max(
+      {scale_, std::abs(last_energy_ - first_energy_), value(kKinetic, s), std::abs(drives_), std::abs(supplied_)});
 }
 
 std::string Summary::text() const {
@@ -64,13 +66,16 @@ std::string Summary::text() const {
   std::stable_sort(order.begin(), order.end(), [](const Mover& a, const Mover& b) { return a.path > b.path; });
   std::string text;
   for (std::size_t k = 0; k < std::min(kMost, order.size()); ++k) {
-    text += fmt::format("  moved      {:<14} {:.4g} m along its way, at most {:.4g} m from its start", order[k].body->name, order[k].path, order[k].away);
+    text += fmt::format("  moved      {:<14} {:.4g} m along its way, at most {:.4g} m from its start",
+                        order[k].body->name, order[k].path, order[k].away);
     if (order[k].body->freedoms == Freedoms::spatial) text += fmt::format(", turned by {:.4g} rad", order[k].turned);
     text += "\n";
   }
   if (order.size() > kMost) text += fmt::format("             and {} more\n", order.size() - kMost);
-  text += fmt::format("  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} J\n",
-                      last_energy_ - first_energy_, drives_, supplied_, dissipated_);
+  text += fmt::format(
+      "  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} "
+      "J\n",
+      last_energy_ - first_energy_, drives_, supplied_, dissipated_);
   text += fmt::format("  conserved  energy balance within {:.2g} J", balance_);
   if (scale_ > 0) text += fmt::format(" ({:.2g} of the largest energy)", balance_ / scale_);
   return text + "\n";

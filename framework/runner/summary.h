@@ -29,7 +29,9 @@ class Summary final : public Observer {
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
   /// 0 for what the system has not.
-  double value(std::size_t channel, const Sample& s) const { return channels_[channel].value ? channels_[channel].value(s) : 0.0; }
+  double value(std::size_t channel, const Sample& s) const {
+    return channels_[channel].value ? channels_[channel].value(s) : 0.0;
+  }
 
   std::vector<Mover> movers_;
   std::vector<Channel> channels_;

@@ -55,15 +55,20 @@ std::string Builder::claim(const Params& object, const std::string& kind) {
   if (name.empty()) refuse(where, kind, "the name is empty; give it one");
   for (const char c : name)
     if (std::string_view(".@,[]\"'").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20)
-      refuse(where, owner, "a name with '" + std::string(1, c) + "' would not be told apart in channels; use letters, digits, '_' and '-'");
+      refuse(where, owner,
+             "a name with '" + std::string(1, c) +
+                 "' would not be told apart in channels; use letters, digits, '_' and '-'");
   static const std::vector<std::string> kReserved = {"ground", "energy", "momentum", "angular_momentum", "solver"};
   if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
     refuse(where, owner, "the name \"" + name + "\" is lockstep's own; choose another");
   for (const char* other : {"body", "marker", "link", "force", "event"}) {
-    const bool shared = other == kind || (kind != "event" && std::string(other) != "event");  // a channel means one thing
+    const bool shared =
+        other == kind || (kind != "event" && std::string(other) != "event");  // a channel means one thing
     const auto found = taken_[other].find(name);
     if (shared && found != taken_[other].end())
-      refuse(where, owner, "the name is taken by a " + std::string(other) + " at " + found->second.text() + "; give one of the two another");
+      refuse(where, owner,
+             "the name is taken by a " + std::string(other) + " at " + found->second.text() +
+                 "; give one of the two another");
   }
   taken_[kind][name] = where;
   return name;

@@ -25,8 +25,9 @@ void refuse_beside(const Params& p, const std::string& why, const std::vector<st
 // Mass of a shape of this volume.
 double shape_mass(const Params& shape, double volume) {
   if (shape.has("mass") == shape.has("density"))
-    shape.refuse(shape.has("mass") ? "density" : "mass", "give either \"mass\" or \"density\", " +
-                                                             std::string(shape.has("mass") ? "not both" : "there is neither"));
+    shape.refuse(
+        shape.has("mass") ? "density" : "mass",
+        "give either \"mass\" or \"density\", " + std::string(shape.has("mass") ? "not both" : "there is neither"));
   return shape.has("mass") ? positive(shape, "mass", "mass") : positive(shape, "density", "density") * volume;
 }
 
@@ -44,7 +45,8 @@ Shape read_rod(const Params& rod) {
 MassProperties read_solid(const Params& solid, const std::string& kind) {
   if (kind == "box") {
     const Vec3 size = solid.vector3("size");
-    if (!(size.minCoeff() > 0)) solid.refuse("size", "an edge is " + number(size.minCoeff()) + " m; all three must be greater than 0");
+    if (!(size.minCoeff() > 0))
+      solid.refuse("size", "an edge is " + number(size.minCoeff()) + " m; all three must be greater than 0");
     return box(shape_mass(solid, box_volume(size)), size);
   }
   const double radius = positive(solid, "radius", "radius");
@@ -64,16 +66,21 @@ Mat3 read_inertia(const Params& body) {
     J << entry.number("xx"), xy, zx, xy, entry.number("yy"), yz, zx, yz, entry.number("zz");
     return J;
   }
-  if (v.list() != nullptr && v.list()->size() == 3 && v.list()->front().list() != nullptr) return read_matrix3(v, Unit::inertia, place);
+  if (v.list() != nullptr && v.list()->size() == 3 && v.list()->front().list() != nullptr)
+    return read_matrix3(v, Unit::inertia, place);
   if (v.list() == nullptr || v.list()->size() != 3)
-    body.refuse("inertia", "expected [Jxx, Jyy, Jzz], {\"xx\":, \"yy\":, \"zz\":, \"xy\":, ...} or three rows of three, got " + shown(v));
+    body.refuse(
+        "inertia",
+        "expected [Jxx, Jyy, Jzz], {\"xx\":, \"yy\":, \"zz\":, \"xy\":, ...} or three rows of three, got " + shown(v));
   return read_vector3(v, Unit::inertia, place).asDiagonal();
 }
 
 MassProperties read_mass(const Params& body) {
   const double mass = positive(body, "mass", "mass");
   if (!body.has("inertia"))
-    body.refuse("mass", "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", ...), or make it a \"particle\"");
+    body.refuse("mass",
+                "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", ...), or make it "
+                "a \"particle\"");
   const Vec3 center = body.vector3("center");
   Vec3 origin = center;
   if (const Value& at = body.value("inertia_at"); !at.is_null() && (at.text() == nullptr || *at.text() != "center")) {
@@ -90,7 +97,8 @@ MassProperties read_mass(const Params& body) {
 // Mass and, for a rod, where it places its frame. `kind` is the one key of the shapes or "mass" that is given.
 Shape read_matter(const Params& body, const std::string& kind) {
   if (kind == "mass") return {read_mass(body), {}};
-  refuse_beside(body, "\"" + kind + "\" brings mass and inertia along", {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
+  refuse_beside(body, "\"" + kind + "\" brings mass and inertia along",
+                {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
   return placed(body.value(kind).where, [&]() -> Shape {
     if (kind == "rod") return read_rod(shape);
@@ -120,7 +128,8 @@ MassProperties read_part(const Value& v, const std::string& owner) {
 }
 
 MassProperties read_compound(const Params& body) {
-  refuse_beside(body, "\"compound\" brings mass and inertia along", {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
+  refuse_beside(body, "\"compound\" brings mass and inertia along",
+                {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Value::List& items = objects_of(body, "compound");
   if (items.empty()) body.refuse("compound", "the list is empty; give at least one part");
   std::vector<MassProperties> parts;
@@ -131,7 +140,8 @@ MassProperties read_compound(const Params& body) {
 
 // v of the frame's origin (world), w in body axes.
 Twist read_start(const Params& body, const Pose& home) {
-  if (body.has("omega_body") && body.has("omega_world")) body.refuse("omega_world", "\"omega_body\" is given as well; remove one of the two");
+  if (body.has("omega_body") && body.has("omega_world"))
+    body.refuse("omega_world", "\"omega_body\" is given as well; remove one of the two");
   Twist start{body.vector3("velocity"), Vec3::Zero()};
   if (body.has("omega_body")) start.w = body.vector3("omega_body");
   if (body.has("omega_world")) start.w = rotation(home.q).transpose() * body.vector3("omega_world");
@@ -187,9 +197,12 @@ void Builder::marker(const Value& object, const std::string& owner) {
     p.refuse("body", "unknown body \"" + carrier + "\"" + suggestion(carrier, known));
   Body& body = out_.system.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
-  if (world) refuse_beside(p, "the place is given in the world already (\"world_at\", \"world_orientation\")", {"at", "orientation"});
+  if (world)
+    refuse_beside(p, "the place is given in the world already (\"world_at\", \"world_orientation\")",
+                  {"at", "orientation"});
   const auto pose = [&](const char* at, const char* orientation) {
-    return Pose{p.has(at) ? p.vector3(at) : Vec3(Vec3::Zero()), p.has(orientation) ? p.orientation(orientation) : Quat{}};
+    return Pose{p.has(at) ? p.vector3(at) : Vec3(Vec3::Zero()),
+                p.has(orientation) ? p.orientation(orientation) : Quat{}};
   };
   placed(object.where, [&] {
     Marker& m = world ? out_.system.add_marker_at(name, body, pose("world_at", "world_orientation"))

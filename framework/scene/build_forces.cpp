@@ -45,15 +45,18 @@ void Builder::event(const Value& object, const std::string& owner) {
   e.name = claim(p, "event");
   if (p.has("at") == p.has("when"))
     p.refuse(p.has("when") ? "when" : "name", p.has("when") ? "\"at\" is given as well; remove one of the two"
-                                                             : "nothing says when it happens; add \"at\" or \"when\"");
-  if (p.has("at") && (e.at = p.number("at")) < 0) p.refuse("at", "the instant " + number(e.at) + " s lies before the start at 0 s");
+                                                            : "nothing says when it happens; add \"at\" or \"when\"");
+  if (p.has("at") && (e.at = p.number("at")) < 0)
+    p.refuse("at", "the instant " + number(e.at) + " s lies before the start at 0 s");
   if (p.has("when")) {
     const Params when = params_of(p.value("when"), "condition", part_of(owner, "when"), nullptr);
     const std::string sense = when.text("direction");
     request.channel = when.text("channel");
     request.crosses = when.number("crosses");
     request.where = when.value("channel").where;
-    e.crossing = sense == "rising" ? Event::Crossing::rising : sense == "falling" ? Event::Crossing::falling : Event::Crossing::any;
+    e.crossing = sense == "rising"    ? Event::Crossing::rising
+                 : sense == "falling" ? Event::Crossing::falling
+                                      : Event::Crossing::any;
   }
   e.once = p.boolean("once");
   e.stop = p.boolean("stop");
@@ -61,7 +64,8 @@ void Builder::event(const Value& object, const std::string& owner) {
   e.deactivate = links_named(p, "deactivate");
   for (const std::string& name : e.activate)
     if (std::find(e.deactivate.begin(), e.deactivate.end(), name) != e.deactivate.end())
-      p.refuse("deactivate", "link '" + name + "' is to begin and to end at the same instant; remove it from one of the lists");
+      p.refuse("deactivate",
+               "link '" + name + "' is to begin and to end at the same instant; remove it from one of the lists");
   if (e.activate.empty() && e.deactivate.empty() && !e.stop)
     p.refuse("name", "nothing happens there; add \"activate\", \"deactivate\" or \"stop\": true");
   out_.events.push_back(std::move(request));

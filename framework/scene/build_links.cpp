@@ -33,7 +33,8 @@ bool origin_of(const Params& p, const std::string& key, const Body& body, Vec3& 
 }
 
 Quat axes_of(const Params& p) {
-  if (p.has("axis") && p.has("orientation")) p.refuse("orientation", "\"axis\" is given as well; remove one of the two");
+  if (p.has("axis") && p.has("orientation"))
+    p.refuse("orientation", "\"axis\" is given as well; remove one of the two");
   if (p.has("axis")) return at(Vec3::Zero(), p.vector3("axis")).q;
   return p.has("orientation") ? p.orientation("orientation") : Quat{};
 }
@@ -55,7 +56,8 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
   Pose world{Vec3::Zero(), axes_of(p)};
   if (!origin_of(p, key, body, world.x)) {
     if (other == nullptr)
-      p.refuse(key, "\"" + word + "\" is a body, and nothing says where on it; add \"at\": [x, y, z] (world), or name a marker");
+      p.refuse(key, "\"" + word +
+                        "\" is a body, and nothing says where on it; add \"at\": [x, y, z] (world), or name a marker");
     world.x = other->x;
   }
   if (other != nullptr && !p.has("axis") && !p.has("orientation")) world.q = other->q;
@@ -84,9 +86,11 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   at_marker = home(*P);
   if (p.has("s") && S == nullptr) S = side(p, "s", name, &at_marker);
   if (S != nullptr && P->body == S->body)
-    p.refuse("s", "both sides are on body '" + P->body->name + "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
+    p.refuse("s", "both sides are on body '" + P->body->name +
+                      "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
   if (both && still(*P->body) && still(*S->body))
-    p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name + "' both stand still, so there is nothing to hold; remove it");
+    p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name +
+                      "' both stand still, so there is nothing to hold; remove it");
   site.pairs.emplace_back(P, S);
   return site;
 }
@@ -102,7 +106,8 @@ void Builder::link(const Value& object, const std::string& owner) {
   const std::string name = claim(p, "link");
   const Site where = site(p, name, true);
   placed(object.where, [&] {
-    std::unique_ptr<Lock> made = registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
+    std::unique_ptr<Lock> made =
+        registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
     made->active_at_start = p.boolean("active");
     Lock& added = out_.system.add(std::move(made));
     laws(p, added);
@@ -125,7 +130,8 @@ void Builder::drives(const Params& p, Lock& link) {
   if (!p.has("drive")) return;
   const Value& v = p.value("drive");
   auto* lock = dynamic_cast<MarkerLock*>(&link);
-  if (lock == nullptr) p.refuse("drive", "a link of type \"" + std::string(link.type()) + "\" takes no drive; remove it");
+  if (lock == nullptr)
+    p.refuse("drive", "a link of type \"" + std::string(link.type()) + "\" takes no drive; remove it");
   const Value::List one = {v};
   const Value::List& items = v.list() != nullptr ? *v.list() : one;
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -133,7 +139,8 @@ void Builder::drives(const Params& p, Lock& link) {
     const Params drive = params_of(items[i], "drive", place, &registry_);
     if (drive.has("law") == drive.has("speed"))
       drive.refuse(drive.has("speed") ? "speed" : "axis",
-                   drive.has("speed") ? "\"law\" is given as well; a drive follows one of the two" : "nothing drives it; add \"law\" or \"speed\"");
+                   drive.has("speed") ? "\"law\" is given as well; a drive follows one of the two"
+                                      : "nothing drives it; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
     placed(drive.value("axis").where, [&] {
       if (drive.has("law")) lock->drive(axis, drive.law("law"));
@@ -146,11 +153,13 @@ void Builder::start_speeds(const Params& p, const Lock& link) {
   if (!p.has("start")) return;
   const Params start = params_of(p.value("start"), "start", part_of(p.owner(), "start"), nullptr);
   if (!start.has("velocity")) return;
-  const Params speeds = params_of(start.value("velocity"), "start_velocity", part_of(start.owner(), "velocity"), nullptr);
+  const Params speeds =
+      params_of(start.value("velocity"), "start_velocity", part_of(start.owner(), "velocity"), nullptr);
   const auto* lock = dynamic_cast<const MarkerLock*>(&link);
   for (const Key& key : scene_table("start_velocity").info.keys) {
     if (!speeds.has(key.name)) continue;
-    if (lock == nullptr) speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
+    if (lock == nullptr)
+      speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
     const Axis axis = axis_from(key.name);
     if (has(lock->rows(), row_of(axis)))
       speeds.refuse(key.name, "the link holds or drives this coordinate; a start speed needs a free one");

@@ -30,18 +30,23 @@ std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const 
 double positive(const Params&, const std::string& key, const std::string& what);
 
 /// Runs f; a ModelError becomes a SceneError at `where`, `context` before its words.
-template <class F> decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
+template <class F>
+decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
     refuse(where, context, error.what());
   }
 }
-template <class F> decltype(auto) placed(const Where& where, F&& f) { return placed(where, "", std::forward<F>(f)); }
+template <class F>
+decltype(auto) placed(const Where& where, F&& f) {
+  return placed(where, "", std::forward<F>(f));
+}
 
 class Builder {
  public:
-  Builder(const Scene& scene, const Registry& registry, Mechanism& out) : scene_(scene), registry_(registry), out_(out) {}
+  Builder(const Scene& scene, const Registry& registry, Mechanism& out)
+      : scene_(scene), registry_(registry), out_(out) {}
   void build();
 
  private:

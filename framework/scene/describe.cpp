@@ -11,8 +11,10 @@
 namespace lockstep {
 namespace {
 
-template <class Shelf> void append(const Shelf& shelf, const std::string& name, std::vector<Description>& out) {
-  for (const auto& [key, entry] : shelf.entries()) out.push_back({name, entry.info, entry.origin.empty() ? "built in" : entry.origin});
+template <class Shelf>
+void append(const Shelf& shelf, const std::string& name, std::vector<Description>& out) {
+  for (const auto& [key, entry] : shelf.entries())
+    out.push_back({name, entry.info, entry.origin.empty() ? "built in" : entry.origin});
 }
 
 std::string singular(const std::string& shelf) {
@@ -83,7 +85,8 @@ std::string form_words(const Key& key) {
 }
 
 std::string describe(const Description& d) {
-  std::string text = d.info.name + ": " + singular(d.shelf) + (d.origin == "built in" ? "" : ", from plugin " + d.origin) + "\n  " + d.info.help + "\n";
+  std::string text = d.info.name + ": " + singular(d.shelf) +
+                     (d.origin == "built in" ? "" : ", from plugin " + d.origin) + "\n  " + d.info.help + "\n";
   std::size_t name = 0, form = 0, fallback = 0;
   for (const Key& key : d.info.keys) {
     name = std::max(name, key.name.size());
@@ -93,8 +96,8 @@ std::string describe(const Description& d) {
   if (d.info.keys.empty()) return text + "  it takes no keys\n";
   text += "keys:\n";
   for (const Key& key : d.info.keys) {
-    const std::string line =
-        "  " + padded(key.name, name) + "  " + padded(form_words(key), form) + "  " + padded(default_words(key), fallback) + "  " + key.help;
+    const std::string line = "  " + padded(key.name, name) + "  " + padded(form_words(key), form) + "  " +
+                             padded(default_words(key), fallback) + "  " + key.help;
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;

@@ -15,14 +15,16 @@ struct Description {
   std::string origin;  ///< "built in", or the plugin's name
 };
 
-/// Names of the shelves, in the order of `list`: "laws", "translation_laws", "rotation_laws", "links", "forces", "integrators", "solvers".
+/// Names of the shelves, in the order of `list`: "laws", "translation_laws", "rotation_laws", "links", "forces",
+/// "integrators", "solvers".
 LOCKSTEP_API std::vector<std::string> shelf_names();
 
-/// Everything on one shelf ("laws" brings all three kinds of law); without keys in common. Throws SceneError for another name.
+/// Everything on one shelf ("laws" brings all three kinds of law); without keys in common. Throws SceneError for
+/// another name.
 LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std::string& shelf);
 
-/// All that have this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with the
-/// closest name when there is none.
+/// All that have this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with
+/// the closest name when there is none.
 LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
 
 /// Text for a terminal: help, keys with form, unit, default and help.

@@ -8,8 +8,8 @@
 
 namespace lockstep {
 
-/// A recorder with the channels that the scene asks for. Make it before the Simulation; the mechanism must stay where it is
-/// in memory. Throws SceneError with the place of a channel that does not exist.
+/// A recorder with the channels that the scene asks for. Make it before the Simulation; the mechanism must stay where
+/// it is in memory. Throws SceneError with the place of a channel that does not exist.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
 
 /// The scene's events with their conditions. Make them before the Simulation too; `recorder` follows their channels.

@@ -59,10 +59,12 @@ std::vector<double> read_times(const Params& run) {
 
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
   const auto name = [](const ChannelRequest& r) { return r.name.empty() ? r.channel : r.name; };
-  if (name(request).empty() || request.channel.empty()) refuse(request.where, "run.record", "a channel needs a name; \"\" is none");
+  if (name(request).empty() || request.channel.empty())
+    refuse(request.where, "run.record", "a channel needs a name; \"\" is none");
   const auto same = [&](const ChannelRequest& other) { return name(other) == name(request); };
   if (std::any_of(all.begin(), all.end(), same))
-    refuse(request.where, "run.record", "column \"" + name(request) + "\" is asked for twice; give one of them a name of its own");
+    refuse(request.where, "run.record",
+           "column \"" + name(request) + "\" is asked for twice; give one of them a name of its own");
   all.push_back(std::move(request));
 }
 
@@ -75,7 +77,8 @@ std::vector<ChannelRequest> read_record(const Params& run) {
     if (item.text() != nullptr) {
       add_request(all, {*item.text(), "", item.where});
     } else if (item.object() != nullptr) {
-      for (const Value::Member& m : *item.object()) add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where});
+      for (const Value::Member& m : *item.object())
+        add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where});
     } else {
       refuse(item.where, "run.record", "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
     }
@@ -90,10 +93,13 @@ std::vector<std::vector<std::string>> read_draw(const Params& run, const std::ve
   std::vector<std::string> known;
   for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
   const Value::List* lists = run.value("draw").list();
-  if (lists == nullptr) run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
+  if (lists == nullptr)
+    run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
   for (const Value& panel : *lists) {
-    if (panel.list() == nullptr) refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
-    if (panel.list()->empty()) refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
+    if (panel.list() == nullptr)
+      refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
+    if (panel.list()->empty())
+      refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
     panels.emplace_back();
     for (const Value& item : *panel.list()) {
       const std::string name = read_text(item, "run.draw");
@@ -130,23 +136,29 @@ RunSettings read_run(const Value& v) {
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {
   if (registry.integrators.find(run.integrator.type) == nullptr)
     refuse(run.integrator.where, "run.integrator",
-           "unknown integrator \"" + run.integrator.type + "\"" + suggestion(run.integrator.type, registry.integrators.names()));
+           "unknown integrator \"" + run.integrator.type + "\"" +
+               suggestion(run.integrator.type, registry.integrators.names()));
   const TypeInfo& info = registry.integrators.find(run.integrator.type)->info;
   const Params keys(run.integrator.keys, info, "run.integrator", &registry);
-  auto method = placed(run.integrator.where, [&] { return registry.integrators.make(run.integrator.type, keys, &registry, "run.integrator"); });
+  auto method = placed(run.integrator.where, [&] {
+    return registry.integrators.make(run.integrator.type, keys, &registry, "run.integrator");
+  });
   if (!method->info().adaptive && run.step <= 0)
     refuse(run.integrator.where.line > 0 ? run.integrator.where : run.where, "run.integrator",
-           "\"" + run.integrator.type + "\" takes fixed steps and no step is given; add \"step\" to \"run\", as in \"step\": 0.001");
+           "\"" + run.integrator.type +
+               "\" takes fixed steps and no step is given; add \"step\" to \"run\", as in \"step\": 0.001");
   method->set_tolerance(run.tolerance);
   return method;
 }
 
 std::unique_ptr<LinearSolver> make_solver(const RunSettings& run, const Registry& registry) {
   if (registry.solvers.find(run.solver.type) == nullptr)
-    refuse(run.solver.where, "run.solver", "unknown solver \"" + run.solver.type + "\"" + suggestion(run.solver.type, registry.solvers.names()));
+    refuse(run.solver.where, "run.solver",
+           "unknown solver \"" + run.solver.type + "\"" + suggestion(run.solver.type, registry.solvers.names()));
   const TypeInfo& info = registry.solvers.find(run.solver.type)->info;
   const Params keys(run.solver.keys, info, "run.solver", &registry);
-  return placed(run.solver.where, [&] { return registry.solvers.make(run.solver.type, keys, &registry, "run.solver"); });
+  return placed(run.solver.where,
+                [&] { return registry.solvers.make(run.solver.type, keys, &registry, "run.solver"); });
 }
 
 }  // namespace lockstep

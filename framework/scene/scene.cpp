@@ -16,11 +16,12 @@ Scene scene_from(Value root, std::string file) {
   Scene scene;
   scene.root = std::move(root);
   scene.file = std::move(file);
-  if (scene.root.object() == nullptr) refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
+  if (scene.root.object() == nullptr)
+    refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
   const Params p = params_of(scene.root, "scene", "scene", nullptr);
   if (p.integer("lockstep") != kFormat)
-    p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) + " of the format is unknown here; this program reads version " +
-                             std::to_string(kFormat));
+    p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) +
+                             " of the format is unknown here; this program reads version " + std::to_string(kFormat));
   if (p.has("title")) scene.title = p.text("title");
   if (p.has("description")) scene.description = p.text("description");
   for (const auto& [name, where] : texts_of(p, "requires")) scene.plugins.push_back(name);
@@ -28,7 +29,9 @@ Scene scene_from(Value root, std::string file) {
   return scene;
 }
 
-Scene scene_from_text(const std::string& text, const std::string& file) { return scene_from(read_json(text, file), file); }
+Scene scene_from_text(const std::string& text, const std::string& file) {
+  return scene_from(read_json(text, file), file);
+}
 
 Scene read_scene(const std::string& path) { return scene_from(read_json_file(path), path); }
 

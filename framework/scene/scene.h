@@ -43,7 +43,7 @@ struct RunSettings {
 
 struct Scene {
   Value root;
-  std::string file;                    ///< as it was asked for; "" when given in C++
+  std::string file;  ///< as it was asked for; "" when given in C++
   std::string title, description;
   std::vector<std::string> plugins{};  ///< "requires"
   RunSettings run;                     ///< may be changed before build()
@@ -71,11 +71,12 @@ struct Mechanism {
   std::vector<EventRequest> events{};
 };
 
-/// Makes the mechanism and sets the system up. Throws SceneError with the place for everything that cannot be, also for what
-/// makers and the System refuse.
+/// Makes the mechanism and sets the system up. Throws SceneError with the place for everything that cannot be, also for
+/// what makers and the System refuse.
 LOCKSTEP_API Mechanism build(const Scene&, const Registry&);
 
-/// The integrator that the settings name, its tolerance set. Throws SceneError: unknown, or a fixed step without a step.
+/// The integrator that the settings name, its tolerance set. Throws SceneError: unknown, or a fixed step without a
+/// step.
 LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const RunSettings&, const Registry&);
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const Registry&);
 

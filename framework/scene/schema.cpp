@@ -27,21 +27,36 @@ Json exactly(const Json& item, int n) { return {{"type", "array"}, {"items", ite
 
 Json form_schema(const Key& key) {
   switch (key.form) {
-    case Form::number: return number_schema(key.unit);
-    case Form::integer: return {{"type", "integer"}};
-    case Form::boolean: return {{"type", "boolean"}};
-    case Form::text: return {{"type", "string"}};
-    case Form::choice: return {{"enum", key.choices}};
-    case Form::vector3: return exactly(number_schema(key.unit), 3);
-    case Form::axis: return reference("axis");
-    case Form::orientation: return reference("orientation");
-    case Form::numbers: return list_of(number_schema(key.unit));
-    case Form::points: return list_of(list_of(number_schema(key.unit)));
-    case Form::law: return reference("law");
-    case Form::translation_law: return reference("translation_law");
-    case Form::rotation_law: return reference("rotation_law");
-    case Form::laws: return list_of(reference("law"));
-    case Form::any: break;
+    case Form::number:
+      return number_schema(key.unit);
+    case Form::integer:
+      return {{"type", "integer"}};
+    case Form::boolean:
+      return {{"type", "boolean"}};
+    case Form::text:
+      return {{"type", "string"}};
+    case Form::choice:
+      return {{"enum", key.choices}};
+    case Form::vector3:
+      return exactly(number_schema(key.unit), 3);
+    case Form::axis:
+      return reference("axis");
+    case Form::orientation:
+      return reference("orientation");
+    case Form::numbers:
+      return list_of(number_schema(key.unit));
+    case Form::points:
+      return list_of(list_of(number_schema(key.unit)));
+    case Form::law:
+      return reference("law");
+    case Form::translation_law:
+      return reference("translation_law");
+    case Form::rotation_law:
+      return reference("rotation_law");
+    case Form::laws:
+      return list_of(reference("law"));
+    case Form::any:
+      break;
   }
   return Json::object();
 }
@@ -50,17 +65,27 @@ Json form_schema(const Key& key) {
 Json part_schema(const Key& key, const Part& part) {
   const Json text = {{"type", "string"}};
   switch (part.holds) {
-    case Holds::object: return reference(part.table);
-    case Holds::objects: return list_of(reference(part.table));
-    case Holds::object_or_list: return any_of({reference(part.table), list_of(reference(part.table))});
-    case Holds::choice_or_object: return any_of({{{"enum", key.choices}}, reference(part.table)});
-    case Holds::texts: return list_of(text);
-    case Holds::text_lists: return list_of(list_of(text));
-    case Holds::channels: return list_of(any_of({text, {{"type", "object"}, {"additionalProperties", text}}}));
-    case Holds::typed: return reference(part.table);
+    case Holds::object:
+      return reference(part.table);
+    case Holds::objects:
+      return list_of(reference(part.table));
+    case Holds::object_or_list:
+      return any_of({reference(part.table), list_of(reference(part.table))});
+    case Holds::choice_or_object:
+      return any_of({{{"enum", key.choices}}, reference(part.table)});
+    case Holds::texts:
+      return list_of(text);
+    case Holds::text_lists:
+      return list_of(list_of(text));
+    case Holds::channels:
+      return list_of(any_of({text, {{"type", "object"}, {"additionalProperties", text}}}));
+    case Holds::typed:
+      return reference(part.table);
     case Holds::vector_or_object:
-      return any_of({exactly(number_schema(Unit::any), 3), exactly(exactly(number_schema(Unit::any), 3), 3), reference(part.table)});
-    case Holds::vector_or_word: return any_of({exactly(number_schema(Unit::any), 3), {{"enum", key.choices}}});
+      return any_of({exactly(number_schema(Unit::any), 3), exactly(exactly(number_schema(Unit::any), 3), 3),
+                     reference(part.table)});
+    case Holds::vector_or_word:
+      return any_of({exactly(number_schema(Unit::any), 3), {{"enum", key.choices}}});
   }
   return Json::object();
 }
@@ -96,13 +121,15 @@ Json typed_schema(const TypeInfo& type, const SceneTable& common) {
   return schema;
 }
 
-template <class Shelf> Json shelf_schema(const Shelf& shelf, const SceneTable& common, std::vector<Json> forms = {}) {
+template <class Shelf>
+Json shelf_schema(const Shelf& shelf, const SceneTable& common, std::vector<Json> forms = {}) {
   for (const auto& [name, entry] : shelf.entries()) forms.push_back(typed_schema(entry.info, common));
   return {{"anyOf", Json(forms)}};
 }
 
 // A law: an object with its type, or a value for the law "constant".
-template <class Shelf> Json law_schema(const Shelf& shelf) {
+template <class Shelf>
+Json law_schema(const Shelf& shelf) {
   std::vector<Json> forms;
   if (const auto* constant = shelf.find("constant"); constant != nullptr && !constant->info.keys.empty())
     forms.push_back(form_schema(constant->info.keys.front()));
@@ -118,28 +145,37 @@ Json name_or_typed(const Json& schema, const std::vector<std::string>& names) {
 Json orientation_schema() {
   const Json angle = number_schema(Unit::angle), matrix = exactly(exactly(number_schema(Unit::none), 3), 3);
   const auto object = [](Json properties, int n) {
-    return Json{{"type", "object"}, {"properties", std::move(properties)}, {"minProperties", n}, {"maxProperties", n},
+    return Json{{"type", "object"},
+                {"properties", std::move(properties)},
+                {"minProperties", n},
+                {"maxProperties", n},
                 {"additionalProperties", false}};
   };
   const Json axis = reference("axis");
   return {{"description", "axes of a frame in its parent"},
-          {"anyOf", {exactly(number_schema(Unit::none), 4), object({{"axis", axis}, {"angle", angle}}, 2),
-                     object({{"angles", exactly(angle, 3)}, {"sequence", {{"type", "string"}}}}, 2), object({{"matrix", matrix}}, 1),
-                     object({{"x", axis}, {"y", axis}, {"z", axis}}, 2)}}};
+          {"anyOf",
+           {exactly(number_schema(Unit::none), 4), object({{"axis", axis}, {"angle", angle}}, 2),
+            object({{"angles", exactly(angle, 3)}, {"sequence", {{"type", "string"}}}}, 2),
+            object({{"matrix", matrix}}, 1), object({{"x", axis}, {"y", axis}, {"z", axis}}, 2)}}};
 }
 
 Json axis_schema() {
-  return {{"description", "a direction, not zero"},
-          {"anyOf", {Json{{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}}, exactly(number_schema(Unit::none), 3)}}};
+  return {
+      {"description", "a direction, not zero"},
+      {"anyOf",
+       {Json{{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}}, exactly(number_schema(Unit::none), 3)}}};
 }
 
 Json definitions(const Registry& registry) {
   Json defs = Json::object();
   for (const SceneTable& table : scene_tables()) {
     if (table.info.name == "scene") continue;
-    if (table.shelf == "links") defs["link"] = shelf_schema(registry.links, table);
-    else if (table.shelf == "forces") defs["force"] = shelf_schema(registry.forces, table);
-    else defs[table.info.name] = object_schema(table.info, table.parts);
+    if (table.shelf == "links")
+      defs["link"] = shelf_schema(registry.links, table);
+    else if (table.shelf == "forces")
+      defs["force"] = shelf_schema(registry.forces, table);
+    else
+      defs[table.info.name] = object_schema(table.info, table.parts);
   }
   defs["axis"] = axis_schema();
   defs["orientation"] = orientation_schema();

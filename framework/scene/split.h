@@ -31,7 +31,8 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
 
 /// Checks the object against both tables and takes it apart. Throws SceneError; an unknown type with the closest one.
 template <class Shelf>
-Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner, const LawSource& laws) {
+Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
+            const LawSource& laws) {
   const Value* type = object.find("type");
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
   if (type != nullptr && type->text() != nullptr && entry == nullptr)
@@ -43,7 +44,8 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
   Value own(Value::Object{}), common(Value::Object{});
   own.where = common.where = object.where;
   for (const Value::Member& member : *object.object()) {
-    const bool its = std::any_of(own_keys.begin(), own_keys.end(), [&](const Key& key) { return key.name == member.key; });
+    const bool its =
+        std::any_of(own_keys.begin(), own_keys.end(), [&](const Key& key) { return key.name == member.key; });
     (its ? own : common).object()->push_back(member);
   }
   return {checked.text("type"), Params(std::move(common), table.info, owner, &laws), std::move(own)};

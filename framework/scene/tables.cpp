@@ -13,7 +13,8 @@ Key any(std::string name, std::string help, std::vector<std::string> choices = {
 Key name_key(std::string help) { return {"name", Form::text, Unit::none, "", std::move(help)}; }
 
 SceneTable scene() {
-  return {{"scene", "a mechanism, how it starts, how it runs and what is recorded",
+  return {{"scene",
+           "a mechanism, how it starts, how it runs and what is recorded",
            {{"lockstep", Form::integer, Unit::none, "", "version of this format: 1"},
             {"title", Form::text, Unit::none, kAbsent, "one line that says what moves"},
             {"description", Form::text, Unit::none, kAbsent, "more about it"},
@@ -47,22 +48,27 @@ Keys mass_keys() {
           any("sphere", "a sphere about its frame's origin")};
 }
 std::vector<Part> mass_parts() {
-  return {{"inertia", Holds::vector_or_object, "inertia"}, {"inertia_at", Holds::vector_or_word},
-          {"rod", Holds::object, "rod"}, {"box", Holds::object, "box"},
-          {"cylinder", Holds::object, "cylinder"}, {"sphere", Holds::object, "sphere"}};
+  return {{"inertia", Holds::vector_or_object, "inertia"},
+          {"inertia_at", Holds::vector_or_word},
+          {"rod", Holds::object, "rod"},
+          {"box", Holds::object, "box"},
+          {"cylinder", Holds::object, "cylinder"},
+          {"sphere", Holds::object, "sphere"}};
 }
 
 SceneTable body() {
-  SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name; no other thing has it")}}, mass_parts()};
+  SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name; no other thing has it")}},
+               mass_parts()};
   for (Key& key : mass_keys()) t.info.keys.push_back(std::move(key));
-  const Keys more = {any("compound", "several parts, rigidly joined, each placed in the body's frame"),
-                     {"particle", Form::number, Unit::mass, kAbsent, "mass of a particle, which has no rotation"},
-                     {"fixed", Form::boolean, Unit::none, "false", "it never moves and needs no mass"},
-                     {"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of its frame at the start, world"},
-                     {"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "its axes at the start, in the world"},
-                     {"velocity", Form::vector3, Unit::speed, "[0, 0, 0]", "of the frame's origin at the start, world axes"},
-                     {"omega_body", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, body axes"},
-                     {"omega_world", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, world axes"}};
+  const Keys more = {
+      any("compound", "several parts, rigidly joined, each placed in the body's frame"),
+      {"particle", Form::number, Unit::mass, kAbsent, "mass of a particle, which has no rotation"},
+      {"fixed", Form::boolean, Unit::none, "false", "it never moves and needs no mass"},
+      {"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of its frame at the start, world"},
+      {"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "its axes at the start, in the world"},
+      {"velocity", Form::vector3, Unit::speed, "[0, 0, 0]", "of the frame's origin at the start, world axes"},
+      {"omega_body", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, body axes"},
+      {"omega_world", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, world axes"}};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
   t.parts.push_back({"compound", Holds::objects, "part"});
   return t;
@@ -70,24 +76,34 @@ SceneTable body() {
 
 SceneTable part() {
   SceneTable t{{"part", "a part of a compound body", mass_keys()}, mass_parts()};
-  t.info.keys.push_back({"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of the part's frame, body frame"});
-  t.info.keys.push_back({"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "axes of the part, in the body frame"});
+  t.info.keys.push_back(
+      {"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of the part's frame, body frame"});
+  t.info.keys.push_back(
+      {"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "axes of the part, in the body frame"});
   return t;
 }
 
 Key shape_mass() { return {"mass", Form::number, Unit::mass, kAbsent, "mass; or \"density\""}; }
 Key shape_density() { return {"density", Form::number, Unit::density, kAbsent, "mass by volume; or \"mass\""}; }
-Key length_key(std::string name, std::string help) { return {std::move(name), Form::number, Unit::length, "", std::move(help)}; }
+Key length_key(std::string name, std::string help) {
+  return {std::move(name), Form::number, Unit::length, "", std::move(help)};
+}
 
 std::vector<SceneTable> shapes() {
-  return {{{"rod", "a straight rod, its frame in the middle with x along it",
-            {shape_mass(), shape_density(),
+  return {{{"rod",
+            "a straight rod, its frame in the middle with x along it",
+            {shape_mass(),
+             shape_density(),
              {"from", Form::vector3, Unit::length, "", "one end (of a body: world; of a part: body frame)"},
              {"to", Form::vector3, Unit::length, "", "the other end"},
              {"radius", Form::number, Unit::length, kAbsent, "of a solid cylinder; default: length / 50"},
-             {"axial_inertia", Form::number, Unit::inertia, kAbsent, "a rod without thickness, with this inertia about its axis"}}}},
-          {{"box", "a solid box", {shape_mass(), shape_density(), {"size", Form::vector3, Unit::length, "", "its three edges"}}}},
-          {{"cylinder", "a solid cylinder along z",
+             {"axial_inertia", Form::number, Unit::inertia, kAbsent,
+              "a rod without thickness, with this inertia about its axis"}}}},
+          {{"box",
+            "a solid box",
+            {shape_mass(), shape_density(), {"size", Form::vector3, Unit::length, "", "its three edges"}}}},
+          {{"cylinder",
+            "a solid cylinder along z",
             {shape_mass(), shape_density(), length_key("radius", "its radius"), length_key("length", "its length")}}},
           {{"sphere", "a solid sphere", {shape_mass(), shape_density(), length_key("radius", "its radius")}}}};
 }
@@ -96,12 +112,14 @@ SceneTable inertia() {
   const auto entry = [](const char* name, const char* fallback) {
     return Key{name, Form::number, Unit::inertia, fallback, "entry of the inertia matrix"};
   };
-  return {{"inertia", "an inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm",
+  return {{"inertia",
+           "an inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm",
            {entry("xx", ""), entry("yy", ""), entry("zz", ""), entry("xy", "0"), entry("yz", "0"), entry("zx", "0")}}};
 }
 
 SceneTable marker() {
-  return {{"marker", "a frame on a body, still or moving by laws",
+  return {{"marker",
+           "a frame on a body, still or moving by laws",
            {name_key("its name; no other thing has it"),
             {"body", Form::text, Unit::none, "", "the body that carries it"},
             {"at", Form::vector3, Unit::length, kAbsent, "its origin, body frame"},
@@ -114,35 +132,41 @@ SceneTable marker() {
 
 // Where a link or a force stands.
 Keys site_keys(const char* p_default) {
-  return {{"p", Form::text, Unit::none, p_default, "the marker P, or a body that is given one"},
-          {"s", Form::text, Unit::none, p_default, "the marker S that P is seen from, or a body that is given one"},
-          {"at", Form::vector3, Unit::length, kAbsent, "where both new markers are at the start, world"},
-          {"at_p", Form::vector3, Unit::length, kAbsent, "where the new marker P is at the start, world"},
-          {"at_s", Form::vector3, Unit::length, kAbsent, "where the new marker S is at the start, world"},
-          {"axis", Form::axis, Unit::none, kAbsent, "z axis of the new markers at the start, world"},
-          {"orientation", Form::orientation, Unit::none, kAbsent, "axes of the new markers at the start, in the world"}};
+  return {
+      {"p", Form::text, Unit::none, p_default, "the marker P, or a body that is given one"},
+      {"s", Form::text, Unit::none, p_default, "the marker S that P is seen from, or a body that is given one"},
+      {"at", Form::vector3, Unit::length, kAbsent, "where both new markers are at the start, world"},
+      {"at_p", Form::vector3, Unit::length, kAbsent, "where the new marker P is at the start, world"},
+      {"at_s", Form::vector3, Unit::length, kAbsent, "where the new marker S is at the start, world"},
+      {"axis", Form::axis, Unit::none, kAbsent, "z axis of the new markers at the start, world"},
+      {"orientation", Form::orientation, Unit::none, kAbsent, "axes of the new markers at the start, in the world"}};
 }
 
 SceneTable link() {
-  SceneTable t{{"link", "a joint, a lock or any other constraint between bodies",
-           {name_key("its name; no other thing has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
-          {{"drive", Holds::object_or_list, "drive"}, {"start", Holds::object, "start"}},
-          "links"};
+  SceneTable t{{"link",
+                "a joint, a lock or any other constraint between bodies",
+                {name_key("its name; no other thing has it"),
+                 {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
+               {{"drive", Holds::object_or_list, "drive"}, {"start", Holds::object, "start"}},
+               "links"};
   for (Key& key : site_keys("")) t.info.keys.push_back(std::move(key));
-  const Keys more = {any("drive", "laws on coordinates that the link leaves free"),
-                     {"move", Form::translation_law, Unit::length, kAbsent, "where P is held, S axes, on the rows x y z"},
-                     {"turn", Form::rotation_law, Unit::angle, kAbsent, "how far P is held turned against S"},
-                     {"active", Form::boolean, Unit::none, "true", "whether it holds from the start"},
-                     any("start", "how its free coordinates begin")};
+  const Keys more = {
+      any("drive", "laws on coordinates that the link leaves free"),
+      {"move", Form::translation_law, Unit::length, kAbsent, "where P is held, S axes, on the rows x y z"},
+      {"turn", Form::rotation_law, Unit::angle, kAbsent, "how far P is held turned against S"},
+      {"active", Form::boolean, Unit::none, "true", "whether it holds from the start"},
+      any("start", "how its free coordinates begin")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
   return t;
 }
 
 SceneTable force() {
-  SceneTable t{{"force", "what pushes or pulls without holding",
-           {name_key("its name; no other thing has it"), {"type", Form::text, Unit::none, "", "what it is: see `lockstep list forces`"}}},
-          {},
-          "forces"};
+  SceneTable t{{"force",
+                "what pushes or pulls without holding",
+                {name_key("its name; no other thing has it"),
+                 {"type", Form::text, Unit::none, "", "what it is: see `lockstep list forces`"}}},
+               {},
+               "forces"};
   for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   return t;
 }
@@ -152,18 +176,23 @@ std::vector<SceneTable> link_parts() {
   for (const char* axis : {"x", "y", "z"})
     velocity.info.keys.push_back({axis, Form::number, Unit::speed, kAbsent, std::string("along ") + axis + " of S"});
   for (const char* axis : {"rx", "ry", "rz"})
-    velocity.info.keys.push_back({axis, Form::number, Unit::angular_speed, kAbsent, std::string("about ") + axis[1] + " of S"});
-  return {{{"drive", "a law on one free coordinate of a link; exactly one row more",
-            {{"axis", Form::choice, Unit::none, "", "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
-             {"law", Form::law, Unit::any, kAbsent, "the coordinate as a function of time, m or rad"},
-             {"speed", Form::law, Unit::any, kAbsent, "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
-          {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
-           {{"velocity", Holds::object, "start_velocity"}}},
-          velocity};
+    velocity.info.keys.push_back(
+        {axis, Form::number, Unit::angular_speed, kAbsent, std::string("about ") + axis[1] + " of S"});
+  return {
+      {{"drive",
+        "a law on one free coordinate of a link; exactly one row more",
+        {{"axis", Form::choice, Unit::none, "", "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
+         {"law", Form::law, Unit::any, kAbsent, "the coordinate as a function of time, m or rad"},
+         {"speed", Form::law, Unit::any, kAbsent,
+          "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
+      {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
+       {{"velocity", Holds::object, "start_velocity"}}},
+      velocity};
 }
 
 std::vector<SceneTable> events() {
-  return {{{"event", "a change of the links in force between two steps",
+  return {{{"event",
+            "a change of the links in force between two steps",
             {name_key("its name; no other event has it"),
              {"at", Form::number, Unit::time, kAbsent, "the instant; or \"when\""},
              any("when", "the condition; or \"at\""),
@@ -172,29 +201,43 @@ std::vector<SceneTable> events() {
              {"stop", Form::boolean, Unit::none, "false", "whether the run ends there"},
              {"once", Form::boolean, Unit::none, "true", "only the first time that the condition is met"}}},
            {{"when", Holds::object, "condition"}, {"activate", Holds::texts}, {"deactivate", Holds::texts}}},
-          {{"condition", "a channel that crosses a value",
+          {{"condition",
+            "a channel that crosses a value",
             {{"channel", Form::text, Unit::none, "", "a channel's name, such as \"slider.x\""},
              {"crosses", Form::number, Unit::any, "0", "the value"},
              {"direction", Form::choice, Unit::none, "\"any\"", "the sense", {"any", "rising", "falling"}}}}}};
 }
 
 std::vector<SceneTable> runs() {
-  return {{{"run", "how the motion is computed and what is written",
-            {any("integrator", "a name of `lockstep list integrators`, or {\"type\": name, and its keys}; default \"dopri5\""),
+  return {{{"run",
+            "how the motion is computed and what is written",
+            {any("integrator",
+                 "a name of `lockstep list integrators`, or {\"type\": name, and its keys}; default \"dopri5\""),
              {"step", Form::number, Unit::time, kAbsent, "fixed step, or the largest step of an adaptive integrator"},
-             {"tolerance", Form::number, Unit::none, "1e-6", "relative tolerance of adaptive integrators; absolute: a hundredth of it, m"},
+             {"tolerance", Form::number, Unit::none, "1e-6",
+              "relative tolerance of adaptive integrators; absolute: a hundredth of it, m"},
              {"until", Form::number, Unit::time, kAbsent, "end of the run"},
              {"output", Form::number, Unit::time, kAbsent, "interval of the recorded instants; default: every step"},
              {"times", Form::numbers, Unit::time, kAbsent, "or these instants, rising"},
-             {"formulation", Form::choice, Unit::none, "\"omega\"", "6 velocities a body, or the 7 coordinates of the paper", {"omega", "quaternion"}},
-             any("stabilization", "how drift off the constraints is fought; default \"project\"", {"project", "baumgarte", "none"}),
+             {"formulation",
+              Form::choice,
+              Unit::none,
+              "\"omega\"",
+              "6 velocities a body, or the 7 coordinates of the paper",
+              {"omega", "quaternion"}},
+             any("stabilization", "how drift off the constraints is fought; default \"project\"",
+                 {"project", "baumgarte", "none"}),
              any("solver", "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"sparse\""),
              {"assemble", Form::boolean, Unit::none, "true", "a start off the constraints is moved onto them"},
              any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
              any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit")}},
-           {{"integrator", Holds::typed, "integrators"}, {"stabilization", Holds::choice_or_object, "stabilization"},
-            {"solver", Holds::typed, "solvers"}, {"record", Holds::channels}, {"draw", Holds::text_lists}}},
-          {{"stabilization", "how drift off the constraints is fought",
+           {{"integrator", Holds::typed, "integrators"},
+            {"stabilization", Holds::choice_or_object, "stabilization"},
+            {"solver", Holds::typed, "solvers"},
+            {"record", Holds::channels},
+            {"draw", Holds::text_lists}}},
+          {{"stabilization",
+            "how drift off the constraints is fought",
             {{"kind", Form::choice, Unit::none, "\"project\"", "the way", {"project", "baumgarte", "none"}},
              {"alpha", Form::number, Unit::frequency, "5", "Baumgarte's damping rate, 1/s"},
              {"beta", Form::number, Unit::frequency, "5", "Baumgarte's stiffness rate, 1/s"},
@@ -203,7 +246,8 @@ std::vector<SceneTable> runs() {
 
 std::vector<SceneTable> all_tables() {
   std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
-  for (const auto& group : {shapes(), link_parts(), events(), runs()}) all.insert(all.end(), group.begin(), group.end());
+  for (const auto& group : {shapes(), link_parts(), events(), runs()})
+    all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check(table.info);
   return all;
 }

@@ -1,4 +1,5 @@
-// The objects of a scene file: one table of keys each. Parser, schema and `describe` read these; there is no second list.
+// The objects of a scene file: one table of keys each. Parser, schema and `describe` read these; there is no second
+// list.
 #pragma once
 
 #include <string>
@@ -11,16 +12,16 @@ namespace lockstep {
 
 /// What stands under a key of Form::any.
 enum class Holds {
-  object,           ///< one object of `table`
-  objects,          ///< a list of them
-  object_or_list,   ///< either
-  choice_or_object, ///< one of the key's choices, or an object of `table`
-  texts,            ///< a list of texts
-  text_lists,       ///< a list of lists of texts
-  channels,         ///< a list of channel names and of objects {"own name": "channel name"}
-  typed,            ///< a name on the shelf `table`, or {"type": name, and its keys}
-  vector_or_object, ///< [x, y, z], an object of `table`, or three rows of three
-  vector_or_word    ///< [x, y, z], or one of the key's choices
+  object,            ///< one object of `table`
+  objects,           ///< a list of them
+  object_or_list,    ///< either
+  choice_or_object,  ///< one of the key's choices, or an object of `table`
+  texts,             ///< a list of texts
+  text_lists,        ///< a list of lists of texts
+  channels,          ///< a list of channel names and of objects {"own name": "channel name"}
+  typed,             ///< a name on the shelf `table`, or {"type": name, and its keys}
+  vector_or_object,  ///< [x, y, z], an object of `table`, or three rows of three
+  vector_or_word     ///< [x, y, z], or one of the key's choices
 };
 
 struct Part {
@@ -29,8 +30,8 @@ struct Part {
   std::string table{};
 };
 
-/// One kind of object: its name, help and keys, and what its keys of Form::any hold. Where `shelf` is given, an object also
-/// takes the keys of the type that its key "type" names there.
+/// One kind of object: its name, help and keys, and what its keys of Form::any hold. Where `shelf` is given, an object
+/// also takes the keys of the type that its key "type" names there.
 struct SceneTable {
   TypeInfo info;
   std::vector<Part> parts{};

@@ -59,7 +59,8 @@ class LOCKSTEP_API PluginError : public Error {
   ~PluginError() override;
 };
 
-/// A scene (or parameters given in C++) that cannot be understood. `line` and `column` count from 1; 0 = not from a file.
+/// A scene (or parameters given in C++) that cannot be understood. `line` and `column` count from 1; 0 = not from a
+/// file.
 class LOCKSTEP_API SceneError : public Error {
  public:
   explicit SceneError(const std::string& message, std::string source = {}, int at_line = 0, int at_column = 0)

@@ -10,7 +10,8 @@ namespace lockstep {
 class Snapshot {
  public:
   void put(double x) { numbers_.push_back(x); }
-  template <class V> void put_all(const V& v) {
+  template <class V>
+  void put_all(const V& v) {
     put(static_cast<double>(v.size()));
     for (decltype(v.size()) i = 0; i < v.size(); ++i) put(v[i]);
   }
@@ -18,7 +19,8 @@ class Snapshot {
     assert(at_ < numbers_.size());
     return numbers_[at_++];
   }
-  template <class V> void get_all(V& v) const {
+  template <class V>
+  void get_all(V& v) const {
     v.resize(static_cast<decltype(v.size())>(get()));
     for (decltype(v.size()) i = 0; i < v.size(); ++i) v[i] = get();
   }

@@ -10,7 +10,8 @@
 
 namespace lockstep {
 
-/// The candidate nearest to `word` by edit distance (case ignored), or "" when none is near (more than a third of the word apart).
+/// The candidate nearest to `word` by edit distance (case ignored), or "" when none is near (more than a third of the
+/// word apart).
 LOCKSTEP_API std::string closest_name(std::string_view word, std::span<const std::string> candidates);
 
 /// `; did you mean "slope"?` or, when nothing is near, `; known: a, b, c` (at most twelve names, then "...").

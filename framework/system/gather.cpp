@@ -20,7 +20,8 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
     const Lock& link = *ordered_[static_cast<std::size_t>(i)];
     if (!modes[static_cast<std::size_t>(link.number())]) continue;
     const int entry = static_cast<int>(table.entries.size());
-    const bool same_run = last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
+    const bool same_run =
+        last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
     if (!same_run) table.runs.push_back({entry, 0, i});
     ++table.runs.back().n;
     last = i;
@@ -74,8 +75,10 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     if (link->n_states() == 0) continue;
     const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
     const std::span<double> rates = part(sd, link->first_state(), link->n_states());
-    if (active) link->state_rates(values.in, rates);
-    else std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
+    if (active)
+      link->state_rates(values.in, rates);
+    else
+      std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
   }
   for (const auto& auxiliary : auxiliaries_) auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size()));
 }

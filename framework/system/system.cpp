@@ -11,19 +11,25 @@
 namespace lockstep {
 namespace {
 
-template <class Range> std::vector<std::string> names_of(const Range& range) {
+template <class Range>
+std::vector<std::string> names_of(const Range& range) {
   std::vector<std::string> names;
   for (const auto& item : range) {
-    if constexpr (requires { item->name(); }) names.push_back(item->name());
-    else names.push_back(item.name);
+    if constexpr (requires { item->name(); })
+      names.push_back(item->name());
+    else
+      names.push_back(item.name);
   }
   return names;
 }
 
-template <class Range> auto find_in(Range& range, const std::string& name) {
+template <class Range>
+auto find_in(Range& range, const std::string& name) {
   return std::find_if(range.begin(), range.end(), [&](const auto& item) {
-    if constexpr (requires { item->name(); }) return item->name() == name;
-    else return item.name == name;
+    if constexpr (requires { item->name(); })
+      return item->name() == name;
+    else
+      return item.name == name;
   });
 }
 
@@ -199,7 +205,8 @@ void System::setup_length() {
   for (const Marker& m : markers_)
     if (!m.body->fixed) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
   for (const Body* b : slot_bodies_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
-    if (b->freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(b->mass.J.trace() / (2 * b->mass.mass)));
+    if (b->freedoms == Freedoms::spatial)
+      length_ = std::max(length_, std::sqrt(b->mass.J.trace() / (2 * b->mass.mass)));
   for (const auto& link : links_)
     for (const auto& [p, s] : link->pairs())
       length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
@@ -216,7 +223,8 @@ void System::setup_slots() {
     }
     b.slot = static_cast<int>(slot_bodies_.size());
     if (b.freedoms == Freedoms::particle && !b.start.w.isZero(0))
-      throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " + brief(b.start.w.norm()) +
+      throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
+                       brief(b.start.w.norm()) +
                        " rad/s; a particle does not turn: leave it out, or give the body an inertia");
     b.in_slot = {-b.mass.center, {}};  // a slot's origin is the mass centre, its axes are the body's
     slot_bodies_.push_back(&b);
@@ -228,8 +236,9 @@ void System::setup_links() {
   for (auto& link : links_) {
     link->setup();
     if (link->row_count() < 1 || link->row_count() > kMaxRows)
-      throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) + " rows; a link has 1 to " +
-                       std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
+      throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) +
+                       " rows; a link has 1 to " + std::to_string(kMaxRows) +
+                       ": give it a mask, a drive or a function");
   }
   // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
   using Kind = std::tuple<std::type_index, unsigned, int, int>;
@@ -262,15 +271,17 @@ void System::check_size(const State& state) const {
     return;
   throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
                    " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
-                   " remembered numbers and " + std::to_string(state.modes.size()) + " links does not fit a system of " +
-                   std::to_string(n_slots()) + " moving bodies, " + std::to_string(n_states_) + " own states, " +
-                   std::to_string(n_memory_) + " remembered numbers and " + std::to_string(links) +
+                   " remembered numbers and " + std::to_string(state.modes.size()) +
+                   " links does not fit a system of " + std::to_string(n_slots()) + " moving bodies, " +
+                   std::to_string(n_states_) + " own states, " + std::to_string(n_memory_) +
+                   " remembered numbers and " + std::to_string(links) +
                    " links; begin from System::start() once the system is complete");
 }
 
 State System::start() const {
   if (!ready_)
-    throw ModelError("System::start: the system is not set up, or was changed since; call setup(), or make its Dynamics, first");
+    throw ModelError(
+        "System::start: the system is not set up, or was changed since; call setup(), or make its Dynamics, first");
   State state;
   const int n = n_slots();
   state.q.resize(7 * n);

@@ -55,7 +55,8 @@ class LOCKSTEP_API System {
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
   }
   /// The same with the options in braces: sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4}).
-  template <class L> L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
+  template <class L>
+  L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
   }
   Vec3 gravity() const { return options_.gravity; }
@@ -66,7 +67,7 @@ class LOCKSTEP_API System {
   Marker& marker(const std::string& name) const;
   Lock& link(const std::string& name) const;
   Force& force(const std::string& name) const;
-  const std::deque<Body>& bodies() const { return bodies_; }      ///< the ground is the first
+  const std::deque<Body>& bodies() const { return bodies_; }  ///< the ground is the first
   const std::deque<Marker>& markers() const { return markers_; }
   const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }
   const std::vector<std::unique_ptr<Force>>& forces() const { return forces_; }
@@ -77,15 +78,16 @@ class LOCKSTEP_API System {
   bool ready() const { return ready_; }
   /// To be said after a body, marker or gravity was altered in place: the next evaluation sets up anew.
   void changed() { ready_ = false; }
-  long revision() const { return revision_; }                    ///< counts the setups that did something
+  long revision() const { return revision_; }  ///< counts the setups that did something
   int n_slots() const { return static_cast<int>(slot_bodies_.size()); }
   const Body& body_of_slot(int slot) const { return *slot_bodies_[static_cast<std::size_t>(slot)]; }
-  int n_velocities() const { return n_velocities_; }              ///< unknown velocities: 6 a body, 3 a particle
+  int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle
   int n_states() const { return n_states_; }
   int n_memory() const { return n_memory_; }
   /// The first so many of State::s steer the step of an adaptive integrator; the others are only quadratures.
   int n_steering_states() const { return n_steering_; }
-  /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before setup.
+  /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before
+  /// setup.
   State start() const;
   /// Throws ModelError when the state was made for another description: sizes of q, v, s, z and modes.
   void check_size(const State&) const;

@@ -14,7 +14,8 @@ class Bump final : public MotionLaw {
     const double u = (t - at_) / width_;
     if (u <= -1 || u >= 1) return {};
     const double r = 1 - u * u;
-    return {height_ * r * r * r, height_ * -6 * u * r * r / width_, height_ * 6 * r * (5 * u * u - 1) / (width_ * width_)};
+    return {height_ * r * r * r, height_ * -6 * u * r * r / width_,
+            height_ * 6 * r * (5 * u * u - 1) / (width_ * width_)};
   }
 
   static TypeInfo info() {
@@ -26,7 +27,8 @@ class Bump final : public MotionLaw {
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {
-    if (!(p.number("width") > 0)) p.refuse("width", "is " + brief(p.number("width")) + " s; a bump lasts longer than zero");
+    if (!(p.number("width") > 0))
+      p.refuse("width", "is " + brief(p.number("width")) + " s; a bump lasts longer than zero");
     return std::make_shared<Bump>(p.number("height"), p.number("at"), p.number("width"));
   }
 

@@ -9,10 +9,11 @@ using namespace lockstep;
 /// No derivative is written here: lockstep evaluates phi on jets.
 struct CamProfile {
   double base, lift, lobes;
-  static constexpr Needs kNeeds = Needs::translation;       // the turn of P does not matter
-  static constexpr RowKind kKind = RowKind::translation;    // phi is a length
+  static constexpr Needs kNeeds = Needs::translation;     // the turn of P does not matter
+  static constexpr RowKind kKind = RowKind::translation;  // phi is a length
 
-  template <class T> T operator()(const LockCoords<T>& y) const {
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
     using std::atan2, std::cos, std::sqrt;
     const T r = sqrt(y.x * y.x + y.y * y.y), psi = atan2(y.y, y.x);
     return r - (base + 0.5 * lift * (1.0 - cos(lobes * psi)));
@@ -36,8 +37,10 @@ class CamFollower final : public PhiLock<CamProfile> {
   }
 
   static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
-    if (!(p.number("base") > 0)) p.refuse("base", "is " + brief(p.number("base")) + " m; a cam has a radius above zero");
-    if (p.integer("lobes") < 1) p.refuse("lobes", "is " + std::to_string(p.integer("lobes")) + "; a cam has at least one");
+    if (!(p.number("base") > 0))
+      p.refuse("base", "is " + brief(p.number("base")) + " m; a cam has a radius above zero");
+    if (p.integer("lobes") < 1)
+      p.refuse("lobes", "is " + std::to_string(p.integer("lobes")) + "; a cam has at least one");
     return std::make_unique<CamFollower>(site.name, site.p(), site.s(),
                                          CamProfile{p.number("base"), p.number("lift"), double(p.integer("lobes"))});
   }

@@ -1,5 +1,5 @@
-// The paper's own claim as a chart: rows and right side of the lock derived in four ways, cost against error of the rows
-// and of a trajectory. CSV and pictures.
+// The paper's own claim as a chart: rows and right side of the lock derived in four ways, cost against error of the
+// rows and of a trajectory. CSV and pictures.
 #include <fstream>
 #include <limits>
 
@@ -30,7 +30,8 @@ struct RowResult {
   double ns = 0, error_J = 0, error_Qhat = 0;
 };
 
-template <class F> double nanoseconds(F&& once) {
+template <class F>
+double nanoseconds(F&& once) {
   double best = std::numeric_limits<double>::infinity(), sum = 0;
   for (int repeat = 0; repeat < 7; ++repeat) {
     long n = 0;
@@ -60,10 +61,14 @@ RowResult measure_rows(Way way, const oracle::LockChecks& checks, const Steps& s
   result.ns = nanoseconds([&] {  // another place each time
     in.O1.x[0] += 1e-9, moved.x1[0] += 1e-9;
     switch (way) {
-      case Way::compact: return compact(in).Qhat[5];
-      case Way::products: return products(moved).Qhat[5];
-      case Way::jets: return jets(moved).Qhat[5];
-      default: return differences(moved, steps).Qhat[5];
+      case Way::compact:
+        return compact(in).Qhat[5];
+      case Way::products:
+        return products(moved).Qhat[5];
+      case Way::jets:
+        return jets(moved).Qhat[5];
+      default:
+        return differences(moved, steps).Qhat[5];
     }
   });
   return result;
@@ -71,8 +76,8 @@ RowResult measure_rows(Way way, const oracle::LockChecks& checks, const Steps& s
 
 // --- a trajectory ---------------------------------------------------------------------------------------------------
 
-/// The four-bar of the references, let go: crank 0.1 m, coupler 0.3 m, rocker 0.25 m, pivots 0.28 m apart, the crank at 0.3
-/// rad turning at 10 rad/s. Four hinges of five rows each, redundant in space.
+/// The four-bar of the references, let go: crank 0.1 m, coupler 0.3 m, rocker 0.25 m, pivots 0.28 m apart, the crank at
+/// 0.3 rad turning at 10 rad/s. Four hinges of five rows each, redundant in space.
 struct FourBar {
   System sys{System::Options{Vec3(0, -9.81, 0)}};
   FourBar(Way way, bool library) {
@@ -86,10 +91,13 @@ struct FourBar {
     const auto hinge = [&](const std::string& name, Body& p, Body& s, const Vec3& at_x) {
       Marker &P = sys.add_marker_at(name + ".P", p, at(at_x)), &S = sys.add_marker_at(name + ".S", s, at(at_x));
       const Mask mask = Mask::xyz | Mask::e1 | Mask::e2;
-      if (library) sys.add<GenericLock>(name, P, S, mask);
-      else sys.add(std::make_unique<DerivedLock>(name, P, S, mask, way));
+      if (library)
+        sys.add<GenericLock>(name, P, S, mask);
+      else
+        sys.add(std::make_unique<DerivedLock>(name, P, S, mask, way));
     };
-    hinge("A", crank, sys.ground(), A), hinge("B", coupler, crank, B), hinge("C", coupler, rocker, C), hinge("D", rocker, sys.ground(), D);
+    hinge("A", crank, sys.ground(), A), hinge("B", coupler, crank, B), hinge("C", coupler, rocker, C),
+        hinge("D", rocker, sys.ground(), D);
   }
 };
 
@@ -116,24 +124,33 @@ WorkPrecision trajectory(Way way) {
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
   options.reference_tolerance = 1e-12;
   options.budget = 20;
-  const Course course{.make = [way] { return subject_of(way, false); }, .length = 1.0, .outputs = 20, .truth = [way] { return subject_of(way, true); }};
+  const Course course{.make = [way] { return subject_of(way, false); },
+                      .length = 1.0,
+                      .outputs = 20,
+                      .truth = [way] { return subject_of(way, true); }};
   return work_precision(course, options);
 }
 
 }  // namespace
 
 int main() {
-  const oracle::LockChecks checks = oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
-  ChartSpec by_rows{"The rows of one lock with all laws, derived in four ways", "CPU time of one lock: C, Ct, six rows, right side [ns]", {}};
+  const oracle::LockChecks checks =
+      oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
+  ChartSpec by_rows{"The rows of one lock with all laws, derived in four ways",
+                    "CPU time of one lock: C, Ct, six rows, right side [ns]",
+                    {}};
   by_rows.log_x = true, by_rows.x_range = Range{100, 5000};
   by_rows.panels = {{"error of rows and right side", {}, true}, {"best error of a trajectory [m]", {}, true}};
   by_rows.panels[0].y_range = Range{kFloor, 1e3}, by_rows.panels[1].y_range = Range{kFloor, 1e-2};
-  ChartSpec by_trajectory{"A free four-bar for 1 s, dop853, its joints' rows derived in four ways", "CPU time of the run [s]", {}};
+  ChartSpec by_trajectory{
+      "A free four-bar for 1 s, dop853, its joints' rows derived in four ways", "CPU time of the run [s]", {}};
   by_trajectory.log_x = true;
   by_trajectory.panels = {{"largest position error [m]", {}, true}};
   std::ofstream csv(samples::output("derivations.csv"));
-  csv << "derivation,operations,cpu of a lock [ns],error of the rows,error of the right side [1/s^2],best error of a trajectory [m],its cpu [s]\n";
-  fmt::print("{:20} {:>10} {:>8} {:>10} {:>12} {:>12} {:>9}\n", "derivation", "operations", "ns", "rows", "right side", "trajectory m", "CPU s");
+  csv << "derivation,operations,cpu of a lock [ns],error of the rows,error of the right side [1/s^2],best error of a "
+         "trajectory [m],its cpu [s]\n";
+  fmt::print("{:20} {:>10} {:>8} {:>10} {:>12} {:>12} {:>9}\n", "derivation", "operations", "ns", "rows", "right side",
+             "trajectory m", "CPU s");
 
   for (const Way way : kWays) {
     const RowResult r = measure_rows(way, checks, {});
@@ -151,11 +168,14 @@ int main() {
     const auto stem = [&](const std::string& label, double y) {
       return Series{label, {r.ns, r.ns}, {kFloor, std::max(y, kFloor)}, SeriesStyle::linespoints};
     };
-    by_rows.panels[0].series.push_back(stem(fmt::format("{}: {:.0f} ns, {} operations", name(way), r.ns, n), std::max(r.error_J, r.error_Qhat)));
+    by_rows.panels[0].series.push_back(
+        stem(fmt::format("{}: {:.0f} ns, {} operations", name(way), r.ns, n), std::max(r.error_J, r.error_Qhat)));
     by_rows.panels[1].series.push_back(stem(fmt::format("{}: {:.0e} m", name(way), error), error));
     by_trajectory.panels[0].series.push_back(curve);
-    csv << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.3g},{:.3g}\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error, cpu);
-    fmt::print("{:20} {:10} {:8.0f} {:10.1e} {:12.1e} {:12.1e} {:9.2g}   references agree to {:.1e} m\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error, cpu, runs.agreement.position);
+    csv << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.3g},{:.3g}\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error,
+                       cpu);
+    fmt::print("{:20} {:10} {:8.0f} {:10.1e} {:12.1e} {:12.1e} {:9.2g}   references agree to {:.1e} m\n", name(way), n,
+               r.ns, r.error_J, r.error_Qhat, error, cpu, runs.agreement.position);
   }
   // Other steps of the differences: no step is good for the right side.
   const double ns = by_rows.panels[0].series.back().x.front();
@@ -164,7 +184,8 @@ int main() {
     double worst = 0;
     for (const oracle::LockCheck& check : checks.entries) {
       const Rows d = differences(check.input, {h, h});
-      worst = std::max({worst, (d.J - check.at("J")).cwiseAbs().maxCoeff(), (d.Qhat - check.at("Qhat")).cwiseAbs().maxCoeff()});
+      worst = std::max(
+          {worst, (d.J - check.at("J")).cwiseAbs().maxCoeff(), (d.Qhat - check.at("Qhat")).cwiseAbs().maxCoeff()});
     }
     other.x.push_back(1.15 * ns), other.y.push_back(worst);
   }
@@ -172,5 +193,6 @@ int main() {
   by_rows.height = 850;
   write_chart(samples::output("derivations"), by_rows);
   write_chart(samples::output("derivations_trajectory"), by_trajectory);
-  fmt::print("{}, derivations.svg, derivations.png, derivations_trajectory.svg, derivations_trajectory.png\n", samples::output("derivations.csv"));
+  fmt::print("{}, derivations.svg, derivations.png, derivations_trajectory.svg, derivations_trajectory.png\n",
+             samples::output("derivations.csv"));
 }

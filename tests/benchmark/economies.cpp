@@ -55,27 +55,39 @@ double microseconds_recorded(const std::vector<Request>& columns) {
 }  // namespace
 
 int main() {
-  BarSpec bars{"A chain of six bodies: what a feature costs where it is used, and where it is not", "CPU time of an evaluation [us]", {}, {{"feature absent", {}, "#9fd3c7"}, {"feature present", {}, "#385170"}}};
+  BarSpec bars{"A chain of six bodies: what a feature costs where it is used, and where it is not",
+               "CPU time of an evaluation [us]",
+               {},
+               {{"feature absent", {}, "#9fd3c7"}, {"feature present", {}, "#385170"}}};
   const std::string file = samples::output("economies.csv");
   std::ofstream csv(file);
-  csv << "feature,absent,present,unknowns absent,unknowns present,rows absent,rows present,cpu absent [us],cpu present [us]\n";
+  csv << "feature,absent,present,unknowns absent,unknowns present,rows absent,rows present,cpu absent [us],cpu present "
+         "[us]\n";
   fmt::print("{:16} {:>9} {:>9}   unknowns, rows\n", "", "absent us", "present");
-  const auto add = [&](const std::string& name, const std::string& absent_is, const std::string& present_is, double absent, double present, Size a, Size p) {
+  const auto add = [&](const std::string& name, const std::string& absent_is, const std::string& present_is,
+                       double absent, double present, Size a, Size p) {
     bars.categories.push_back(name);
     bars.groups[0].values.push_back(absent), bars.groups[1].values.push_back(present);
-    csv << fmt::format("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", name, absent_is, present_is, a.unknowns, p.unknowns, a.rows, p.rows, absent, present);
-    fmt::print("{:16} {:9.2f} {:9.2f}   {}, {} -> {}, {}: {} -> {}\n", name, absent, present, a.unknowns, a.rows, p.unknowns, p.rows, absent_is, present_is);
+    csv << fmt::format("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", name, absent_is, present_is, a.unknowns, p.unknowns,
+                       a.rows, p.rows, absent, present);
+    fmt::print("{:16} {:9.2f} {:9.2f}   {}, {} -> {}, {}: {} -> {}\n", name, absent, present, a.unknowns, a.rows,
+               p.unknowns, p.rows, absent_is, present_is);
   };
-  for (const Economy& e : all()) add(e.name, e.absent_is, e.present_is, microseconds(e.absent()), microseconds(e.present()), size(e.absent()), size(e.present()));
+  for (const Economy& e : all())
+    add(e.name, e.absent_is, e.present_is, microseconds(e.absent()), microseconds(e.present()), size(e.absent()),
+        size(e.present()));
   const Size s = size(plain());
   const double bare = microseconds_recorded({});
-  add("energies", "rk4, nothing recorded", "energy recorded at every step", bare, microseconds_recorded({"energy.total"}), s, s);
+  add("energies", "rk4, nothing recorded", "energy recorded at every step", bare,
+      microseconds_recorded({"energy.total"}), s, s);
   add("reactions", "rk4, nothing recorded", "all reactions recorded at every step", bare, microseconds_recorded([] {
         std::vector<Request> all_forces;
         for (int i = 0; i < kRods; ++i)
-          for (const char* axis : {"x", "y", "z"}) all_forces.push_back("joint" + std::to_string(i) + ".force_on_p_world_" + axis);
+          for (const char* axis : {"x", "y", "z"})
+            all_forces.push_back("joint" + std::to_string(i) + ".force_on_p_world_" + axis);
         return all_forces;
-      }()), s, s);
+      }()),
+      s, s);
   bars.width = 1250, bars.height = 520;
   write_bars(samples::output("economies"), bars);
   fmt::print("{}, economies.svg, economies.png\n", file);

@@ -30,7 +30,8 @@ int main() {
   std::vector<MapSpec> maps;
   for (const Limit& limit : kLimits) {
     MapSpec map;
-    map.title = limit.method, map.x_label = "Baumgarte's gain times the step, alpha h = beta h", map.y_label = "step h [s]";
+    map.title = limit.method, map.x_label = "Baumgarte's gain times the step, alpha h = beta h",
+    map.y_label = "step h [s]";
     map.x = gain_h, map.y = steps;
     map.log_x = map.log_y = true;
     map.kinds = {{"works", "#6fbfae"}, {"inaccurate", "#f2c14e"}, {"fails", "#cf5b50"}};
@@ -42,10 +43,15 @@ int main() {
         ++counts[verdict];
         csv << fmt::format("{},{:.4g},{:.4g},{}\n", limit.method, g, h, kWords[verdict]);
       }
-    map.curves = {{fmt::format("theory (2.16): {:.3f}", limit.gain_h), {limit.gain_h, limit.gain_h}, {steps.front() * 0.9, steps.back() * 1.1}, SeriesStyle::lines}};
-    fmt::print("{:20} works {:4}, inaccurate {:4}, fails {:4} of {} runs\n", limit.method, counts[kWorks], counts[kInaccurate], counts[kFails], gain_h.size() * steps.size());
+    map.curves = {{fmt::format("theory (2.16): {:.3f}", limit.gain_h),
+                   {limit.gain_h, limit.gain_h},
+                   {steps.front() * 0.9, steps.back() * 1.1},
+                   SeriesStyle::lines}};
+    fmt::print("{:20} works {:4}, inaccurate {:4}, fails {:4} of {} runs\n", limit.method, counts[kWorks],
+               counts[kInaccurate], counts[kFails], gain_h.size() * steps.size());
     maps.push_back(std::move(map));
   }
-  write_maps(samples::output("stability_map"), "Baumgarte: is a rod of 1 m, swinging for 2 s, within 1 cm of the truth?", maps, 1000, 900);
+  write_maps(samples::output("stability_map"),
+             "Baumgarte: is a rod of 1 m, swinging for 2 s, within 1 cm of the truth?", maps, 1000, 900);
   fmt::print("{}, stability_map.svg, stability_map.png\n", file);
 }

@@ -37,7 +37,8 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 // A copy of the probe whose record was changed by `change`.
-template <class F> std::string changed_copy(const std::string& name, F&& change) {
+template <class F>
+std::string changed_copy(const std::string& name, F&& change) {
   std::ifstream in(kModules + "/probe.so", std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(in), {}};
   const lockstep_abi_record record = read_abi(kModules + "/probe.so");
@@ -97,7 +98,8 @@ TEST_CASE("a plugin is found by path and by name, and its things say where they 
   Registry other;  // two registries know nothing of each other
   load_plugin(other, kModules + "/probe");
   CHECK(other.laws.names() == registry.laws.names());
-  CHECK_THROWS_WITH(load_plugin(other, kModules + "/probe.so"), Catch::Matchers::Contains("plugin 'probe'") && Catch::Matchers::Contains("there already"));
+  CHECK_THROWS_WITH(load_plugin(other, kModules + "/probe.so"),
+                    Catch::Matchers::Contains("plugin 'probe'") && Catch::Matchers::Contains("there already"));
 
   setenv("LOCKSTEP_PLUGIN_PATH", kModules.c_str(), 1);
   Registry third;

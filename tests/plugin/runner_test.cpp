@@ -29,7 +29,8 @@ struct Result {
 
 Result call(const std::string& words, const std::string& before = {}) {
   fs::create_directories(kFolder);
-  const std::string command = "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' " + before + " '" + paths::kProgram + "' " + words + " 2>&1";
+  const std::string command = "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' " + before + " '" +
+                              paths::kProgram + "' " + words + " 2>&1";
   Result result;
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
@@ -72,7 +73,8 @@ TEST_CASE("run writes the columns and says what moved", "[runner]") {
 }
 
 TEST_CASE("options of the command line stand over the scene", "[runner]") {
-  const Result r = call("run '" + kFourBar + "' --integrator rk4 --step 1ms --until '50 ms' --solver dense --formulation quaternion"
+  const Result r = call("run '" + kFourBar +
+                        "' --integrator rk4 --step 1ms --until '50 ms' --solver dense --formulation quaternion"
                         " --stabilization baumgarte --record short.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
@@ -94,9 +96,10 @@ TEST_CASE("every verb has help with an example", "[runner]") {
 }
 
 TEST_CASE("wrong words are a usage error", "[runner]") {
-  for (const std::string& words : std::vector<std::string>{"", "fly", "run", "run '" + kFourBar + "' --fast", "run '" + kFourBar + "' --step 0",
-                                   "run '" + kFourBar + "' --step x", "run '" + kFourBar + "' --integrator rk5", "list wheels", "describe revolut",
-                                   "run '" + kFourBar + "' --step 1 --tolerance 1"}) {
+  for (const std::string& words :
+       std::vector<std::string>{"", "fly", "run", "run '" + kFourBar + "' --fast", "run '" + kFourBar + "' --step 0",
+                                "run '" + kFourBar + "' --step x", "run '" + kFourBar + "' --integrator rk5",
+                                "list wheels", "describe revolut", "run '" + kFourBar + "' --step 1 --tolerance 1"}) {
     const Result r = call(words);
     INFO(words << "\n" << r.text);
     CHECK(r.exit == 2);
@@ -111,7 +114,8 @@ TEST_CASE("each kind of failure has its number", "[runner]") {
     CHECK(contains(r.text, part));
     return r.exit;
   };
-  CHECK(exit_of("run '" + scene("bad", R"("boddies": [])") + "'", "bad.json:2:1: scene: unknown key \"boddies\"; did you mean \"bodies\"?") == 3);
+  CHECK(exit_of("run '" + scene("bad", R"("boddies": [])") + "'",
+                "bad.json:2:1: scene: unknown key \"boddies\"; did you mean \"bodies\"?") == 3);
   CHECK(exit_of("run '" + scene("endless", kArm + R"("run": {})") + "'", "--until") == 3);
   CHECK(exit_of("run '" + kFourBar + "' --plugin no_such_plugin", "not found") == 4);
   CHECK(exit_of("run no_such_scene.json", "no_such_scene.json") == 8);
@@ -120,7 +124,9 @@ TEST_CASE("each kind of failure has its number", "[runner]") {
     {"name": "L", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0], "at_s": [0,0,0], "length": 3}], "run": {"until": 1})");
   CHECK(exit_of("run '" + apart + "'", "link 'L'") == 5);
   // Two laws for one angle that agree in value and speed at the start, not in acceleration.
-  const std::string torn = scene("torn", kArm + R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 1]}}},
+  const std::string torn =
+      scene("torn", kArm + R"("links": [{)" + kHinge +
+                        R"(, "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 1]}}},
     {"name": "B", "type": "lock", "mask": "e1 e2", "p": "arm", "s": "ground", "at": [0,0,0],
      "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 2]}}}], "run": {"integrator": "rk4", "step": 0.01, "until": 1})");
   CHECK(exit_of("run '" + torn + "'", "cannot hold together") == 6);
@@ -176,6 +182,7 @@ TEST_CASE("list, describe and schema speak of the same things", "[runner]") {
   CHECK(contains(call("list links").text, "revolute"));
   CHECK(contains(call("describe ramp").text, "slope"));
   CHECK(contains(call("describe body").text, "omega_world"));
-  CHECK(contains(call("list laws --plugin '" + std::string(paths::kBuild) + "/test_plugins/probe.so'").text, "probe_law"));
+  CHECK(contains(call("list laws --plugin '" + std::string(paths::kBuild) + "/test_plugins/probe.so'").text,
+                 "probe_law"));
   CHECK(nlohmann::json::parse(call("schema").text).contains("$defs"));
 }

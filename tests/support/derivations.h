@@ -1,7 +1,7 @@
 #pragma once
 
-/// Rows and right side of the lock derived in four ways from one configuration, and a lock that is made of them. For tests
-/// and benchmarks: what the compact formulas of the theory save, and what the other ways cost.
+/// Rows and right side of the lock derived in four ways from one configuration, and a lock that is made of them. For
+/// tests and benchmarks: what the compact formulas of the theory save, and what the other ways cost.
 
 #include <cmath>
 #include <string>
@@ -22,8 +22,9 @@ inline Counted sqrt(const Counted& a) { return ++Counted::done().div, Counted(st
 
 namespace lockstep::derivations {
 
-/// compact: the library's kernel. products: the paper's expressions, sixty quaternion products, literally. jets: the bare
-/// constraint on numbers that carry exact derivatives. differences: the bare constraint, evaluated at neighbouring states.
+/// compact: the library's kernel. products: the paper's expressions, sixty quaternion products, literally. jets: the
+/// bare constraint on numbers that carry exact derivatives. differences: the bare constraint, evaluated at neighbouring
+/// states.
 enum class Way { compact, products, jets, differences };
 inline constexpr Way kWays[] = {Way::compact, Way::products, Way::jets, Way::differences};
 inline const char* name(Way way) {
@@ -33,8 +34,8 @@ inline const char* name(Way way) {
 
 /// Steps of the differences, relative to lengths and rates of order 1: central first ones, second ones of second order.
 struct Steps {
-  double first = 6e-6;    ///< eps^(1/3)
-  double second = 1e-4;   ///< eps^(1/4)
+  double first = 6e-6;   ///< eps^(1/3)
+  double second = 1e-4;  ///< eps^(1/4)
 };
 
 /// Six rows x y z e1 e2 e3; columns v1 (world), w1 (slot axes), v2, w2.
@@ -70,7 +71,8 @@ inline Place place(const oracle::Configuration& c) {
     O.x = x, O.v = v, O.e = Quat::from(q), O.A = oracle::paper::rotation(q), O.w = w;
     return O;
   };
-  const auto marker = [](const Vec3& u, const Vec3& ud, const Vec3& udd, const Vec4& q, const Vec4& qd, const Vec4& qdd) {
+  const auto marker = [](const Vec3& u, const Vec3& ud, const Vec3& udd, const Vec4& q, const Vec4& qd,
+                         const Vec4& qdd) {
     MarkerMotion m;  // (1.6) and its rate
     m.u = u, m.ud = ud, m.udd = udd, m.q = Quat::from(q), m.A = oracle::paper::rotation(q);
     m.w = oracle::paper::G(q) * qd, m.a = oracle::paper::G(q) * qdd;
@@ -102,7 +104,8 @@ inline oracle::Configuration configuration(const Place& in) {
   return c;
 }
 
-/// (1.6), (1.8), (1.9): qd = (1/4) G' w, qdd = (1/4) G' al - (1/4)|w|^2 q turn the paper's fourteen columns into twelve.
+/// (1.6), (1.8), (1.9): qd = (1/4) G' w, qdd = (1/4) G' al - (1/4)|w|^2 q turn the paper's fourteen columns into
+/// twelve.
 inline Rows products(const oracle::Configuration& c) {
   const oracle::PaperLock paper = oracle::paper_lock(c);
   Rows out;
@@ -125,15 +128,18 @@ inline Rows products(const oracle::Configuration& c) {
   return out;
 }
 
-/// The constraint on jets of twelve variables: g is a row, h is -Qhat, d - J v is Ct. T: double, or a number that counts.
-template <class T> oracle::Seven<Jet<12, T>> on_jets(const oracle::Configuration& c) {
+/// The constraint on jets of twelve variables: g is a row, h is -Qhat, d - J v is Ct. T: double, or a number that
+/// counts.
+template <class T>
+oracle::Seven<Jet<12, T>> on_jets(const oracle::Configuration& c) {
   using J12 = Jet<12, T>;
   const auto number = [](double x, double d, double dd) { return J12(T(x), T(d), T(dd)); };
   const auto vector = [&](const Vec3& x, const Vec3& d, const Vec3& dd) {
     return oracle::Vec3<J12>{number(x[0], d[0], dd[0]), number(x[1], d[1], dd[1]), number(x[2], d[2], dd[2])};
   };
   const auto quaternion = [&](const Vec4& q, const Vec4& d, const Vec4& dd) {
-    return oracle::Quat<J12>{number(q[0], d[0], dd[0]), number(q[1], d[1], dd[1]), number(q[2], d[2], dd[2]), number(q[3], d[3], dd[3])};
+    return oracle::Quat<J12>{number(q[0], d[0], dd[0]), number(q[1], d[1], dd[1]), number(q[2], d[2], dd[2]),
+                             number(q[3], d[3], dd[3])};
   };
   const auto shifted = [&](const Vec3& x, const Vec3& v, int first) {
     oracle::Vec3<J12> r = vector(x, v, Vec3::Zero());
@@ -146,12 +152,15 @@ template <class T> oracle::Seven<Jet<12, T>> on_jets(const oracle::Configuration
     oracle::Quat<J12> r = quaternion(q, qd, qdd);
     const oracle::paper::M34 G = 0.25 * oracle::paper::G(q);
     for (int k = 0; k < 3; ++k)
-      r.w.g[first + k] = T(G(k, 0)), r.x.g[first + k] = T(G(k, 1)), r.y.g[first + k] = T(G(k, 2)), r.z.g[first + k] = T(G(k, 3));
+      r.w.g[first + k] = T(G(k, 0)), r.x.g[first + k] = T(G(k, 1)), r.y.g[first + k] = T(G(k, 2)),
+                    r.z.g[first + k] = T(G(k, 3));
     return r;
   };
-  const oracle::Bodies<J12> bodies{shifted(c.x1, c.v1, 0), turned(c.q1, c.w1, 3), shifted(c.x2, c.v2, 6), turned(c.q2, c.w2, 9)};
-  const oracle::Laws<J12> laws{vector(c.uP, c.uPd, c.uPdd), quaternion(c.qP, c.qPd, c.qPdd), vector(c.uS, c.uSd, c.uSdd),
-                               quaternion(c.qS, c.qSd, c.qSdd), vector(c.pD, c.pDd, c.pDdd), quaternion(c.qD, c.qDd, c.qDdd)};
+  const oracle::Bodies<J12> bodies{shifted(c.x1, c.v1, 0), turned(c.q1, c.w1, 3), shifted(c.x2, c.v2, 6),
+                                   turned(c.q2, c.w2, 9)};
+  const oracle::Laws<J12> laws{vector(c.uP, c.uPd, c.uPdd), quaternion(c.qP, c.qPd, c.qPdd),
+                               vector(c.uS, c.uSd, c.uSdd), quaternion(c.qS, c.qSd, c.qSdd),
+                               vector(c.pD, c.pDd, c.pDdd), quaternion(c.qD, c.qDd, c.qDdd)};
   return oracle::constraint(bodies, laws);
 }
 
@@ -168,7 +177,8 @@ inline Rows jets(const oracle::Configuration& c) {
   return out;
 }
 
-/// The constraint at the place moved by `turn` and `shift` of each body, its laws at the time `t` from now (their series).
+/// The constraint at the place moved by `turn` and `shift` of each body, its laws at the time `t` from now (their
+/// series).
 inline Eigen::Matrix<double, 6, 1> bare(const oracle::Configuration& c, const oracle::Vector12& d, double t) {
   const auto vec = [](const Vec3& x) { return oracle::Vec3<double>{x[0], x[1], x[2]}; };
   const auto quat = [](const Vec4& q) { return oracle::Quat<double>{q[0], q[1], q[2], q[3]}; };
@@ -176,10 +186,11 @@ inline Eigen::Matrix<double, 6, 1> bare(const oracle::Configuration& c, const or
     return quat((Quat::from(q) * exponential(th)).coefficients());
   };
   const double h = 0.5 * t * t;
-  const oracle::Bodies<double> b{vec(c.x1 + d.segment<3>(0)), turned(c.q1, d.segment<3>(3)), vec(c.x2 + d.segment<3>(6)),
-                                 turned(c.q2, d.segment<3>(9))};
-  const oracle::Laws<double> l{vec(c.uP + t * c.uPd + h * c.uPdd), quat(c.qP + t * c.qPd + h * c.qPdd), vec(c.uS + t * c.uSd + h * c.uSdd),
-                               quat(c.qS + t * c.qSd + h * c.qSdd), vec(c.pD + t * c.pDd + h * c.pDdd), quat(c.qD + t * c.qDd + h * c.qDdd)};
+  const oracle::Bodies<double> b{vec(c.x1 + d.segment<3>(0)), turned(c.q1, d.segment<3>(3)),
+                                 vec(c.x2 + d.segment<3>(6)), turned(c.q2, d.segment<3>(9))};
+  const oracle::Laws<double> l{vec(c.uP + t * c.uPd + h * c.uPdd), quat(c.qP + t * c.qPd + h * c.qPdd),
+                               vec(c.uS + t * c.uSd + h * c.uSdd), quat(c.qS + t * c.qSd + h * c.qSdd),
+                               vec(c.pD + t * c.pDd + h * c.pDdd), quat(c.qD + t * c.qDd + h * c.qDdd)};
   const oracle::Seven<double> s = oracle::constraint(b, l);
   Eigen::Matrix<double, 6, 1> six;
   six << s[0], s[1], s[2], s[4], s[5], s[6];
@@ -205,10 +216,14 @@ inline Rows differences(const oracle::Configuration& c, const Steps& steps) {
 
 inline Rows rows(Way way, const Place& in, const Steps& steps = {}) {
   switch (way) {
-    case Way::compact: return compact(in);
-    case Way::products: return products(configuration(in));
-    case Way::jets: return jets(configuration(in));
-    default: return differences(configuration(in), steps);
+    case Way::compact:
+      return compact(in);
+    case Way::products:
+      return products(configuration(in));
+    case Way::jets:
+      return jets(configuration(in));
+    default:
+      return differences(configuration(in), steps);
   }
 }
 
@@ -235,7 +250,8 @@ inline long operations(Way way, const oracle::Configuration& c) {
   };
   const auto marker = [&](const MarkerMotion& m) {
     MarkerMotionT<Counted> r;
-    r.u = vec(m.u), r.ud = vec(m.ud), r.udd = vec(m.udd), r.q = quat(m.q), r.A = m.A.cast<Counted>(), r.w = vec(m.w), r.a = vec(m.a);
+    r.u = vec(m.u), r.ud = vec(m.ud), r.udd = vec(m.udd), r.q = quat(m.q), r.A = m.A.cast<Counted>(), r.w = vec(m.w),
+    r.a = vec(m.a);
     return r;
   };
   const Place in = place(c);
@@ -248,7 +264,8 @@ inline long operations(Way way, const oracle::Configuration& c) {
   return oracle::operations_of([&] {
            translation<with::all_laws>(O1, O2, P, S, p, Mask::all, t);
            rotation<with::all_laws>(O1, O2, P, S, D, Mask::all, r);
-         }).total();
+         })
+      .total();
 }
 
 /// A joint of two markers that are still on their bodies, its rows derived in one of the ways.
@@ -263,7 +280,8 @@ class DerivedLock final : public Lock {
   std::string row_name(int k) const override { return std::string(lockstep::row_name(lock_row(k))); }
   SlotList slots() const override { return slots_; }
   unsigned pattern() const override {
-    return static_cast<unsigned>(mask_) | static_cast<unsigned>(way_) << 6 | (side1_ < 0 ? 1u : 0u) << 8 | (side2_ < 0 ? 1u : 0u) << 9;
+    return static_cast<unsigned>(mask_) | static_cast<unsigned>(way_) << 6 | (side1_ < 0 ? 1u : 0u) << 8 |
+           (side2_ < 0 ? 1u : 0u) << 9;
   }
 
   void setup() override {

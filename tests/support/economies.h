@@ -27,7 +27,8 @@ struct Chain {
   std::vector<Body*> rods;
   std::vector<MarkerLock*> joints;
 
-  template <class Joint> Chain& hang(Body& from) {
+  template <class Joint>
+  Chain& hang(Body& from) {
     Body* last = &from;
     for (int i = 0; i < kRods; ++i) {
       const Vec3 begin(i, 0, 0), end(i + 1, 0, 0);
@@ -62,8 +63,10 @@ inline Chain on_a_plate(bool held) {
 
 inline Chain balls(bool hinges) {
   Chain c;
-  if (hinges) c.hang<Revolute>(c.sys->ground());
-  else c.hang<Spherical>(c.sys->ground());
+  if (hinges)
+    c.hang<Revolute>(c.sys->ground());
+  else
+    c.hang<Spherical>(c.sys->ground());
   return c;
 }
 
@@ -99,7 +102,8 @@ inline Chain pearls(bool bodies) {
     const Vec3 x(i + 1, 0, 0);
     const std::string name = "pearl" + std::to_string(i);
     Body& pearl = bodies ? c.sys->add_body(name, sphere(1.0, 0.05), {x, {}}) : c.sys->add_particle(name, 1.0, x);
-    Marker &P = c.sys->add_marker_at(name + ".P", pearl, at(x)), &S = c.sys->add_marker_at(name + ".S", *last, at(Vec3(i, 0, 0)));
+    Marker &P = c.sys->add_marker_at(name + ".P", pearl, at(x)),
+           &S = c.sys->add_marker_at(name + ".S", *last, at(Vec3(i, 0, 0)));
     c.sys->add<Distance>("string" + std::to_string(i), P, S, 1.0);
     last = &pearl;
   }
@@ -107,12 +111,16 @@ inline Chain pearls(bool bodies) {
 }
 
 inline std::vector<Economy> all() {
-  return {{"mounting plate", "a fixed body", "a body held by a fixed link", [] { return on_a_plate(false); }, [] { return on_a_plate(true); }},
-          {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); }, [] { return balls(true); }},
-          {"drives", "no law", "a law on every hinge", plain, driven},
-          {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
-          {"switched links", "six links out of force", "six links in force", [] { return stayed(false); }, [] { return stayed(true); }},
-          {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }}};
+  return {
+      {"mounting plate", "a fixed body", "a body held by a fixed link", [] { return on_a_plate(false); },
+       [] { return on_a_plate(true); }},
+      {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); },
+       [] { return balls(true); }},
+      {"drives", "no law", "a law on every hinge", plain, driven},
+      {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
+      {"switched links", "six links out of force", "six links in force", [] { return stayed(false); },
+       [] { return stayed(true); }},
+      {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }}};
 }
 
 /// Size of the equations that an evaluation solves.
@@ -126,7 +134,8 @@ inline Size size(Chain chain) {
 }
 
 /// Multiplications and additions of one lock with the laws of `kWith`, all rows of the halves that `rows` has.
-template <unsigned kWith> long lock_operations(Mask rows) {
+template <unsigned kWith>
+long lock_operations(Mask rows) {
   using oracle::Counted;
   const MotionT<Counted> O;
   const MarkerMotionT<Counted> M;
@@ -135,7 +144,8 @@ template <unsigned kWith> long lock_operations(Mask rows) {
            RotationRowsT<Counted> r;
            if (any(rows, Mask::xyz)) translation<kWith>(O, O, M, M, ImposedTranslationT<Counted>{}, rows, t);
            if (any(rows, Mask::e123)) rotation<kWith>(O, O, M, M, ImposedRotationT<Counted>{}, rows, r);
-         }).total();
+         })
+      .total();
 }
 
 }  // namespace lockstep::economies

@@ -22,8 +22,9 @@ SceneRun run_scene(const std::string& path, const std::function<void(RunSettings
   SceneRun result;
   State start = mechanism.system.start();
   if (run.assemble) result.assembly = assemble(dynamics, start, mechanism.start_speeds);
-  Simulation simulation(dynamics, make_integrator(run, registry),
-                        {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times});
+  Simulation simulation(
+      dynamics, make_integrator(run, registry),
+      {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times});
   simulation.set_state(start);
   simulation.add_observer(*recorder);
   for (Event& event : events) simulation.add_event(std::move(event));
@@ -49,7 +50,8 @@ std::vector<ColumnError> compare(const Table& ours, const Table& trusted) {
     const std::vector<double>&a = ours[column.name], &b = column.values;
     ColumnError e{column.name};
     if (a.size() != b.size()) e.error = std::numeric_limits<double>::infinity();
-    const bool quaternion = column.name.size() == 2 && column.name[0] == 'q' && std::string("wxyz").find(column.name[1]) != std::string::npos;
+    const bool quaternion = column.name.size() == 2 && column.name[0] == 'q' &&
+                            std::string("wxyz").find(column.name[1]) != std::string::npos;
     for (double x : b) e.size = std::max(e.size, std::abs(x));
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
       const double d = std::abs((quaternion ? sign[i] : 1.0) * a[i] - b[i]);

@@ -19,7 +19,8 @@ struct SceneRun {
 /// `change` may alter the run settings before the mechanism is built.
 SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change = {});
 
-/// Largest difference of a column from the trusted one over the whole history, and the column's size (its largest trusted value).
+/// Largest difference of a column from the trusted one over the whole history, and the column's size (its largest
+/// trusted value).
 struct ColumnError {
   std::string name;
   double error = 0;  ///< infinite when the columns are not equally long

@@ -25,8 +25,9 @@ struct Limit {
   Method make;
   double gain_h;
 };
-inline const Limit kLimits[] = {{"rk4", [] { return std::make_unique<Rk4>(); }, 2.785},
-                                {"semi_implicit_euler", [] { return std::make_unique<SemiImplicitEuler>(); }, 2.0 * std::sqrt(2.0) - 2.0}};
+inline const Limit kLimits[] = {
+    {"rk4", [] { return std::make_unique<Rk4>(); }, 2.785},
+    {"semi_implicit_euler", [] { return std::make_unique<SemiImplicitEuler>(); }, 2.0 * std::sqrt(2.0) - 2.0}};
 
 inline DynamicsOptions baumgarte(double gain) {
   DynamicsOptions options;

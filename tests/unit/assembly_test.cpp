@@ -67,7 +67,8 @@ TEST_CASE("one joint comes home from any error below half a turn", "[unit][analy
   CHECK(report.after < 1e-12);
 }
 
-TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and the state is left alone", "[unit][analysis]") {
+TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and the state is left alone",
+          "[unit][analysis]") {
   System sys;
   Body& body = sys.add_body("body", rod(1.0, {0, 0, 0}, {1, 0, 0}));
   sys.add<Spherical>("left", body, sys.ground(), at({0, 0, 0}));
@@ -120,14 +121,14 @@ TEST_CASE("projection moves the least in the mass metric", "[unit][dynamics]") {
   sys.add<PointOnPlane>("tie", P, S);
   Dynamics dynamics(sys, std::make_unique<SparseSolver>());
   State state = sys.start();
-  state.q[2] = 0.04;   // z of the light one
+  state.q[2] = 0.04;  // z of the light one
   state.v[2] = 0.8;
   const ProjectReport report = dynamics.project(state);
   CHECK(std::abs(report.before - 0.04) < 1e-15);
   CHECK(report.converged);
-  CHECK(std::abs(state.q[2] - 0.01) < 1e-12);   // 3/4 of the way
-  CHECK(std::abs(state.q[9] - 0.01) < 1e-12);   // 1/4
-  CHECK(std::abs(state.v[2] - 0.2) < 1e-12);    // momentum is kept
+  CHECK(std::abs(state.q[2] - 0.01) < 1e-12);  // 3/4 of the way
+  CHECK(std::abs(state.q[9] - 0.01) < 1e-12);  // 1/4
+  CHECK(std::abs(state.v[2] - 0.2) < 1e-12);   // momentum is kept
   CHECK(std::abs(state.v[8] - 0.2) < 1e-12);
 }
 
@@ -156,6 +157,7 @@ TEST_CASE("a system that grew is set up anew, and a state of before is refused",
   sys.add_body("late", box(1.0, {1, 1, 1}));
   CHECK(says(message_of<ModelError>([&] { sys.start(); }), {"not set up", "setup()"}));
   sys.setup();
-  CHECK(says(message_of<ModelError>([&] { dynamics.evaluate(old); }), {"does not fit", "4 moving bodies", "System::start"}));
+  CHECK(says(message_of<ModelError>([&] { dynamics.evaluate(old); }),
+             {"does not fit", "4 moving bodies", "System::start"}));
   CHECK(dynamics.evaluate(sys.start()).a.size() == 24);
 }

@@ -9,7 +9,8 @@ namespace lockstep::derivations {
 namespace {
 
 const oracle::LockChecks& checks() {
-  static const oracle::LockChecks all = oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
+  static const oracle::LockChecks all =
+      oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
   return all;
 }
 

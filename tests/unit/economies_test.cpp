@@ -71,8 +71,8 @@ TEST_CASE("halves and laws that a joint does without are not computed", "[unit][
 TEST_CASE("what is not recorded is not evaluated", "[unit][economies]") {
   const long bare = evaluations({});
   CHECK(bare == 20 * 4);
-  CHECK(evaluations({"rod0.x", "energy.total"}) == bare);                    // positions and velocities are there already
-  CHECK(evaluations({"joint0.force_on_p_world_x"}) == bare + 5);             // one solution an output
+  CHECK(evaluations({"rod0.x", "energy.total"}) == bare);         // positions and velocities are there already
+  CHECK(evaluations({"joint0.force_on_p_world_x"}) == bare + 5);  // one solution an output
   CHECK(evaluations({"joint0.force_on_p_world_x", "rod3.az"}) == bare + 5);  // for all columns together
 }
 

@@ -21,8 +21,10 @@ State pushed(LawPtr<MotionLaw> force, double end, bool adaptive, double h) {
   sys.add<ForceMotor>("push", P, S, {.force = std::move(force)});
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   std::unique_ptr<Integrator> method;
-  if (adaptive) method = std::make_unique<Dopri5>();
-  else method = std::make_unique<Rk4>();
+  if (adaptive)
+    method = std::make_unique<Dopri5>();
+  else
+    method = std::make_unique<Rk4>();
   Simulation run(dynamics, std::move(method), {.step = h, .tolerance = {1e-9, 1e-11}});
   run.run_until(end);
   return run.state();
@@ -30,7 +32,8 @@ State pushed(LawPtr<MotionLaw> force, double end, bool adaptive, double h) {
 
 }  // namespace
 
-TEST_CASE("piecewise constant forces are integrated exactly, jumps on and off the grid of steps", "[unit][simulation]") {
+TEST_CASE("piecewise constant forces are integrated exactly, jumps on and off the grid of steps",
+          "[unit][simulation]") {
   const bool adaptive = GENERATE(false, true);
   const double first = GENERATE(0.3, 0.25, 0.123456789);
   CAPTURE(adaptive, first);

@@ -17,7 +17,8 @@ struct Bad {
   std::vector<std::string> words;
 };
 
-#define TWO_BODIES R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}, {"name": "bob", "particle": 2}], )"
+#define TWO_BODIES \
+  R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}, {"name": "bob", "particle": 2}], )"
 #define ONE_LINK R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}], )"
 
 const std::vector<Bad> kBodies = {
@@ -35,47 +36,76 @@ const std::vector<Bad> kBodies = {
     {R"("bodies": [{"name": "a", "mass": 1, "inertia": ~[1, 1, -1]}])", {"body 'a'", "positive"}},
     {R"("bodies": [{"name": "a", "mass": 1, "inertia": ~[1, 1, 3]}])", {"body 'a'", "triangle"}},
     {R"("bodies": [{"name": "a", "mass": 1, "inertia": ~[1, 1]}])", {"body 'a', inertia", "list of 2"}},
-    {R"("bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1], "inertia_at": ~"origin"}])", {"inertia_at", "center"}},
+    {R"("bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1], "inertia_at": ~"origin"}])",
+     {"inertia_at", "center"}},
     {R"("bodies": [{"name": "a", "particle": 1, "position": ~[0, 0]}])", {"body 'a', position", "list of 3"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "orientation": ~[0, 0, 0, 0]}])", {"quaternion"}},
-    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "orientation": {"axis": ~[0, 0, 0], "angle": 1}}])", {"axis", "direction"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "orientation": {"axis": ~[0, 0, 0], "angle": 1}}])",
+     {"axis", "direction"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": ~0}}])", {"body 'a', sphere", "radius is 0"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "density": ~2, "radius": 1}}])", {"either", "not both"}},
     {R"("bodies": [{"name": "a", "box": {"mass": 1, "size": ~[1, 0, 1]}}])", {"body 'a', box.size", "greater than 0"}},
-    {R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": ~[0,0,0]}}])", {"body 'a', rod.to", "same point"}},
-    {R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])", {"remove \"position\""}},
-    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "particle": ~1}])", {"\"sphere\" and \"particle\"", "remove one"}},
+    {R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": ~[0,0,0]}}])",
+     {"body 'a', rod.to", "same point"}},
+    {R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])",
+     {"remove \"position\""}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "particle": ~1}])",
+     {"\"sphere\" and \"particle\"", "remove one"}},
     {R"("bodies": [{"name": ~"a"}])", {"body 'a'", "nothing says what it weighs"}},
     {R"("bodies": [~{"particle": 1}])", {"bodies[0]", "missing key \"name\""}},
-    {R"("bodies": [{"name": "a", "particle": 1}, {"name": ~"a", "particle": 1}])", {"body 'a'", "taken", "bad.json:2:"}},
+    {R"("bodies": [{"name": "a", "particle": 1}, {"name": ~"a", "particle": 1}])",
+     {"body 'a'", "taken", "bad.json:2:"}},
     {R"("bodies": [{"name": ~"ground", "particle": 1}])", {"body 'ground'", "choose another"}},
     {R"("bodies": [{"name": ~"a.b", "particle": 1}])", {"body 'a.b'", "channels"}},
     {R"("bodies": ~{"name": "a"})", {"bodies", "list of objects"}},
     {R"("bodies": [~3])", {"bodies[0]", "number"}},
-    {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])", {"compound[0]", "unknown key"}},
+    {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
+     {"compound[0]", "unknown key"}},
 };
 
 const std::vector<Bad> kLinks = {
-    {TWO_BODIES R"("links": [{"name": "A", "type": ~"revolut", "p": "arm", "s": "ground", "at": [0,0,0]}])", {"link 'A'", "did you mean \"revolute\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"amr", "s": "ground", "at": [0,0,0]}])", {"link 'A', p", "did you mean \"arm\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": ~"arm", "at": [0,0,0]}])", {"link 'A', s", "'arm'", "itself"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"arm", "s": "ground"}])", {"link 'A', p", "add \"at\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "axis": ~[0,0,0]}])", {"link 'A', axis", "direction"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], ~"mask": "x"}])", {"link 'A'", "unknown key \"mask\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": "ramp", ~"slop": 2}}}])",
+    {TWO_BODIES R"("links": [{"name": "A", "type": ~"revolut", "p": "arm", "s": "ground", "at": [0,0,0]}])",
+     {"link 'A'", "did you mean \"revolute\""}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"amr", "s": "ground", "at": [0,0,0]}])",
+     {"link 'A', p", "did you mean \"arm\""}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": ~"arm", "at": [0,0,0]}])",
+     {"link 'A', s", "'arm'", "itself"}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"arm", "s": "ground"}])",
+     {"link 'A', p", "add \"at\""}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "axis": ~[0,0,0]}])",
+     {"link 'A', axis", "direction"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], ~"mask": "x"}])",
+     {"link 'A'", "unknown key \"mask\""}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": "ramp", ~"slop": 2}}}])",
      {"link 'A', drive.law", "did you mean \"slope\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": ~"rampe"}}}])",
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": ~"rampe"}}}])",
      {"link 'A', drive.law", "did you mean \"ramp\""}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"x", "law": 1}}])", {"'A'", "x"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rw", "law": 1}}])", {"link 'A', drive.axis", "rw"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rz"}}])", {"nothing drives it"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "start": {"velocity": {"x": ~1}}}])", {"free one"}},
-    {TWO_BODIES R"("links": [{"name": ~"A", "type": "revolute", "p": "bob", "s": "ground"}])", {"link 'A'", "'bob'", "particle"}},
-    {TWO_BODIES R"("links": [{"name": "A", "type": "lock", "mask": ~"x q", "p": "arm", "s": "ground", "at": [0,0,0]}])", {"q"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"x", "law": 1}}])",
+     {"'A'", "x"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rw", "law": 1}}])",
+     {"link 'A', drive.axis", "rw"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rz"}}])",
+     {"nothing drives it"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "start": {"velocity": {"x": ~1}}}])",
+     {"free one"}},
+    {TWO_BODIES R"("links": [{"name": ~"A", "type": "revolute", "p": "bob", "s": "ground"}])",
+     {"link 'A'", "'bob'", "particle"}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "lock", "mask": ~"x q", "p": "arm", "s": "ground", "at": [0,0,0]}])",
+     {"q"}},
     {TWO_BODIES ONE_LINK R"("markers": [{"name": "m", "body": ~"arn"}])", {"marker 'm', body", "did you mean \"arm\""}},
-    {TWO_BODIES R"("markers": [{"name": "m", "body": "arm", "at": ~[0,0,0], "world_at": [1,0,0]}])", {"marker 'm', at", "remove"}},
+    {TWO_BODIES R"("markers": [{"name": "m", "body": "arm", "at": ~[0,0,0], "world_at": [1,0,0]}])",
+     {"marker 'm', at", "remove"}},
     {TWO_BODIES R"("markers": [{"name": ~"arm", "body": "arm"}])", {"marker 'arm'", "taken by a body"}},
-    {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])", {"force 'f'", "did you mean \"spring_damper\""}},
+    {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])",
+     {"force 'f'", "did you mean \"spring_damper\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
 };
 
@@ -96,11 +126,14 @@ const std::vector<Bad> kRuns = {
     {R"("run": {"record": [~3]})", {"run.record", "number"}},
     {TWO_BODIES R"("run": {"record": [~"arm.w"]})", {"arm"}},
     {TWO_BODIES R"("run": {"record": [{"a": ~"amr.x"}]})", {"arm"}},
-    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "deactivate": [~"B"]}])", {"event 'e', deactivate", "unknown link \"B\""}},
-    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": ~-1, "stop": true}])", {"event 'e', at", "before the start"}},
+    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "deactivate": [~"B"]}])",
+     {"event 'e', deactivate", "unknown link \"B\""}},
+    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": ~-1, "stop": true}])",
+     {"event 'e', at", "before the start"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "stop": true}])", {"\"at\" or \"when\""}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "at": 1}])", {"nothing happens"}},
-    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "when": {"channel": ~"arm.xx"}, "stop": true}])", {"event 'e'", "arm"}},
+    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "when": {"channel": ~"arm.xx"}, "stop": true}])",
+     {"event 'e'", "arm"}},
     {R"(~"gravitiy": [0,0,0])", {"scene", "did you mean \"gravity\""}},
     {R"("gravity": ~[0, "9,81 m/s^2", 0])", {}},
     {R"("run": {"step": 1 ~"until": 2})", {"comma"}},
@@ -148,7 +181,8 @@ TEST_CASE("a scene that is none says so", "[unit][scene]") {
   CHECK(message_of("{}").find("missing key \"lockstep\"") != std::string::npos);
   CHECK(message_of("{\"lockstep\": 2}").find("this program reads version 1") != std::string::npos);
   CHECK(message_of("{\"lockstep\": 1, \"bodies\": [").find("closing ] is missing") != std::string::npos);
-  CHECK(message_of("{\"lockstep\": 1, \"run\": " + std::string(70, '[') + std::string(70, ']') + "}").find("64") != std::string::npos);
+  CHECK(message_of("{\"lockstep\": 1, \"run\": " + std::string(70, '[') + std::string(70, ']') + "}").find("64") !=
+        std::string::npos);
   CHECK_THROWS_AS(read_scene("no_such_scene.json"), FileError);
 }
 

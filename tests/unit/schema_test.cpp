@@ -39,7 +39,8 @@ TEST_CASE("every reference of the schema leads somewhere", "[unit][scene]") {
   for (const SceneTable& table : scene_tables())
     for (const Part& part : table.parts) {
       INFO(table.info.name + "." + part.key);
-      CHECK(std::any_of(table.info.keys.begin(), table.info.keys.end(), [&](const Key& k) { return k.name == part.key && k.form == Form::any; }));
+      CHECK(std::any_of(table.info.keys.begin(), table.info.keys.end(),
+                        [&](const Key& k) { return k.name == part.key && k.form == Form::any; }));
     }
 }
 
@@ -53,8 +54,7 @@ TEST_CASE("the schema, list and describe name every type of the registry", "[uni
       CHECK(text.find("\"const\": \"" + d.info.name + "\"") != std::string::npos);
       const Description found = find_descriptions(registry, d.info.name).front();
       const std::string described = describe(found);
-      for (const Key& key : found.info.keys)
-        CHECK(described.find("\n  " + key.name + " ") != std::string::npos);
+      for (const Key& key : found.info.keys) CHECK(described.find("\n  " + key.name + " ") != std::string::npos);
     }
   CHECK_THROWS_AS(shelf_contents(registry, "linkz"), SceneError);
   CHECK_THROWS_WITH(find_descriptions(registry, "revolut"), Catch::Matchers::Contains("did you mean \"revolute\""));

@@ -9,8 +9,8 @@
 #include "framework/links/functions.h"
 #include "framework/links/joints.h"
 #include "framework/support/error.h"
-#include "tests/support/catch.h"
 #include "tests/support/allocations.h"
+#include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 #include "tests/support/messages.h"
 

@@ -139,7 +139,8 @@ TEST_CASE("CSV files that cannot be opened are named", "[unit][record]") {
 }
 
 TEST_CASE("CSV files are written whole", "[unit][record]") {
-  const auto file = std::filesystem::temp_directory_path() / ("lockstep_table_test_" + std::to_string(getpid()) + ".csv");
+  const auto file =
+      std::filesystem::temp_directory_path() / ("lockstep_table_test_" + std::to_string(getpid()) + ".csv");
   write_csv(file.string(), three_rows());
   const Table back = read_csv(file.string());
   CHECK(back["Bx"] == three_rows()["Bx"]);

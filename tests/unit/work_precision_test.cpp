@@ -16,7 +16,8 @@
 namespace lockstep {
 namespace {
 
-/// A body that falls freely: x = v t + g t^2 / 2, which methods of order 2 and higher meet exactly; and a rod on a hinge.
+/// A body that falls freely: x = v t + g t^2 / 2, which methods of order 2 and higher meet exactly; and a rod on a
+/// hinge.
 Subject falling() {
   auto sys = std::make_shared<System>(System::Options{Vec3(0, 0, -10)});
   sys->add_body("stone", sphere(1.0, 0.1));
@@ -50,7 +51,8 @@ class Frozen final : public Integrator {
   bool adaptive_;
 };
 
-template <class M> MethodChoice choice(const std::string& name) {
+template <class M>
+MethodChoice choice(const std::string& name) {
   return {name, [] { return std::make_unique<M>(); }};
 }
 

@@ -1,5 +1,5 @@
-// Drives of every kind against closed forms: a speed that is integrated, an actuator, a trajectory, the full motion, a motor
-// that pushes instead of holding.
+// Drives of every kind against closed forms: a speed that is integrated, an actuator, a trajectory, the full motion, a
+// motor that pushes instead of holding.
 #include <cmath>
 #include <memory>
 
@@ -23,7 +23,8 @@ Table run(System& sys, std::vector<Request> wanted) {
   return recorder.table();
 }
 
-template <class Exact> double worst(const Table& t, const std::string& column, Exact exact) {
+template <class Exact>
+double worst(const Table& t, const std::string& column, Exact exact) {
   double w = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i) w = std::max(w, std::abs(t[column][i] - exact(t["t"][i])));
   return w;
@@ -65,11 +66,14 @@ TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verificati
   sys.add<Prismatic>("guide", slider, sys.ground(), at({0, 0, 0})).drive(Axis::z, sine({.amplitude = 0.2, .omega = 5}));
   const Table t = run(sys, {"guide.z", "guide.drive.force_on_p_link_z", "guide.force_on_p_link_z"});
   CHECK(worst(t, "guide.z", [](double s) { return 0.2 * std::sin(5 * s); }) < 1e-10);
-  CHECK(worst(t, "guide.drive.force_on_p_link_z", [](double s) { return 2.0 * (9.81 - 5.0 * std::sin(5 * s)); }) < 1e-8);
-  CHECK(worst(t, "guide.force_on_p_link_z", [](double) { return 0.0; }) < 1e-12);  // the joint itself does not push along z
+  CHECK(worst(t, "guide.drive.force_on_p_link_z", [](double s) { return 2.0 * (9.81 - 5.0 * std::sin(5 * s)); }) <
+        1e-8);
+  CHECK(worst(t, "guide.force_on_p_link_z", [](double) { return 0.0; }) <
+        1e-12);  // the joint itself does not push along z
 }
 
-TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion leads both", "[verification][drives]") {
+TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion leads both",
+          "[verification][drives]") {
   const auto path = translation([](auto t) { return std::array{0.3 * sin(2.0 * t), 0.2 * t * t, 0.1 * cos(t) - 0.1}; });
   SECTION("trajectory") {
     System sys;
@@ -102,7 +106,8 @@ TEST_CASE("torque and force motors push without holding", "[verification][drives
   auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), at({0, 0, 0}));
   auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({1, 0, 0}));
   sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = constant(0.6)});
-  sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"), {.force = sine({.amplitude = 4, .omega = 2})});
+  sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"),
+                      {.force = sine({.amplitude = 4, .omega = 2})});
   const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
   CHECK(hinge.row_count() == 5);
   CHECK(guide.row_count() == 5);
@@ -138,7 +143,8 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   Marker& P = sys.add_marker("P", wheel);
   Marker& S = sys.add_marker("S", sys.ground());
   sys.add<Revolute>("bearing", P, S);
-  auto& clutch = sys.add<AngularAlignment>("brake", P, S);  // never in force: only shows that others may share the markers
+  auto& clutch =
+      sys.add<AngularAlignment>("brake", P, S);  // never in force: only shows that others may share the markers
   clutch.active_at_start = false;
   auto& motor = sys.add<Revolute>("motor", P, S);
   motor.drive_speed(Axis::rz, ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
@@ -159,7 +165,8 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
         }) < 1e-8);
 }
 
-TEST_CASE("a mechanism held at rest by its drives carries its weight, with every solver and formulation", "[verification][drives]") {
+TEST_CASE("a mechanism held at rest by its drives carries its weight, with every solver and formulation",
+          "[verification][drives]") {
   const bool dense = GENERATE(false, true);
   const auto formulation = GENERATE(Formulation::omega, Formulation::quaternion);
   System sys({.gravity = {0, -9.81, 0}});
@@ -171,8 +178,10 @@ TEST_CASE("a mechanism held at rest by its drives carries its weight, with every
   elbow.drive(Axis::rz, constant(0.0));
   Channel torque = make_channel(sys, "shoulder.drive.torque_on_p_link_z");
   std::unique_ptr<LinearSolver> solver;
-  if (dense) solver = std::make_unique<DenseSolver>();
-  else solver = std::make_unique<SparseSolver>();
+  if (dense)
+    solver = std::make_unique<DenseSolver>();
+  else
+    solver = std::make_unique<SparseSolver>();
   Dynamics dynamics(sys, std::move(solver), {formulation, {}});
   const State state = sys.start();
   const Evaluated& values = dynamics.evaluate(state);

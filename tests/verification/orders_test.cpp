@@ -1,4 +1,5 @@
-// Error against step has the method's slope, on the heavy top: 150 rad/s of spin, a spherical joint, projection every step.
+// Error against step has the method's slope, on the heavy top: 150 rad/s of spin, a spherical joint, projection every
+// step.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -21,7 +22,8 @@ double error_of(const std::string& method, double h, const Table& truth) {
   });
   double worst = 0;
   for (const char* c : {"xc", "yc", "zc"})
-    for (std::size_t i = 0; i < run.table.n_rows(); ++i) worst = std::max(worst, std::abs(run.table[c][i] - truth[c][i]));
+    for (std::size_t i = 0; i < run.table.n_rows(); ++i)
+      worst = std::max(worst, std::abs(run.table[c][i] - truth[c][i]));
   return worst;
 }
 

@@ -1,4 +1,5 @@
-// Every reference mechanism that has a scene, against its trusted history (tests/verification/data, sources in the README there).
+// Every reference mechanism that has a scene, against its trusted history (tests/verification/data, sources in the
+// README there).
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -17,7 +18,9 @@ struct Reference {
 };
 
 std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
-Table trusted(const std::string& csv) { return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv"); }
+Table trusted(const std::string& csv) {
+  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
+}
 
 /// Every column of the csv is recorded, but for those named; then the errors.
 std::vector<ColumnError> errors_of(const Reference& r, const std::function<void(RunSettings&)>& change = {}) {
@@ -33,16 +36,15 @@ std::vector<ColumnError> errors_of(const Reference& r, const std::function<void(
 
 }  // namespace
 
-// At tolerance 1e-10 with dop853 the worst column over the whole history is within 1e-8 (m, rad, or of the column's size).
+// At tolerance 1e-10 with dop853 the worst column over the whole history is within 1e-8 (m, rad, or of the column's
+// size).
 TEST_CASE("free-running references hold to 1e-8 over the whole history", "[verification][references]") {
   const auto r = GENERATE(
       Reference{"rod_pendulum", "rod_pendulum", {}},
       Reference{"a01_pendulum", "a01_pendulum", {"phi", "phi_d", "phi_dd"}},  // a particle has no angle
-      Reference{"double_pendulum", "double_pendulum", {}},
-      Reference{"chain_10", "chain_10", {}},
+      Reference{"double_pendulum", "double_pendulum", {}}, Reference{"chain_10", "chain_10", {}},
       Reference{"spatial_chain_10_tilted", "spatial_chain_10_tilted", {}},
-      Reference{"spatial_chain_10", "spatial_chain_10", {}},
-      Reference{"heavy_top", "heavy_top", {}},
+      Reference{"spatial_chain_10", "spatial_chain_10", {}}, Reference{"heavy_top", "heavy_top", {}},
       Reference{"gyroscope_steady", "gyroscope_steady", {}},
       Reference{"free_body", "free_body", {"Fx", "Fy", "Fz"}},  // no joint, no force
       Reference{"mass_spring_damper", "mass_spring_damper", {"x_c", "v_c"}},
@@ -59,14 +61,14 @@ TEST_CASE("free-running references hold to 1e-8 over the whole history", "[verif
 
 // Driven mechanisms hold to 1e-10 m (rad) whatever the step, reactions to 1e-8 of their size.
 TEST_CASE("driven references hold to 1e-10 whatever the step", "[verification][references]") {
-  const auto r = GENERATE(Reference{"slider_crank", "slider_crank", {"drive_torque_by_power"}},
-                          Reference{"four_bar", "four_bar", {"drive_torque_by_power"}},
-                          Reference{"oldham", "oldham", {}},
-                          Reference{"prismatic_law", "prismatic_law", {}},
-                          Reference{"robot_arm", "robot_arm", {}});
+  const auto r =
+      GENERATE(Reference{"slider_crank", "slider_crank", {"drive_torque_by_power"}},
+               Reference{"four_bar", "four_bar", {"drive_torque_by_power"}}, Reference{"oldham", "oldham", {}},
+               Reference{"prismatic_law", "prismatic_law", {}}, Reference{"robot_arm", "robot_arm", {}});
   const double step = GENERATE(1e-2, 1e-3);
-  const std::vector<std::string> positions = {"theta", "phi", "xs", "coupler", "rocker", "phi_in", "phi_out", "xd", "yd", "s",
-                                              "xc", "yc", "q1", "q2", "q3", "q4", "q5", "q6", "tipx", "tipy", "tipz"};
+  const std::vector<std::string> positions = {"theta", "phi", "xs", "coupler", "rocker", "phi_in", "phi_out",
+                                              "xd",    "yd",  "s",  "xc",      "yc",     "q1",     "q2",
+                                              "q3",    "q4",  "q5", "q6",      "tipx",   "tipy",   "tipz"};
   const auto errors = errors_of(r, [&](RunSettings& run) {
     run.integrator = {"rk4"};
     run.step = step;

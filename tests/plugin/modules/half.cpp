@@ -11,6 +11,7 @@ struct Still final : lockstep::MotionLaw {
 }  // namespace
 
 LOCKSTEP_PLUGIN(registry) {
-  registry.laws.add({"half_law", "registered before the failure", {}}, [](const lockstep::Params&) { return std::make_shared<Still>(); });
+  registry.laws.add({"half_law", "registered before the failure", {}},
+                    [](const lockstep::Params&) { return std::make_shared<Still>(); });
   throw lockstep::PluginError("the other half is missing");
 }
