@@ -6,33 +6,13 @@
 #include "framework/lockstep.h"
 #include "samples/shared/output.h"
 #include "samples/shared/robot_arm.h"
+#include "samples/shared/sampled_law.h"
 
 using namespace lockstep;
 
 namespace {
 
 constexpr double kStep = 2.5e-3, kEnd = 2.0;
-
-/// A law through values with their first and second derivatives: one polynomial of degree 5 between two samples.
-class Sampled final : public MotionLaw {
- public:
-  explicit Sampled(std::vector<LawValue> samples) : y_(std::move(samples)) {}
-  LawValue at(double t) const override {
-    const double h = kStep;
-    const auto i = static_cast<std::size_t>(std::clamp(std::floor(t / h), 0.0, double(y_.size() - 2)));
-    const LawValue &a = y_[i], &b = y_[i + 1];
-    const double u = t / h - double(i);
-    const double c0 = a.y, c1 = h * a.yd, c2 = 0.5 * h * h * a.ydd;
-    const double p = b.y - c0 - c1 - c2, v = h * b.yd - c1 - 2 * c2, w = h * h * b.ydd - 2 * c2;
-    const double c3 = 10 * p - 4 * v + 0.5 * w, c4 = -15 * p + 7 * v - w, c5 = 6 * p - 3 * v + 0.5 * w;
-    return {c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
-            (c1 + u * (2 * c2 + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))) / h,
-            (2 * c2 + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))) / (h * h)};
-  }
-
- private:
-  std::vector<LawValue> y_;
-};
 
 Table run(samples::Arm& arm) {
   std::vector<Request> wanted{"tool.x", "tool.y", "tool.z", "tool.cardan_1", "tool.cardan_2", "tool.cardan_3"};
@@ -69,7 +49,7 @@ int main() {
     const std::string name = fmt::format("J{}.angle_z", k + 1);
     std::vector<LawValue> samples;
     for (std::size_t i = 0; i < a.n_rows(); ++i) samples.push_back({a[name][i], a[name + "_d"][i], a[name + "_dd"][i]});
-    driven.joints[k]->drive(Axis::rz, std::make_shared<Sampled>(std::move(samples)));
+    driven.joints[k]->drive(Axis::rz, std::make_shared<samples::Sampled>(std::move(samples), kStep));
   }
   const Table b = run(driven);
 
