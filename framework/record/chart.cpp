@@ -45,9 +45,61 @@ void range(Script& out, char a, const std::optional<Range>& r) {
     out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
 }
 
+// What is there and a twentieth of it above and below; around what stays constant, a twentieth of its size.
+Range with_margin(const Extent& y) {
+  constexpr double kPart = 0.05, kConstant = 1e-5;
+  const double size = std::max(std::abs(y.low), std::abs(y.high)), span = y.high - y.low;
+  if (size == 0) return {-1, 1};
+  const double margin = kPart * (span > kConstant * size ? span : size);
+  return {y.low - margin, y.high + margin};
+}
+
+// Places as parts of the picture, from its left and its lower edge. `legend_letters`: what a column of the legend gets
+// beyond gnuplot's own count of letters, which takes them for narrower than they are.
+struct Layout {
+  double left, right, first_top, plot_height, pitch, legend_letters;
+  std::size_t n_legend_columns;
+};
+
+// Every panel has the same room for its legend, that of the panel which needs most, and so the same height.
+Layout layout_of(const ChartSpec& spec) {
+  constexpr double kLeft = 104, kRight = 28, kLetter = 10, kSample = 70, kRow = 21, kGap = 12;
+  const double n_panels = static_cast<double>(spec.panels.size());
+  std::size_t longest = 0;
+  for (const Panel& p : spec.panels)
+    for (const Series& s : p.series) longest = std::max(longest, s.label.size());
+  const double one = kLetter * static_cast<double>(longest) + kSample;
+  Layout all{};
+  all.n_legend_columns = static_cast<std::size_t>(std::clamp((spec.width - kLeft - kRight) / one, 1.0, 20.0));
+  std::size_t n_rows = 0;
+  for (const Panel& p : spec.panels) {
+    const auto named = [](const Series& s) { return !s.label.empty(); };
+    const auto n = static_cast<std::size_t>(std::count_if(p.series.begin(), p.series.end(), named));
+    n_rows = std::max(n_rows, (n + all.n_legend_columns - 1) / all.n_legend_columns);
+  }
+  const double top = spec.title.empty() ? 6 : 46;  // one line in large letters or two in small ones
+  const double bottom = spec.x_label.empty() ? 36 : 58;
+  const double pitch = (spec.height - top - bottom + kGap) / n_panels;
+  const double legend = std::min(kRow * static_cast<double>(n_rows) + 6, 0.5 * pitch);
+  const double plot = pitch - kGap - legend;
+  all.left = kLeft / spec.width, all.right = 1 - kRight / spec.width;
+  all.first_top = 1 - (top + legend) / spec.height;
+  all.plot_height = std::max(plot, 0.3 * pitch) / spec.height, all.pitch = pitch / spec.height;
+  all.legend_letters = 1 + 0.3 * static_cast<double>(longest);
+  return all;
+}
+
+void place(Script& out, const Layout& all, std::size_t k) {
+  const double top = all.first_top - static_cast<double>(k) * all.pitch;
+  out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", all.left, all.right));
+  out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", top, top - all.plot_height));
+  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal maxcols {} width {}", all.left,
+                       top, all.n_legend_columns, all.legend_letters));
+}
+
 // Distance of the tics, 1, 2 or 5 times a power of ten, so that a panel of this height is not crowded.
 double tic_step(double low, double high, int height) {
-  const double most = std::clamp(height / 45, 2, 10);
+  const double most = std::clamp(height / 32, 2, 10);
   const double raw = (high - low) / most;
   if (!(raw > 0) || !std::isfinite(raw)) return 0;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -56,8 +108,9 @@ double tic_step(double low, double high, int height) {
   return 10.0 * power;
 }
 
-void panel(Script& out, const ChartSpec& spec, std::size_t k) {
+void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t k) {
   const Panel& p = spec.panels[k];
+  place(out, layout, k);
   const bool last = k + 1 == spec.panels.size();
   Extent y{};
   for (const Series& s : p.series) y.take(s.y, p.log_y);
@@ -65,13 +118,14 @@ void panel(Script& out, const ChartSpec& spec, std::size_t k) {
   axis(out, 'x', last ? spec.x_label : "", spec.log_x, x.low, x.high);
   axis(out, 'y', p.y_label, p.log_y, y.low, y.high);
   if (!last) out.line("set format x ''");
+  std::optional<Range> seen = p.y_range;
   if (!p.log_y) {
-    const Range r = p.y_range.value_or(Range{y.low, y.high});
-    const double step = tic_step(r.first, r.second, (spec.height - 120) / static_cast<int>(spec.panels.size()) - 40);
+    if (!seen) seen = with_margin(y);
+    const double step = tic_step(seen->first, seen->second, static_cast<int>(layout.plot_height * spec.height));
     out.line(step > 0 ? fmt::format("set ytics {}", step) : std::string("set ytics autofreq"));
   }
   range(out, 'x', spec.x_range);
-  range(out, 'y', p.y_range);
+  range(out, 'y', seen);
   notes(out, p.notes);
   std::string clauses;
   for (std::size_t i = 0; i < p.series.size(); ++i)
@@ -93,7 +147,8 @@ void write_chart(const std::string& path, const ChartSpec& spec) {
       series_data(out, block(k, i), spec.panels[k].series[i]);
   common(out);
   begin_page(out, spec.panels.size(), spec.title);
-  for (std::size_t k = 0; k < spec.panels.size(); ++k) panel(out, spec, k);
+  const Layout layout = layout_of(spec);
+  for (std::size_t k = 0; k < spec.panels.size(); ++k) panel(out, spec, layout, k);
   end_page(out);
   draw(out, path, spec.width, spec.height);
 }

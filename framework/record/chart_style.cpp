@@ -45,6 +45,26 @@ std::vector<std::size_t> thinned(const Series& s) {
   return keep;
 }
 
+// The end of a character, or the start of the text, at or before byte `at`.
+std::size_t character_end(const std::string& text, std::size_t at) {
+  while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) --at;
+  return std::min(at, text.size());
+}
+
+// A title as wide as the picture at most: smaller letters for a long one, then two lines, then an end cut off.
+std::string fitted(const std::string& title) {
+  constexpr std::size_t kLarge = 68, kSmall = 98;  // letters that fit into 800 pixels
+  if (title.size() <= kSmall) {
+    const std::size_t size = title.size() <= kLarge ? 16 : 16 * kLarge / title.size();
+    return fmt::format("{} noenhanced font ',{}'", quoted_text(title), size);
+  }
+  std::size_t first = title.rfind(' ', kSmall);
+  if (first == std::string::npos || first < kSmall / 3) first = character_end(title, kSmall);
+  std::string rest = title.substr(first + (title[first] == ' ' ? 1 : 0));
+  if (rest.size() > kSmall) rest = rest.substr(0, character_end(rest, kSmall - 3)) + "...";
+  return fmt::format("{}.\"\\n\".{} noenhanced font ',11'", quoted_text(title.substr(0, first)), quoted_text(rest));
+}
+
 }  // namespace
 
 std::string color(std::size_t n) { return std::string(kColors[n % kColors.size()]); }
@@ -69,7 +89,7 @@ void common(Script& out) {
 }
 
 void begin_page(Script& out, std::size_t n, const std::string& title) {
-  const std::string text = title.empty() ? "" : fmt::format(" title {} noenhanced font ',16'", quoted_text(title));
+  const std::string text = title.empty() ? "" : fmt::format(" title {}", fitted(title));
   out.line(fmt::format("set multiplot layout {},1{}", n, text));
 }
 

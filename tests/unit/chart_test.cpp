@@ -102,6 +102,36 @@ TEST_CASE("panels, logarithms, gaps and long series are drawn", "[unit][record]"
   CHECK(svg.size() < 200000);  // 20000 points would be 300 kB
 }
 
+TEST_CASE("a long title is drawn whole, in two lines where one is too short", "[unit][record]") {
+  const Folder folder;
+  ChartSpec spec = two_curves();
+  if (cannot([&] { write_chart(folder.file("a"), spec); })) return;
+  const std::string first = "first line of the title " + std::string(60, 'a'),
+                    second = std::string(70, 'b') + " its end";
+  spec.title = first + " " + second;
+  write_chart(folder.file("a"), spec);
+  const std::string svg = contents(folder.file("a.svg"));
+  check_words(svg, {first, second});
+  CHECK(svg.find(spec.title) == std::string::npos);
+  spec.title = first;
+  write_chart(folder.file("b"), spec);
+  check_words(contents(folder.file("b.svg")), {first});
+}
+
+TEST_CASE("an axis ends close to what is drawn", "[unit][record]") {
+  const Folder folder;
+  ChartSpec spec = two_curves();
+  if (cannot([&] { write_chart(folder.file("a"), spec); })) return;
+  spec.panels = {{"force [N]", {{"push", {0, 1, 2}, {-73, 110, 20}}}}};
+  write_chart(folder.file("a"), spec);
+  const std::string svg = contents(folder.file("a.svg"));
+  const auto has = [&](const std::string& tic) {
+    return svg.find(">" + tic + "<") != std::string::npos || svg.find("> " + tic + "<") != std::string::npos;
+  };
+  CHECK(has("100"));  // a tic inside the data's range
+  for (const char* outside : {"-100", "150", "200"}) CHECK_FALSE(has(outside));
+}
+
 TEST_CASE("maps and bars are drawn with their words in them", "[unit][record]") {
   const Folder folder;
   if (cannot([&] { write_map(folder.file("map"), small_map()); })) return;
