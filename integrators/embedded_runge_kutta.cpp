@@ -15,6 +15,10 @@ constexpr int kFailures = 8;             // tries whose stages cannot be evaluat
 constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
 constexpr double kViolation = 1e-3;      // of the scene's length, before projection
 
+// Steps that only creep towards a place where nothing can be evaluated: the error there is the news, not the small
+// step.
+bool creeps(double t, double h) { return h < 1e-10 * std::max(std::abs(t), 1e-3); }
+
 }  // namespace
 
 void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
@@ -54,9 +58,9 @@ StepReport EmbeddedRungeKutta::step(Dynamics& dynamics, State& state, double h) 
       }
       factor = shorter(t);
     } catch (const NonFiniteError&) {
-      if (fixed_ || ++failures > kFailures) throw;
+      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
     } catch (const SolveError&) {
-      if (fixed_ || ++failures > kFailures) throw;
+      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
     }
     h *= factor;
     if (h < smallest || state.t + h == state.t)
@@ -142,11 +146,11 @@ void EmbeddedRungeKutta::prepare_dense() const {
   dense_ready_ = true;
 }
 
-double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state) {
+double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, double largest) {
   if (fixed_) return 0;
   h_ = 0;  // its scratch is the dense output's
   dense_ready_ = false;
-  return guess_first_step(dynamics, state, scheme_.tableau.order, norm_, poly_[0], poly_[1], end_);
+  return guess_first_step(dynamics, state, scheme_.tableau.order, largest, norm_, poly_[0], poly_[1], end_);
 }
 
 }  // namespace lockstep

@@ -33,7 +33,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   /// the dynamics of begin(), whose last values are then those of a stage).
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
-  double first_step(Dynamics&, const State&) override;
+  double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot& out) const override { control_.save(out); }
   void restore(const Snapshot& in) override { control_.restore(in), h_ = 0; }
 

@@ -74,14 +74,14 @@ double StepControl::reject(double error) const {
   return std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -1.0 / p_), 0.2, 0.9) : 0.2;
 }
 
-double guess_first_step(Dynamics& dynamics, const State& y0, int order, ErrorNorm& norm, StateRate& f0, StateRate& f1,
-                        State& y1) {
+double guess_first_step(Dynamics& dynamics, const State& y0, int order, double largest, ErrorNorm& norm, StateRate& f0,
+                        StateRate& f1, State& y1) {
   const double length = dynamics.system().length();
   norm.scale(y0, length);
   dynamics.rate(y0, f0);
   const double rtol = norm.tolerance().relative, atol = norm.tolerance().atol_x;
   const double d0 = 1 / (rtol + atol / std::max(length, 1e-6)), d1 = norm.of(f0, y0);
-  const double h0 = d1 < 1e-5 ? 1e-6 : 0.01 * d0 / std::max(d1, kTiny);
+  const double h0 = std::min(d1 < 1e-5 ? 1e-6 : 0.01 * d0 / std::max(d1, kTiny), largest);
   copy_motion(y0, y1);
   y1.z = y0.z;
   y1.t = y0.t + h0;
@@ -94,7 +94,7 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, ErrorNor
   f1.s -= f0.s;
   const double most = std::max(d1, norm.of(f1, y0) / h0);
   const double h1 = most <= 1e-15 ? std::max(1e-6, 1e-3 * h0) : std::pow(0.01 / most, 1.0 / (order + 1));
-  return std::min(100 * h0, h1);
+  return std::min({100 * h0, h1, largest});
 }
 
 }  // namespace lockstep

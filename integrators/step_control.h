@@ -55,8 +55,8 @@ class LOCKSTEP_API StepControl {
 };
 
 /// First step by Hairer, Norsett & Wanner 1993, II.4: as long as an Euler step and the change of the rates allow. `f0`,
-/// `f1` and `y1` are scratch.
-LOCKSTEP_API double guess_first_step(Dynamics&, const State& y0, int order, ErrorNorm&, StateRate& f0, StateRate& f1,
-                                     State& y1);
+/// `f1` and `y1` are scratch; nothing beyond `largest` is looked at.
+LOCKSTEP_API double guess_first_step(Dynamics&, const State& y0, int order, double largest, ErrorNorm&, StateRate& f0,
+                                     StateRate& f1, State& y1);
 
 }  // namespace lockstep

@@ -38,6 +38,8 @@ double round_off(const State& state, double length) {
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
+constexpr double kVelocityLimit = 1e-6;  // m/s, left of |Jh v + Ct|: more is a contradiction, not round-off
+
 class Assembler {
  public:
   Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
@@ -108,6 +110,11 @@ class Assembler {
       dynamics_.project_velocity(state_);
     }
     report.after_v = dynamics_.violation_v(state_);
+    residual();
+    if (!(report.after_v <= kVelocityLimit))
+      throw AssemblyError("assembly left velocities that no motion can have, " + brief(report.after_v) +
+                          " m/s beside the constraints; worst: " + worst_rows(dynamics_, Cd_) +
+                          ". Two laws may drive one coordinate: look at the drives of these links");
   }
 
  private:

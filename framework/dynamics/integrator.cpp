@@ -8,7 +8,7 @@ bool Integrator::dense(double, State&) const { return false; }
 
 void Integrator::set_tolerance(const Tolerance&) {}
 
-double Integrator::first_step(Dynamics&, const State&) { return 0; }
+double Integrator::first_step(Dynamics&, const State&, double) { return 0; }
 
 void Integrator::save(Snapshot&) const {}
 

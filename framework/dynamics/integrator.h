@@ -47,8 +47,8 @@ class LOCKSTEP_API Integrator {
   /// a method without one returns false, always, and the simulation lands on the wanted times instead.
   virtual bool dense(double t, State& out) const;
   virtual void set_tolerance(const Tolerance&);
-  /// First step by the method's own guess; 0: none (fixed step).
-  virtual double first_step(Dynamics&, const State&);
+  /// First step by the method's own guess, which looks no further ahead than `largest`; 0: none (fixed step).
+  virtual double first_step(Dynamics&, const State&, double largest);
   /// History and controller: with the State all that a checkpoint or a step taken back needs.
   virtual void save(Snapshot&) const;
   virtual void restore(const Snapshot&);

@@ -156,11 +156,11 @@ void Simulation::Loop::start() {
     watched[i].over = !sim.events_[i].value && sim.events_[i].at < t_start;
   sim.begun_ = true;
   started = true;
-  begin_method();
   const Sample sample(sim.dynamics_, sim.state_, step);
   for (Observer* o : sim.observers_) o->start(sample);
   skip_outputs_before(t_start);
   if (output_due_at_end()) put_out(sample);
+  begin_method();
   fire_due();
 }
 

@@ -225,7 +225,9 @@ void Simulation::Loop::begin_method() {
   anchor = sim.state_.t;
   n_from_anchor = 0;
   if (adaptive) {
-    advised = sim.method_->first_step(sim.dynamics_, sim.state_);
+    double largest = std::isfinite(t_end) ? t_end - sim.state_.t : 1.0;
+    if (sim.options_.step > 0) largest = std::min(largest, sim.options_.step);
+    advised = largest > 0 ? sim.method_->first_step(sim.dynamics_, sim.state_, largest) : 0;
     if (!(advised > 0)) advised = sim.options_.step > 0 ? sim.options_.step : 1e-3;
   } else {
     advised = sim.options_.step;

@@ -56,6 +56,17 @@ MassProperties read_solid(const Params& solid, const std::string& kind) {
 }
 
 // [a, b, c], an object of entries, or three rows.
+const Mat3& read_symmetric(const Params& body, const Mat3& J) {
+  const Mat3 skew = 0.5 * (J - J.transpose());
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < i; ++k)
+      if (std::abs(skew(i, k)) > 1e-10 * J.cwiseAbs().maxCoeff())
+        body.refuse("inertia", "the matrix is not symmetric: entry " + std::to_string(i + 1) + std::to_string(k + 1) +
+                                   " is " + brief(J(i, k)) + " and entry " + std::to_string(k + 1) +
+                                   std::to_string(i + 1) + " is " + brief(J(k, i)) + "; make them equal");
+  return J;
+}
+
 Mat3 read_inertia(const Params& body) {
   const Value& v = body.value("inertia");
   const std::string place = part_of(body.owner(), "inertia");
@@ -67,7 +78,7 @@ Mat3 read_inertia(const Params& body) {
     return J;
   }
   if (v.list() != nullptr && v.list()->size() == 3 && v.list()->front().list() != nullptr)
-    return read_matrix3(v, Unit::inertia, place);
+    return read_symmetric(body, read_matrix3(v, Unit::inertia, place));
   if (v.list() == nullptr || v.list()->size() != 3)
     body.refuse(
         "inertia",
@@ -163,8 +174,21 @@ void Builder::body(const Value& object, const std::string& owner) {
   System& system = out_.system;
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
-    // Its matter may stand there: a rod still places the frame.
-    const Pose at = p.has("rod") ? read_matter(p, "rod").home : home;
+    // Its matter may stand there, and is checked; a rod still places the frame.
+    const std::vector<std::string> matter = given(p, kMass);
+    if (matter.size() > 1) the_kind(p, kMass);
+    Pose at = home;
+    if (!matter.empty() && matter.front() == "particle")
+      positive(p, "particle", "mass");
+    else if (!matter.empty() && matter.front() == "compound")
+      read_compound(p);
+    else if (!matter.empty() && (matter.front() != "mass" || p.has("inertia"))) {
+      const Shape shape = read_matter(p, matter.front());
+      if (matter.front() == "rod") {
+        refuse_beside(p, "\"rod\" says itself where the body is", {"position", "orientation"});
+        at = shape.home;
+      }
+    }
     placed(object.where, [&] { system.add_fixed(name, at); });
     return;
   }

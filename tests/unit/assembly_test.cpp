@@ -102,6 +102,16 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
     CHECK(says(message, {"link 'slide'", "the law of drive z", "t = 0.5"}));
     CHECK(recorder.table().n_rows() > 40);
   }
+  SECTION("with error control too: it does not creep towards it for ever, nor look beyond the run for its first step") {
+    Recorder recorder(sys, {"body.z"});
+    Simulation run(dynamics, std::make_unique<Dopri5>());
+    run.set_state(start);
+    run.add_observer(recorder);
+    const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });
+    CHECK(says(message, {"link 'slide'", "the law of drive z"}));
+    CHECK(recorder.table().last("t") > 0.4);
+    CHECK(recorder.table().last("t") < 0.5);
+  }
   SECTION("at the start") {
     State late = start;
     late.t = 0.6;
@@ -160,4 +170,15 @@ TEST_CASE("a system that grew is set up anew, and a state of before is refused",
   CHECK(says(message_of<ModelError>([&] { dynamics.evaluate(old); }),
              {"does not fit", "4 moving bodies", "System::start"}));
   CHECK(dynamics.evaluate(sys.start()).a.size() == 24);
+}
+
+TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]") {
+  System sys;
+  Body& body = sys.add_body("wheel", box(1.0, {0.1, 0.2, 0.3}));
+  sys.add<Revolute>("slow", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(1.0));
+  sys.add<Revolute>("fast", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(2.0));
+  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  State state = sys.start();
+  const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
+  CHECK(says(message, {"velocities that no motion can have", "row e3 of link", "Two laws may drive one coordinate"}));
 }

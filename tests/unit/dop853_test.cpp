@@ -29,7 +29,7 @@ TEST_CASE("dense output of dop853 is as good as its steps", "[unit][integrators]
   method.set_tolerance({1e-9, 1e-11});
   State s = top.system.start(), inside = s;
   method.begin(dynamics, s);
-  double h = method.first_step(dynamics, s), worst = 0;
+  double h = method.first_step(dynamics, s, 1.0), worst = 0;
   while (s.t < 2) {
     const double t = s.t;
     h = method.step(dynamics, s, std::min(h, 2 - t)).h_next;

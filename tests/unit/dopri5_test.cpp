@@ -68,7 +68,7 @@ TEST_CASE("the error of dopri5 follows the tolerance", "[unit][integrators]") {
     method.set_tolerance({tolerance, 1e-2 * tolerance});
     State s = top.system.start();
     method.begin(dynamics, s);
-    double h = method.first_step(dynamics, s);
+    double h = method.first_step(dynamics, s, 1.0);
     REQUIRE(h > 0);
     while (s.t < 2) h = method.step(dynamics, s, std::min(h, 2 - s.t)).h_next;
     CHECK(top.error(s) < 20 * tolerance);
