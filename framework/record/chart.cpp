@@ -54,63 +54,70 @@ Range with_margin(const Extent& y) {
   return {y.low - margin, y.high + margin};
 }
 
-// Places as parts of the picture, from its left and its lower edge. `legend_letters`: what a column of the legend gets
-// beyond gnuplot's own count of letters, which takes them for narrower than they are.
+constexpr double kLeft = 104, kRight = 28;  // pixels beside the panels
+
+struct Legend {
+  std::size_t n_columns, n_rows;
+  double width;  ///< letters that a column gets beyond gnuplot's own count, which takes them for narrower than they are
+};
+
+Legend legend_of(const Panel& p, int picture_width) {
+  constexpr double kLetter = 10, kSample = 70;
+  std::size_t n = 0, longest = 0;
+  for (const Series& s : p.series) {
+    n += s.label.empty() ? 0 : 1;
+    longest = std::max(longest, s.label.size());
+  }
+  const double letters = static_cast<double>(longest), one = kLetter * letters + kSample;
+  const auto columns = static_cast<std::size_t>(std::clamp((picture_width - kLeft - kRight) / one, 1.0, 20.0));
+  return {columns, (n + columns - 1) / columns, 1 + 0.3 * letters};
+}
+
+// Places as parts of the picture, from its left and its lower edge.
 struct Layout {
-  double left, right, first_top, plot_height, pitch, legend_letters;
-  std::size_t n_legend_columns;
+  double left, right, first_top, plot_height, pitch;
 };
 
 // Every panel has the same room for its legend, that of the panel which needs most, and so the same height.
 Layout layout_of(const ChartSpec& spec) {
-  constexpr double kLeft = 104, kRight = 28, kLetter = 10, kSample = 70, kRow = 21, kGap = 12;
-  const double n_panels = static_cast<double>(spec.panels.size());
-  std::size_t longest = 0;
-  for (const Panel& p : spec.panels)
-    for (const Series& s : p.series) longest = std::max(longest, s.label.size());
-  const double one = kLetter * static_cast<double>(longest) + kSample;
-  Layout all{};
-  all.n_legend_columns = static_cast<std::size_t>(std::clamp((spec.width - kLeft - kRight) / one, 1.0, 20.0));
+  constexpr double kRow = 21, kGap = 12;
   std::size_t n_rows = 0;
-  for (const Panel& p : spec.panels) {
-    const auto named = [](const Series& s) { return !s.label.empty(); };
-    const auto n = static_cast<std::size_t>(std::count_if(p.series.begin(), p.series.end(), named));
-    n_rows = std::max(n_rows, (n + all.n_legend_columns - 1) / all.n_legend_columns);
-  }
+  for (const Panel& p : spec.panels) n_rows = std::max(n_rows, legend_of(p, spec.width).n_rows);
   const double top = spec.title.empty() ? 6 : 46;  // one line in large letters or two in small ones
-  const double bottom = spec.x_label.empty() ? 36 : 58;
-  const double pitch = (spec.height - top - bottom + kGap) / n_panels;
+  const double bottom = spec.x_label.empty() ? 36 : 72;
+  const double pitch = (spec.height - top - bottom + kGap) / static_cast<double>(spec.panels.size());
   const double legend = std::min(kRow * static_cast<double>(n_rows) + 6, 0.5 * pitch);
-  const double plot = pitch - kGap - legend;
-  all.left = kLeft / spec.width, all.right = 1 - kRight / spec.width;
-  all.first_top = 1 - (top + legend) / spec.height;
-  all.plot_height = std::max(plot, 0.3 * pitch) / spec.height, all.pitch = pitch / spec.height;
-  all.legend_letters = 1 + 0.3 * static_cast<double>(longest);
-  return all;
+  const double plot = std::max(pitch - kGap - legend, 0.3 * pitch);
+  return {kLeft / spec.width, 1 - kRight / spec.width, 1 - (top + legend) / spec.height, plot / spec.height,
+          pitch / spec.height};
 }
 
-void place(Script& out, const Layout& all, std::size_t k) {
+void place(Script& out, const Layout& all, const Legend& legend, std::size_t k) {
   const double top = all.first_top - static_cast<double>(k) * all.pitch;
   out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", all.left, all.right));
   out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", top, top - all.plot_height));
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal maxcols {} width {}", all.left,
-                       top, all.n_legend_columns, all.legend_letters));
+                       top, legend.n_columns, legend.width));
 }
 
-// Distance of the tics, 1, 2 or 5 times a power of ten, so that a panel of this height is not crowded.
-double tic_step(double low, double high, int height) {
-  const double most = std::clamp(height / 32, 2, 10);
+// Distance of the tics, 1, 2 or 5 times a power of ten: no closer than this height holds, but two of them in it.
+double tic_step(double low, double high, double height) {
+  const double most = std::clamp(std::floor(height / 32), 2.0, 10.0);
   const double raw = (high - low) / most;
   if (!(raw > 0) || !std::isfinite(raw)) return 0;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= raw) return digit * power;
-  return 10.0 * power;
+  double step = 10 * power;
+  for (const double digit : {5.0, 2.0, 1.0, 0.5}) {
+    const bool two_inside = std::floor(high / step) - std::ceil(low / step) >= 1;
+    if (two_inside && digit * power < raw) break;
+    step = digit * power;
+  }
+  return step;
 }
 
 void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t k) {
   const Panel& p = spec.panels[k];
-  place(out, layout, k);
+  place(out, layout, legend_of(p, spec.width), k);
   const bool last = k + 1 == spec.panels.size();
   Extent y{};
   for (const Series& s : p.series) y.take(s.y, p.log_y);
@@ -121,7 +128,7 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   std::optional<Range> seen = p.y_range;
   if (!p.log_y) {
     if (!seen) seen = with_margin(y);
-    const double step = tic_step(seen->first, seen->second, static_cast<int>(layout.plot_height * spec.height));
+    const double step = tic_step(seen->first, seen->second, layout.plot_height * spec.height);
     out.line(step > 0 ? fmt::format("set ytics {}", step) : std::string("set ytics autofreq"));
   }
   range(out, 'x', spec.x_range);
