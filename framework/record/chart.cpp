@@ -46,12 +46,14 @@ void range(Script& out, char a, const std::optional<Range>& r) {
 }
 
 // What is there and a twentieth of it above and below; around what stays constant, a twentieth of its size.
-Range with_margin(const Extent& y) {
+// Nothing where that is beyond all numbers.
+std::optional<Range> with_margin(const Extent& y) {
   constexpr double kPart = 0.05, kConstant = 1e-5;
   const double size = std::max(std::abs(y.low), std::abs(y.high)), span = y.high - y.low;
-  if (size == 0) return {-1, 1};
+  if (size == 0) return Range{-1, 1};
   const double margin = kPart * (span > kConstant * size ? span : size);
-  return {y.low - margin, y.high + margin};
+  const Range r{y.low - margin, y.high + margin};
+  return std::isfinite(r.first) && std::isfinite(r.second) ? std::optional(r) : std::nullopt;
 }
 
 constexpr double kLeft = 104, kRight = 28;  // pixels beside the panels
@@ -128,7 +130,7 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   std::optional<Range> seen = p.y_range;
   if (!p.log_y) {
     if (!seen) seen = with_margin(y);
-    const double step = tic_step(seen->first, seen->second, layout.plot_height * spec.height);
+    const double step = seen ? tic_step(seen->first, seen->second, layout.plot_height * spec.height) : 0;
     out.line(step > 0 ? fmt::format("set ytics {}", step) : std::string("set ytics autofreq"));
   }
   range(out, 'x', spec.x_range);
