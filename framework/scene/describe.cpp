@@ -1,6 +1,8 @@
 #include "framework/scene/describe.h"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include "framework/model/read.h"
 #include "framework/model/units.h"
@@ -66,6 +68,15 @@ std::string default_words(const Key& key) {
   return key.fallback == "absent" ? "" : "default " + key.fallback;
 }
 
+// The column of a table holds the short words; where to read on comes last.
+std::pair<std::string, std::string> split_form(const Key& key, const std::vector<Part>& parts) {
+  constexpr std::string_view kSee = ": see ";
+  const std::string all = form_words(key, parts);
+  const std::size_t at = all.find(kSee);
+  if (at == std::string::npos) return {all, {}};
+  return {all.substr(0, at), all.substr(at + kSee.size())};
+}
+
 }  // namespace
 
 std::vector<std::string> shelf_names() {
@@ -120,14 +131,6 @@ std::string form_words(const Key& key, const std::vector<Part>& parts) {
 }
 
 std::string describe(const Description& d) {
-  // The column holds the short words; where to read on comes last.
-  const auto split_form = [](const Key& key, const std::vector<Part>& parts) {
-    constexpr std::string_view kSee = ": see ";
-    const std::string all = form_words(key, parts);
-    const std::size_t at = all.find(kSee);
-    if (at == std::string::npos) return std::pair{all, std::string()};
-    return std::pair{all.substr(0, at), all.substr(at + kSee.size())};
-  };
   std::string text = d.info.name + ": " + singular(d.shelf) +
                      (d.origin == "built in" ? "" : ", from plugin " + d.origin) + "\n  " + d.info.help + "\n";
   std::size_t name = 0, form = 0, fallback = 0;
@@ -142,7 +145,7 @@ std::string describe(const Description& d) {
     const auto [words, where] = split_form(key, d.parts);
     std::string line = "  " + padded(key.name, name) + "  " + padded(words, form) + "  " +
                        padded(default_words(key), fallback) + "  " + key.help;
-    if (!where.empty()) line += "; see " + where;
+    if (key.help.find(where) == std::string::npos) line += "; see " + where;
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
