@@ -143,6 +143,11 @@ TEST_CASE("a number that is none stops the run, what was computed is kept", "[ru
   CHECK(contains(r.text, "t = 0.5 s"));
   CHECK(contains(r.text, "rows up to there are in"));
   CHECK(read_csv(kFolder + "/blow.csv").n_rows() >= 5);
+  const Result full = call("run '" + blow + "' --record /dev/full");
+  INFO(full.text);
+  CHECK(full.exit == 7);  // the run's own error, not the disk's
+  CHECK(contains(full.text, "could not be written"));
+  CHECK(contains(full.text, "link 'A'"));
 }
 
 TEST_CASE("an interrupted run ends after its step with everything written", "[runner]") {
@@ -155,6 +160,23 @@ TEST_CASE("an interrupted run ends after its step with everything written", "[ru
   CHECK_FALSE(contains(r.text, "the caller"));
   CHECK(read_csv(kFolder + "/swing.csv").n_rows() >= 1);
   CHECK(call("run '" + swing + "' --record swing.csv", "timeout --preserve-status -s TERM 2").exit == 130);
+}
+
+TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
+  fs::remove(kFolder + "/charts/four_bar_chart.csv");
+  const Result r = call("chart '" + kFourBar + "' --until 0.05 --budget 60 --out charts --quiet",
+                        "timeout --preserve-status -s INT 3");
+  INFO(r.text);
+  CHECK(r.exit == 130);
+  CHECK(contains(r.text, "the runs up to there are written"));
+  std::ifstream file(kFolder + "/charts/four_bar_chart.csv");
+  std::string line;
+  int n_lines = 0;
+  while (std::getline(file, line)) {
+    CHECK_FALSE(contains(line, "interrupted"));
+    ++n_lines;
+  }
+  CHECK(n_lines > 1);
 }
 
 TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]") {
