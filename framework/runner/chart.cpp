@@ -9,27 +9,43 @@
 #include "framework/record/gnuplot.h"
 #include "framework/runner/commands.h"
 #include "framework/runner/files.h"
+#include "framework/runner/progress.h"
 #include "framework/scene/observe.h"
 
 namespace lockstep {
 namespace {
 
 constexpr double kBudget = 60;  // s
+constexpr const char* kInterrupted = "interrupted";
 constexpr double kLimits[] = {1e-3, 1e-6, 1e-9};
+
+/// Ends the run that is being measured, and with it all that follow.
+class Ender final : public Observer {
+ public:
+  explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
+  void step(const Sample& s) override {
+    if (interrupt_->asked()) throw StepError(kInterrupted, s.state.t);
+  }
+
+ private:
+  const Interrupt* interrupt_;
+};
 
 /// A mechanism that stays where it is in memory, and what its events look at.
 struct Standing {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
+  Ender ender;
 };
 
-Subject subject_of(const Scene& scene, const Registry& registry) {
-  auto standing = std::make_shared<Standing>(Standing{build(scene, registry)});
+Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt& interrupt) {
+  auto standing = std::make_shared<Standing>(Standing{build(scene, registry), nullptr, Ender(interrupt)});
   Mechanism& m = standing->mechanism;
   standing->recorder = make_recorder(m);
   Subject subject{standing, &m.system, {}};
   subject.events = make_events(m, *standing->recorder);
   if (!subject.events.empty()) subject.observers.push_back(standing->recorder.get());
+  subject.observers.push_back(&standing->ender);
   subject.start = m.system.start();
   Dynamics dynamics(m.system, make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
   if (m.run.assemble) assemble(dynamics, subject.start, m.start_speeds);
@@ -76,12 +92,24 @@ void print_cheapest(const WorkPrecision& result) {
   }
 }
 
+// Runs that Ctrl-C cut short count as not begun.
+void leave_out_interrupted(WorkPrecision& result) {
+  std::vector<WorkPrecisionRun> measured;
+  for (WorkPrecisionRun& run : result.runs) {
+    if (run.failure == kInterrupted)
+      result.left_out.push_back(label(run));
+    else
+      measured.push_back(std::move(run));
+  }
+  result.runs = std::move(measured);
+}
+
 void print_failures(const WorkPrecision& result) {
   std::size_t n = 0;
   for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
   if (n > 0) fmt::print("{} runs failed (grey marks in the pictures); the reasons stand in the CSV file\n", n);
   if (!result.left_out.empty())
-    fmt::print("{} runs did not fit into the time; give more with --budget\n", result.left_out.size());
+    fmt::print("{} runs were not reached in the time; give more with --budget\n", result.left_out.size());
 }
 
 }  // namespace
@@ -100,15 +128,26 @@ int chart_command(const Words& w) {
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
 
-  const Subject first = subject_of(loaded.scene, loaded.registry);
+  const Interrupt interrupt;
+  const Subject first = subject_of(loaded.scene, loaded.registry, interrupt);
   Dynamics dynamics(*first.system, make_solver(loaded.scene.run, loaded.registry));
   const bool imposed = mobility(dynamics, first.start).freedoms == 0;
   const std::string title = loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
 
-  const Course course{[&] { return subject_of(loaded.scene, loaded.registry); }, until};
+  const Course course{[&] { return subject_of(loaded.scene, loaded.registry, interrupt); }, until};
   WorkPrecisionOptions options = options_for(loaded, budget);
-  if (!w.quiet) options.progress = [](const std::string& what) { fmt::print(stderr, "  {}\n", what); };
-  const WorkPrecision result = work_precision(course, options);
+  options.progress = [&](const std::string& what) {
+    if (!w.quiet && !interrupt.asked()) fmt::print(stderr, "  {}\n", what);
+  };
+  WorkPrecision result;
+  try {
+    result = work_precision(course, options);
+  } catch (const Error&) {
+    if (!interrupt.asked()) throw;
+    fmt::print(stderr, "lockstep: interrupted before the reference was there; nothing is written\n");
+    return kExitInterrupted;
+  }
+  leave_out_interrupted(result);
 
   write_runs(base + ".csv", result);
   fmt::print("{}\n  {} runs over {:g} s; {} and {} at their tightest agree to {:.1e} m\n", title, result.runs.size(),
@@ -121,14 +160,19 @@ int chart_command(const Words& w) {
   print_cheapest(result);
   print_failures(result);
   fmt::print("files: {}.csv", base);
-  if (!find_gnuplot().empty()) {
+  if (result.runs.empty()) {
+    fmt::print("\n       no pictures: no run was measured");
+  } else if (!find_gnuplot().empty()) {
     const auto kind = imposed ? Stabilization::Kind::none : Stabilization::Kind::project;
     write_chart(base, work_precision_chart(result, title, ChartBy::integrator, kind));
     write_chart(base + "_forms", work_precision_chart(result, title, ChartBy::form, kind, {"dopri5", "rk4"}));
     fmt::print(", {0}.svg, {0}.png, {0}_forms.svg, {0}_forms.png", base);
+  } else {
+    fmt::print("\n       no pictures: gnuplot is not installed (apt install gnuplot-nox)");
   }
   fmt::print("\n");
-  return kExitOk;
+  if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
+  return interrupt.asked() ? kExitInterrupted : kExitOk;
 }
 
 }  // namespace lockstep

@@ -51,10 +51,54 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
                                where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::xyz); })},
                               {"motion of markers: they stand still on their bodies",
                                where(m, [](const MarkerLock& l) { return !laws_of(l.p()) && !laws_of(l.s()); })}};
-  if (!dense) all.push_back({"energy columns: not recorded", {"energy"}});
+  if (!dense) all.push_back({"energies: integrated for the summary only, with --quiet not at all", {"energy"}});
   if (m.system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
   std::erase_if(all, [](const LeftOut& l) { return l.names.empty(); });
   return all;
+}
+
+/// What a channel belongs to: "body 'crank'".
+std::vector<std::pair<std::string, std::string>> owners(const System& system) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const Body& b : system.bodies()) all.emplace_back(b.name, "body");
+  for (const Marker& m : system.markers()) all.emplace_back(m.name, "marker");
+  for (const auto& l : system.links()) all.emplace_back(l->name(), "link");
+  for (const auto& f : system.forces()) all.emplace_back(f->name(), "force");
+  return all;
+}
+
+/// The longest name of an object that the channel begins with; "" for those of the whole mechanism.
+std::string owner_of(const ChannelHelp& channel, const System& system) {
+  std::string best, text;
+  for (const auto& [name, kind] : owners(system))
+    if (name.size() > best.size() && channel.name.rfind(name + ".", 0) == 0)
+      best = name, text = kind + " '" + name + "'";
+  return text.empty() ? "the whole mechanism" : text;
+}
+
+int list_channels(const System& system, bool as_json) {
+  std::vector<ChannelHelp> all = channel_help(system);
+  std::erase_if(all, [](const ChannelHelp& c) { return c.name.rfind("ground.", 0) == 0; });  // it never moves
+  std::size_t name = 0, unit = 0;
+  auto j = nlohmann::ordered_json::array();
+  for (const ChannelHelp& c : all) {
+    name = std::max(name, c.name.size()), unit = std::max(unit, c.unit.size());
+    j.push_back({{"name", c.name}, {"unit", c.unit}, {"of", owner_of(c, system)}, {"help", c.help}});
+  }
+  if (as_json) {
+    fmt::print("{}\n", j.dump(1, ' '));
+    return kExitOk;
+  }
+  std::string last;
+  for (const ChannelHelp& c : all) {
+    const std::string owner = owner_of(c, system);
+    if (owner != last) fmt::print("{}:\n", owner);
+    last = owner;
+    fmt::print("  {:<{}}  {:<{}}  {}\n", c.name, name, c.unit, unit, c.help);
+  }
+  fmt::print("a body or marker seen from another: <one>.<quantity>@<other>, as in {0}.x@ground\n",
+             system.bodies().empty() ? "body" : system.bodies().back().name);
+  return kExitOk;
 }
 
 }  // namespace
@@ -62,6 +106,7 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
 int check_command(const Words& w) {
   const Loaded loaded = load(w);
   Mechanism m = build(loaded.scene, loaded.registry);
+  if (w.channels) return list_channels(m.system, w.json);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);
   Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});

@@ -8,6 +8,7 @@
 
 #include "framework/scene/describe.h"
 #include "framework/support/error.h"
+#include "framework/support/text.h"
 #include "framework/version.h"
 
 namespace lockstep {
@@ -16,7 +17,7 @@ namespace {
 void add_plugins(CLI::App& verb, Words& w) {
   verb.add_option("--plugin", w.plugins, "load a plugin, by name or path; may be given several times")
       ->type_name("P")
-      ->expected(1);
+      ->allow_extra_args(false);
 }
 
 void add_scene(CLI::App& verb, Words& w) {
@@ -74,6 +75,30 @@ int exit_code_of(const std::exception_ptr& error) {
   }
 }
 
+// What is wrong with the words, the closest that exists, and where help is.
+int say_usage(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> called = app.get_subcommands();
+  const CLI::App& verb = called.empty() ? app : *called.front();
+  const std::vector<std::string> unknown = app.remaining(true);
+  const std::string word = unknown.empty() ? "" : unknown.front();
+  std::vector<std::string> verbs, options;
+  for (const CLI::App* v : app.get_subcommands([](const CLI::App*) { return true; })) verbs.push_back(v->get_name());
+  for (const CLI::Option* option : verb.get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+
+  std::string text = error.what();
+  if (word.rfind('-', 0) == 0)
+    text = "unknown option \"" + word + "\"" + suggestion(word.substr(0, word.find('=')), options);
+  else if (called.empty())
+    text = word.empty() ? "a verb is missing; known: " + join(verbs, ", ")
+                        : "unknown verb \"" + word + "\"" + suggestion(word, verbs);
+  else if (!word.empty())
+    text = "\"" + word + "\" is one word too many; text with blanks needs quotes";
+  const std::string of = called.empty() ? "" : verb.get_name() + " ";
+  fmt::print(stderr, "lockstep: {}\nSee `lockstep {}--help`.\n", text, of);
+  return kExitUsage;
+}
+
 int guarded(const std::function<int()>& command) {
   try {
     return command();
@@ -98,6 +123,7 @@ int run_program(int argc, const char* const* argv) {
       *app.add_subcommand("check", "Read and build a scene; say its bodies, unknowns, rows and degrees of freedom");
   add_scene(check, w);
   check.add_flag("--json", w.json, "as JSON");
+  check.add_flag("--channels", w.channels, "list every channel that the scene may record, with unit and meaning");
   check.footer("Example:\n  lockstep check samples/scenes/four_bar.json --json");
   CLI::App& chart =
       *app.add_subcommand("chart", "Draw error against CPU time for all integrators, formulations and stabilisations");
@@ -135,7 +161,7 @@ int run_program(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+    return error.get_exit_code() == 0 ? app.exit(error) : say_usage(app, error);
   }
   return guarded([&] {
     if (run.parsed()) return run_command(w);

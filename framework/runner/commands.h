@@ -33,7 +33,7 @@ class UsageError : public Error {
 struct Words {
   std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
   std::vector<std::string> plugins;
-  bool quiet = false, json = false;
+  bool quiet = false, json = false, channels = false;
 };
 
 /// A scene with the plugins that it and the command line ask for.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "framework/record/chart.h"
 #include "framework/record/gnuplot.h"
@@ -69,13 +70,28 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
 
 }  // namespace
 
-std::vector<std::string> draw_columns(const std::string& csv, const std::string& title, const Table& table,
-                                      const std::vector<std::vector<std::string>>& draw) {
-  if (table.n_rows() < 2 || table.n_columns() < 2 || find_gnuplot().empty()) return {};
-  ChartSpec chart{title, "t [s]", draw.empty() ? panels_by_unit(table) : panels_of(table, draw)};
-  const std::string base = fs::path(csv).replace_extension().string();
-  write_chart(base, chart);
-  return {base + ".svg", base + ".png"};
+Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
+                     const std::vector<std::vector<std::string>>& draw) {
+  Drawing drawing;
+  if (table.n_columns() < 2) drawing.reason = "nothing to draw: no column beside the time is recorded";
+  if (table.n_rows() < 2) drawing.reason = "nothing to draw: a curve needs two rows";
+  if (drawing.reason.empty() && find_gnuplot().empty())
+    drawing.reason = "gnuplot is not installed (apt install gnuplot-nox)";
+  if (!drawing.reason.empty()) return drawing;
+  try {
+    const ChartSpec chart{title, "t [s]", draw.empty() ? panels_by_unit(table) : panels_of(table, draw)};
+    std::set<std::string> names;
+    for (const Panel& panel : chart.panels)
+      for (const Series& series : panel.series) names.insert(series.label);
+    const std::string base = fs::path(csv).replace_extension().string();
+    write_chart(base, chart);
+    drawing.files = {base + ".svg", base + ".png"};
+    drawing.n_drawn = names.size();
+  } catch (const std::exception& error) {
+    drawing.reason = error.what();
+    drawing.failed = true;
+  }
+  return drawing;
 }
 
 }  // namespace lockstep

@@ -1,6 +1,7 @@
 // The verbs that only look: list, describe, schema.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "framework/runner/commands.h"
@@ -15,7 +16,8 @@ using Json = nlohmann::ordered_json;
 Json json_of(const Description& d) {
   Json keys = Json::array();
   for (const Key& key : d.info.keys) {
-    Json k = {{"name", key.name}, {"form", form_words(key)}, {"required", key.fallback.empty()}, {"help", key.help}};
+    Json k = {
+        {"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.fallback.empty()}, {"help", key.help}};
     if (!key.fallback.empty() && key.fallback != "absent") k["default"] = Json::parse(key.fallback);
     keys.push_back(std::move(k));
   }
@@ -26,14 +28,26 @@ Json json_of(const Description& d) {
           {"keys", std::move(keys)}};
 }
 
+// What a scene gets that does not say.
+bool is_default(const Description& d) {
+  const RunSettings run;
+  return (d.shelf == "integrators" && d.info.name == run.integrator.type) ||
+         (d.shelf == "solvers" && d.info.name == run.solver.type);
+}
+
+std::string shown_name(const Description& d) {
+  if (d.shelf == "translation_laws") return d.info.name + " (translation)";
+  if (d.shelf == "rotation_laws") return d.info.name + " (rotation)";
+  return d.info.name + (is_default(d) ? " (default)" : "");
+}
+
 void print_shelf(const std::string& shelf, const std::vector<Description>& all) {
   fmt::print("{}:\n", shelf);
+  std::size_t width = 0;
+  for (const Description& d : all) width = std::max(width, shown_name(d).size());
   for (const Description& d : all) {
-    const std::string kind = d.shelf == "translation_laws" ? " (translation)"
-                             : d.shelf == "rotation_laws"  ? " (rotation)"
-                                                           : "";
     const std::string origin = d.origin == "built in" ? "" : " [plugin " + d.origin + "]";
-    fmt::print("  {:<22} {}{}\n", d.info.name + kind, d.info.help, origin);
+    fmt::print("  {:<{}}  {}{}\n", shown_name(d), width, d.info.help, origin);
   }
   if (all.empty()) fmt::print("  nothing\n");
 }
@@ -58,7 +72,10 @@ int list_command(const std::string& shelf, const Words& w) {
 int describe_command(const std::string& name, const Words& w) {
   const Registry registry = make_registry(w.plugins);
   try {
-    for (const Description& d : find_descriptions(registry, name)) fmt::print("{}", describe(d));
+    for (const Description& d : find_descriptions(registry, name)) {
+      fmt::print("{}", describe(d));
+      if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
+    }
   } catch (const SceneError& error) {
     throw UsageError(error.what());
   }

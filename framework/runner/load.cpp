@@ -1,4 +1,5 @@
 // From the words of the command line to a scene and a registry.
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <set>
@@ -40,6 +41,25 @@ Typed typed_option(const std::string& option, const std::string& name, const std
   throw UsageError(option + ": unknown name \"" + name + "\"" + suggestion(name, known));
 }
 
+// The picture stands beside the table under the table's name: it would take its place.
+void refuse_picture(const std::string& record) {
+  const std::filesystem::path file = record;
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".png" && ending != ".svg") return;
+  throw UsageError("--record: \"" + record + "\" is where the picture goes, not the table; name a CSV file, as in " +
+                   "--record " + std::filesystem::path(file).replace_extension(".csv").string());
+}
+
+void refuse_missing_step(const RunSettings& run, const Words& w, const Registry& registry) {
+  if (w.integrator.empty() || run.step > 0) return;
+  RunSettings with_step = run;
+  with_step.step = 1;
+  if (!make_integrator(with_step, registry)->info().adaptive)
+    throw UsageError("--integrator: \"" + w.integrator +
+                     "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
+}
+
 void put_over(RunSettings& run, const Words& w, const Registry& registry) {
   if (!w.integrator.empty()) run.integrator = typed_option("--integrator", w.integrator, registry.integrators.names());
   if (!w.solver.empty()) run.solver = typed_option("--solver", w.solver, registry.solvers.names());
@@ -67,11 +87,13 @@ Registry make_registry(const std::vector<std::string>& plugins) {
 }
 
 Loaded load(const Words& w) {
+  refuse_picture(w.record);
   Scene scene = read_scene(w.scene);
   std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
   plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
   Registry registry = make_registry(plugins);
   put_over(scene.run, w, registry);
+  refuse_missing_step(scene.run, w, registry);
   return {std::move(registry), std::move(scene)};
 }
 

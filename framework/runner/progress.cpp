@@ -1,6 +1,7 @@
 #include "framework/runner/progress.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +16,14 @@ volatile std::sig_atomic_t interrupted = 0;
 extern "C" void note_interrupt(int) {
   interrupted = 1;
   std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+// One column is left free: a full line would wrap on some terminals.
+std::size_t line_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return (known ? size.ws_col : 80u) - 1u;
 }
 
 constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
@@ -24,8 +33,12 @@ constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
 Interrupt::Interrupt() {
   interrupted = 0;
   std::signal(SIGINT, note_interrupt);
+  std::signal(SIGTERM, note_interrupt);
 }
-Interrupt::~Interrupt() { std::signal(SIGINT, SIG_DFL); }
+Interrupt::~Interrupt() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
 bool Interrupt::asked() const { return interrupted != 0; }
 
 std::string progress_line(double t, double until, double seconds, bool bar) {
@@ -54,7 +67,7 @@ void Progress::at(double t) {
   last_ = now;
   const std::string line = progress_line(t, until_, seconds(), terminal_);
   if (terminal_) {
-    fmt::print(stderr, "\r{:<78}", line);
+    fmt::print(stderr, "\r{:<{}}", line.substr(0, line_width()), line_width());
     std::fflush(stderr);
     drawn_ = true;
   } else {
@@ -63,7 +76,7 @@ void Progress::at(double t) {
 }
 
 void Progress::finish() {
-  if (drawn_) fmt::print(stderr, "\r{:<78}\r", "");
+  if (drawn_) fmt::print(stderr, "\r{:<{}}\r", "", line_width());
   drawn_ = false;
 }
 

@@ -6,7 +6,7 @@
 
 namespace lockstep {
 
-/// From its making on, Ctrl-C no longer ends the program but is noted; a second Ctrl-C does end it.
+/// From its making on, Ctrl-C (or SIGTERM) no longer ends the program but is noted; a second one does end it.
 class Interrupt {
  public:
   Interrupt();
@@ -16,7 +16,8 @@ class Interrupt {
   bool asked() const;
 };
 
-/// Written to standard error, at most ten times a second on a terminal, else a line every ten seconds.
+/// Written to standard error, at most ten times a second on a terminal and cut to its width, else a line every ten
+/// seconds.
 class Progress {
  public:
   Progress(double until, bool quiet);

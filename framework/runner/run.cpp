@@ -1,7 +1,9 @@
 // The verbs that move something: run and assemble.
 #include <spdlog/fmt/fmt.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "framework/analysis/assembly.h"
 #include "framework/dynamics/simulation.h"
@@ -52,6 +54,24 @@ SimulationOptions options_of(const RunSettings& run) {
   return options;
 }
 
+// In every case: what was computed is not lost. What went wrong is handed back, so that it hides nothing else.
+std::exception_ptr write_table(const std::string& csv, const Table& table) {
+  try {
+    write_csv(csv, table);
+    return nullptr;
+  } catch (const std::exception&) {
+    return std::current_exception();
+  }
+}
+
+std::string what_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
+
 struct Ended {
   std::exception_ptr error;
   bool interrupted = false;
@@ -76,13 +96,56 @@ Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
   return ended;
 }
 
-void print_end(const Simulation& sim, const RunSettings& run, const Summary& summary, double seconds) {
+std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
+
+void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds,
+               bool interrupted) {
   const SimulationReport& r = sim.report();
-  fmt::print("  run        t = {:.6g} s in {} steps of {} ({} tries rejected), {:.3g} s of computing\n", sim.state().t,
-             r.steps, run.integrator.type, r.rejected, seconds);
-  if (r.stopped && !r.stopped_by.empty()) fmt::print("  stopped    by '{}'\n", r.stopped_by);
+  const std::string rejected =
+      sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
+  fmt::print("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
+             counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
+  if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
   fmt::print("{}", summary.text());
-  fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
+  if (!sim.system().links().empty())
+    fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
+}
+
+// The table first: what was computed is there, whatever becomes of the picture.
+void print_files(const std::string& csv, const std::string& title, const Table& table, const RunSettings& run,
+                 bool quiet) {
+  if (!quiet) {
+    fmt::print("  files      {} ({})\n", csv, rows_of(table));
+    std::fflush(stdout);
+  }
+  const Drawing drawing = draw_columns(csv, title, table, run.draw);
+  if (quiet) {
+    if (drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
+    return;
+  }
+  for (const std::string& picture : drawing.files) fmt::print("             {}\n", picture);
+  if (drawing.files.empty()) fmt::print("             no picture: {}\n", drawing.reason);
+  const std::size_t n = table.n_columns() - 1;
+  if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
+    fmt::print("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
+}
+
+// One line each for what is said and has no effect.
+void warn(const Scene& scene, const Mechanism& m, const Words& w, const Integrator& method) {
+  const RunSettings& run = m.run;
+  const auto say = [](const std::string& text) { fmt::print(stderr, "lockstep: warning: {}\n", text); };
+  if (!run.times.empty() && run.times.back() > run.until)
+    say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
+                    run.until));
+  for (const EventRequest& e : m.events)
+    if (e.event.at > run.until)
+      say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
+                      e.event.at, run.until));
+  const Value* settings = scene.root.find("run");
+  const bool in_scene = w.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
+  if ((in_scene || !w.tolerance.empty()) && !method.info().adaptive)
+    say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
 }  // namespace
@@ -99,7 +162,8 @@ int run_command(const Words& w) {
 
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
-  Summary summary(m.system);
+  std::optional<Summary> summary;  // only who reads it pays for its energies
+  if (!w.quiet) summary.emplace(m.system);
   Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
   State start = m.system.start();
   if (!w.quiet) fmt::print("{}\n", heading(loaded));
@@ -110,27 +174,23 @@ int run_command(const Words& w) {
 
   Simulation sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
   sim.add_observer(*recorder);
-  sim.add_observer(summary);
+  if (summary) sim.add_observer(*summary);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
+  if (!w.quiet) warn(loaded.scene, m, w, sim.integrator());
 
   double seconds = 0;
   const Ended ended = go(sim, m.run.until, w.quiet, seconds);
-  write_csv(csv, recorder->table());  // in every case: what was computed is never lost
+  const std::exception_ptr unwritten = write_table(csv, recorder->table());
   if (ended.error) {
-    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {} rows up to there are in {}\n", sim.state().t,
-               recorder->table().n_rows(), csv);
+    const std::string rows = unwritten ? "the rows up to there could not be written: " + what_of(unwritten)
+                                       : rows_of(recorder->table()) + " up to there are in " + csv;
+    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, rows);
     std::rethrow_exception(ended.error);
   }
-  const std::vector<std::string> pictures = draw_columns(csv, heading(loaded), recorder->table(), m.run.draw);
-  if (!w.quiet) {
-    print_end(sim, m.run, summary, seconds);
-    fmt::print("  files      {} ({} rows)\n", csv, recorder->table().n_rows());
-    for (const std::string& picture : pictures) fmt::print("             {}\n", picture);
-    if (pictures.empty())
-      fmt::print(
-          "             no picture: gnuplot is not installed (apt install gnuplot-nox), or there is nothing to draw\n");
-  }
+  if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
+  if (unwritten) std::rethrow_exception(unwritten);
+  print_files(csv, heading(loaded), recorder->table(), m.run, w.quiet);
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   return ended.interrupted ? kExitInterrupted : kExitOk;

@@ -8,6 +8,8 @@
 namespace lockstep {
 namespace {
 
+constexpr double kStill = 1e-9;  // of the system's length, and rad: rounding moves no further
+
 enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated };
 
 // Axes of the body's frame at its mass centre.
@@ -27,6 +29,7 @@ Summary::Summary(System& system) {
 
 void Summary::start(const Sample& s) {
   movers_.clear();
+  length_ = s.system().length();
   for (const Body& body : s.system().bodies())
     if (!body.fixed) {
       const Pose at = center_pose(body, s.state);
@@ -77,7 +80,12 @@ std::string Summary::text() const {
       "J\n",
       last_energy_ - first_energy_, drives_, supplied_, dissipated_);
   text += fmt::format("  conserved  energy balance within {:.2g} J", balance_);
-  if (scale_ > 0) text += fmt::format(" ({:.2g} of the largest energy)", balance_ / scale_);
+  const bool still = std::all_of(order.begin(), order.end(),
+                                 [&](const Mover& m) { return m.path <= kStill * length_ && m.turned <= kStill; });
+  if (still)
+    text += "; nothing moved";
+  else if (scale_ > 0)
+    text += fmt::format(" ({:.2g} of the largest energy)", balance_ / scale_);
   return text + "\n";
 }
 

@@ -35,6 +35,7 @@ class Summary final : public Observer {
 
   std::vector<Mover> movers_;
   std::vector<Channel> channels_;
+  double length_ = 1;  // of the system, m
   double first_energy_ = 0, last_energy_ = 0, drives_ = 0, supplied_ = 0, dissipated_ = 0, balance_ = 0, scale_ = 0;
 };
 

@@ -5,14 +5,16 @@
 #include <vector>
 
 #include "framework/plugin/registry.h"
+#include "framework/scene/tables.h"
 
 namespace lockstep {
 
 /// One entry of a shelf, or one object of a scene file.
 struct Description {
-  std::string shelf;   ///< "links", "laws", ..., "scene"
-  TypeInfo info;       ///< with the keys that every one of its kind has
-  std::string origin;  ///< "built in", or the plugin's name
+  std::string shelf;          ///< "links", "laws", ..., "scene"
+  TypeInfo info;              ///< with the keys that every one of its kind has
+  std::string origin;         ///< "built in", or the plugin's name
+  std::vector<Part> parts{};  ///< what its keys of Form::any hold
 };
 
 /// Names of the shelves, in the order of `list`: "laws", "translation_laws", "rotation_laws", "links", "forces",
@@ -30,7 +32,7 @@ LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const s
 /// Text for a terminal: help, keys with form, unit, default and help.
 LOCKSTEP_API std::string describe(const Description&);
 
-/// "length in m", "choice of \"x\", \"y\"", ...
-LOCKSTEP_API std::string form_words(const Key&);
+/// "length in m", "\"x\" or \"y\"", "object: see `lockstep describe drive`", ...
+LOCKSTEP_API std::string form_words(const Key&, const std::vector<Part>& parts = {});
 
 }  // namespace lockstep

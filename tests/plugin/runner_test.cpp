@@ -143,6 +143,11 @@ TEST_CASE("a number that is none stops the run, what was computed is kept", "[ru
   CHECK(contains(r.text, "t = 0.5 s"));
   CHECK(contains(r.text, "rows up to there are in"));
   CHECK(read_csv(kFolder + "/blow.csv").n_rows() >= 5);
+  const Result full = call("run '" + blow + "' --record /dev/full");
+  INFO(full.text);
+  CHECK(full.exit == 7);  // the run's own error, not the disk's
+  CHECK(contains(full.text, "could not be written"));
+  CHECK(contains(full.text, "link 'A'"));
 }
 
 TEST_CASE("an interrupted run ends after its step with everything written", "[runner]") {
@@ -152,7 +157,26 @@ TEST_CASE("an interrupted run ends after its step with everything written", "[ru
   INFO(r.text);
   CHECK(r.exit == 130);
   CHECK(contains(r.text, "interrupted at t = "));
+  CHECK_FALSE(contains(r.text, "the caller"));
   CHECK(read_csv(kFolder + "/swing.csv").n_rows() >= 1);
+  CHECK(call("run '" + swing + "' --record swing.csv", "timeout --preserve-status -s TERM 2").exit == 130);
+}
+
+TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
+  fs::remove(kFolder + "/charts/four_bar_chart.csv");
+  const Result r = call("chart '" + kFourBar + "' --until 0.05 --budget 60 --out charts --quiet",
+                        "timeout --preserve-status -s INT 3");
+  INFO(r.text);
+  CHECK(r.exit == 130);
+  CHECK(contains(r.text, "the runs up to there are written"));
+  std::ifstream file(kFolder + "/charts/four_bar_chart.csv");
+  std::string line;
+  int n_lines = 0;
+  while (std::getline(file, line)) {
+    CHECK_FALSE(contains(line, "interrupted"));
+    ++n_lines;
+  }
+  CHECK(n_lines > 1);
 }
 
 TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]") {
@@ -185,4 +209,108 @@ TEST_CASE("list, describe and schema speak of the same things", "[runner]") {
   CHECK(contains(call("list laws --plugin '" + std::string(paths::kBuild) + "/test_plugins/probe.so'").text,
                  "probe_law"));
   CHECK(nlohmann::json::parse(call("schema").text).contains("$defs"));
+}
+
+TEST_CASE("several plugins stand before, between and after the other words", "[runner]") {
+  const std::string plugins = std::string(paths::kPlugins);
+  const std::string one = "--plugin '" + plugins + "/bump.so'", two = "--plugin '" + plugins + "/cam_follower.so'";
+  const Result both = call("list " + one + " " + two);
+  INFO(both.text);
+  CHECK(both.exit == 0);
+  CHECK(contains(both.text, "[plugin bump]"));
+  CHECK(contains(both.text, "[plugin cam_follower]"));
+  const Result before = call("check " + one + " '" + kFourBar + "' " + two);
+  INFO(before.text);
+  CHECK(before.exit == 0);
+  CHECK(call("list " + one + " laws").exit == 0);
+}
+
+TEST_CASE("a table is never written where its picture goes", "[runner]") {
+  for (const char* ending : {"png", "svg", "PNG"}) {
+    const Result r = call("run '" + kFourBar + "' --record way." + ending);
+    INFO(r.text);
+    CHECK(r.exit == 2);
+    CHECK(contains(r.text, "--record way.csv"));
+  }
+}
+
+TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
+  fs::create_directories(kFolder + "/broken");
+  const std::string gnuplot = kFolder + "/broken/gnuplot";
+  std::ofstream(gnuplot) << "#!/bin/sh\necho out of ink\nexit 1\n";
+  fs::permissions(gnuplot, fs::perms::owner_all);
+  const Result broken = call("run '" + kFourBar + "' --record inkless.csv", "PATH='" + kFolder + "/broken':\"$PATH\"");
+  INFO(broken.text);
+  CHECK(broken.exit == 0);
+  CHECK(contains(broken.text, "inkless.csv (71 rows)"));
+  CHECK(broken.text.find("inkless.csv (71 rows)") < broken.text.find("no picture: gnuplot could not draw"));
+  CHECK(contains(broken.text, "out of ink"));
+  const Result none = call("run '" + kFourBar + "' --record bare.csv", "PATH=/nowhere");
+  CHECK(none.exit == 0);
+  CHECK(contains(none.text, "no picture: gnuplot is not installed"));
+  const Result torn = call("run '" + kFourBar + "' --record /dev/full");
+  INFO(torn.text);
+  CHECK(torn.exit == 8);
+  CHECK(contains(torn.text, "energy balance"));
+}
+
+TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {
+  const auto text_of = [](const std::string& words) {
+    const Result r = call(words);
+    CHECK(r.exit == 2);
+    CHECK(r.text.rfind("lockstep: ", 0) == 0);
+    return r.text;
+  };
+  CHECK(contains(text_of("chek"), "unknown verb \"chek\"; did you mean \"check\"?"));
+  CHECK(contains(text_of("run '" + kFourBar + "' --untill 3"), "did you mean \"--until\"?"));
+  CHECK(contains(text_of("run '" + kFourBar + "' more"), "one word too many"));
+  const std::string free = scene("free", kArm + R"("run": {"until": 1})");
+  CHECK(contains(text_of("run '" + free + "' --integrator rk4"), "--step"));
+}
+
+TEST_CASE("check lists the channels, describe says what stands under a key", "[runner]") {
+  const auto channels = nlohmann::json::parse(call("check '" + kFourBar + "' --channels --json").text);
+  std::size_t n_found = 0;
+  for (const auto& c : channels) {
+    if (c["name"] == "crank.x" && c["unit"] == "m" && c["of"] == "body 'crank'") ++n_found;
+    if (c["name"] == "energy.total" && c["unit"] == "J" && c["of"] == "the whole mechanism") ++n_found;
+  }
+  CHECK(n_found == 2);
+  const std::string text = call("check '" + kFourBar + "' --channels").text;
+  CHECK(text.find("body 'crank':\n") < text.find("the whole mechanism:\n"));
+  CHECK(contains(call("check '" + kFourBar + "'").text, "integrated for the summary only"));
+  CHECK(contains(call("describe link").text, "see `lockstep describe drive`"));
+  CHECK(contains(call("describe revolute").text, "see `lockstep describe drive`"));
+  CHECK(contains(call("describe run").text, "list of channel names"));
+  CHECK(contains(call("describe event").text, "list of texts"));
+  const std::string all = call("list").text;
+  CHECK(contains(all, "dopri5 (default)"));
+  CHECK(contains(all, "sparse (default)"));
+  CHECK_FALSE(contains(all, "dense (default)"));
+}
+
+TEST_CASE("what is said without effect gives a warning, what is nothing is not said", "[runner]") {
+  const std::string idle = scene("idle", kArm + R"("events": [{"name": "late", "at": 5, "stop": true}],
+    "run": {"until": 1, "integrator": "rk4", "step": 0.5, "tolerance": 1e-6, "times": [1, 3], "record": ["arm.x"]})");
+  const Result r = call("run '" + idle + "' --record idle.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, "run.times: 3 s lies beyond"));
+  CHECK(contains(r.text, "event 'late': 5 s lies beyond"));
+  CHECK(contains(r.text, "\"rk4\" takes fixed steps"));
+  CHECK(contains(r.text, "(1 row)"));
+  CHECK(contains(r.text, "nothing moved"));
+  CHECK(contains(r.text, "no picture: nothing to draw"));
+  for (const char* noise : {"rejected", "of the largest energy", "drift"}) CHECK_FALSE(contains(r.text, noise));
+  CHECK(call("run '" + idle + "' --record idle.csv --quiet").text.empty());
+}
+
+TEST_CASE("a picture of some columns says how many", "[runner]") {
+  const std::string wide = scene("wide", kArm + R"("gravity": [0, -9.81, 0], "run": {"until": 0.1, "record":
+    ["arm.x", "arm.y", "arm.z", "arm.vx", "arm.vy", "arm.vz", "arm.qw", "arm.qx", "arm.qy", "arm.qz",
+     "arm.ax", "arm.ay", "arm.az", {"x2": "arm.x"}, {"x3": "arm.x"}, {"x4": "arm.x"}, {"x5": "arm.x"}]})");
+  const Result r = call("run '" + wide + "' --record wide.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));
 }
