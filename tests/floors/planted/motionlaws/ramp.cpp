@@ -1,2 +1,2 @@
-#include "framework/attic/old.h"
 #include "tests/support/catch.h"
+#include "framework/attic/old.h"

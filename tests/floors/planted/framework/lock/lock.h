@@ -1,5 +1,5 @@
 #pragma once
 #include "framework/model/body.h"
 
-#include "framework/links/joints.h"
+#  include "framework/links/joints.h"
 #include "kernel.h"
