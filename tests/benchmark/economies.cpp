@@ -78,9 +78,9 @@ int main() {
         size(e.present()));
   const Size s = size(plain());
   const double bare = microseconds_recorded({});
-  add("energies", "rk4, nothing recorded", "energy recorded at every step", bare,
+  add("energies", "rk4: nothing recorded", "energy recorded at every step", bare,
       microseconds_recorded({"energy.total"}), s, s);
-  add("reactions", "rk4, nothing recorded", "all reactions recorded at every step", bare, microseconds_recorded([] {
+  add("reactions", "rk4: nothing recorded", "all reactions recorded at every step", bare, microseconds_recorded([] {
         std::vector<Request> all_forces;
         for (int i = 0; i < kRods; ++i)
           for (const char* axis : {"x", "y", "z"})
