@@ -16,7 +16,8 @@ std::unique_ptr<Lock> GenericLock::make(const Site& site, const Params& params) 
   try {
     mask = mask_from(params.text("mask"));
   } catch (const ModelError& e) {
-    params.refuse("mask", e.what());
+    const std::string problem = e.what();  // "mask: unknown row ...": the key is named by refuse already
+    params.refuse("mask", problem.substr(problem.find(": ") + 2));
   }
   return std::make_unique<GenericLock>(site.name, site.p(), site.s(), mask);
 }

@@ -61,6 +61,11 @@ void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
   const auto name = [](const ChannelRequest& r) { return r.name.empty() ? r.channel : r.name; };
   if (name(request).empty() || request.channel.empty())
     refuse(request.where, "run.record", "a channel needs a name; \"\" is none");
+  const std::string column = name(request);
+  if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
+    refuse(request.where, "run.record",
+           "a column's name holds a line end or another control character; a CSV header "
+           "stands on one line: leave it out");
   const auto same = [&](const ChannelRequest& other) { return name(other) == name(request); };
   if (std::any_of(all.begin(), all.end(), same))
     refuse(request.where, "run.record",
