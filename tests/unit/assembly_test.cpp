@@ -83,8 +83,7 @@ TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and 
 }
 
 TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit][analysis]") {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const auto sick = law([](auto t) { return t < 0.5 ? 0.1 * sin(t) : kNaN * t; });
+  const auto sick = law([](auto t) { return t < 0.5 ? 0.1 * sin(t) : std::numeric_limits<double>::quiet_NaN() * t; });
   System sys;
   Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
   auto& slide = sys.add<Prismatic>("slide", body, sys.ground(), at({0, 0, 0}));
