@@ -161,13 +161,7 @@ double Dynamics::violation_v(const State& state) {
   return norm(Cd_);
 }
 
-void Dynamics::move(State& state, const VecX& d) const {
-  for (int k = 0; k < system_.n_slots(); ++k) {
-    state.q.segment<3>(7 * k) += d.segment<3>(6 * k);
-    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * exponential(d.segment<3>(6 * k + 3));
-    state.q.segment<4>(7 * k + 3) = q.coefficients();
-  }
-}
+void Dynamics::move(State& state, const VecX& d) const { advance(state, 1.0, d); }
 
 void Dynamics::advance(State& state, double h, const VecX& v) const {
   for (int k = 0; k < system_.n_slots(); ++k) {

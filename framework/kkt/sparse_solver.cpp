@@ -120,9 +120,7 @@ SparseSolver::SparseSolver() : work_(std::make_unique<Work>()) {}
 SparseSolver::~SparseSolver() = default;
 
 TypeInfo SparseSolver::info() {
-  return {"sparse",
-          "sparse LDL^T with proximal corrections: any topology, redundant rows; the fallback and the cross-check",
-          {}};
+  return {"sparse", "sparse LDL^T with proximal corrections: any topology, redundant rows in their stride", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
 
