@@ -58,10 +58,16 @@ class LOCKSTEP_API Lock {
   /// How its jacobians are kept (kkt/rows.h), and for a triple the sign of its first slot: +1 where that is P's body.
   virtual RowLayout layout() const { return RowLayout::dense; }
   virtual double row_sign() const { return 1; }
+  /// For a planar mechanism, after setup(): whether the link gathers its rows in the plane itself, by gather_plane; if
+  /// not, they are taken from gather(). Then how they are kept: planar, or pair.
+  virtual bool setup_plane(Plane) { return false; }
+  virtual RowLayout planar_layout() const { return RowLayout::planar; }
 
   // -- evaluation
   /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
+  /// The same for the rows that lie in the plane, in their order, if setup_plane() said so.
+  virtual void gather_plane(Group, const Inputs&, RowSpan) const {}
 
   // -- what the link integrates or remembers
   virtual int n_states() const { return 0; }  ///< in State::s, from first_state()

@@ -83,9 +83,17 @@ void Builder::build() {
   links(root);
   forces(root);
   events(root);
+  set_plane(root.text("planar"));
   make_integrator(out_.run, registry_);
   make_solver(out_.run, registry_);
   set_up();
+}
+
+void Builder::set_plane(const std::string& normal) {
+  if (normal == "auto")
+    out_.system.set_planar(find_plane(out_.system));
+  else if (normal != "off")
+    out_.system.set_planar(Plane{normal[0] - 'x'});
 }
 
 // What the System refuses names the body, link or force; its place in the file is put before it.

@@ -172,6 +172,7 @@ void System::setup() {
   setup_forces();
   setup_states();
   setup_length();
+  if (plane_) setup_plane();
   ready_ = true;
   ++revision_;
 }
@@ -204,16 +205,15 @@ void System::setup_length() {
   length_ = 1e-6;
   for (const Marker& m : markers_)
     if (!m.body->fixed) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
-  for (const Body* b : slot_bodies_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
-    if (b->freedoms == Freedoms::spatial)
-      length_ = std::max(length_, std::sqrt(b->mass.J.trace() / (2 * b->mass.mass)));
+  for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
+    if (s.freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(s.J.trace() / (2 * s.mass)));
   for (const auto& link : links_)
     for (const auto& [p, s] : link->pairs())
       length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
 }
 
 void System::setup_slots() {
-  slot_bodies_.clear();
+  slots_.clear();
   n_velocities_ = 0;
   for (Body& b : bodies_) {
     if (b.fixed) {
@@ -221,14 +221,23 @@ void System::setup_slots() {
       b.in_slot = b.home;
       continue;
     }
-    b.slot = static_cast<int>(slot_bodies_.size());
+    b.slot = n_slots();
     if (b.freedoms == Freedoms::particle && !b.start.w.isZero(0))
       throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
                        brief(b.start.w.norm()) +
                        " rad/s; a particle does not turn: leave it out, or give the body an inertia");
-    b.in_slot = {-b.mass.center, {}};  // a slot's origin is the mass centre, its axes are the body's
-    slot_bodies_.push_back(&b);
-    n_velocities_ += b.freedoms == Freedoms::particle ? 3 : 6;
+    // A slot's origin is the mass centre. Its axes are the body's; in a planar mechanism the world's at the start, so
+    // that every slot turns about the same one.
+    Slot& s = slots_.emplace_back();
+    const Mat3 A = rotation(b.home.q);
+    s.bodies = {&b};
+    s.mass = b.mass.mass;
+    s.freedoms = b.freedoms;
+    s.home = {b.home.x + A * b.mass.center, plane_ ? Quat{} : b.home.q};
+    s.J = plane_ ? Mat3(A * b.mass.J * A.transpose()) : b.mass.J;
+    b.in_slot = plane_ ? Pose{A * -b.mass.center, b.home.q} : Pose{-b.mass.center, {}};
+    const bool particle = b.freedoms == Freedoms::particle;
+    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
   }
 }
 
@@ -288,11 +297,11 @@ State System::start() const {
   state.v.resize(6 * n);
   for (int k = 0; k < n; ++k) {
     const Body& b = body_of_slot(k);
-    const Mat3 A = rotation(b.home.q);
-    state.q.segment<3>(7 * k) = b.home.x + A * b.mass.center;
-    state.q.segment<4>(7 * k + 3) = b.home.q.coefficients();
-    state.v.segment<3>(6 * k) = b.start.v + A * cross(b.start.w, b.mass.center);
-    state.v.segment<3>(6 * k + 3) = b.start.w;
+    const Pose& home = slot(k).home;
+    state.q.segment<3>(7 * k) = home.x;
+    state.q.segment<4>(7 * k + 3) = home.q.coefficients();
+    state.v.segment<3>(6 * k) = b.start.v + rotation(b.home.q) * cross(b.start.w, b.mass.center);
+    state.v.segment<3>(6 * k + 3) = rotation(b.in_slot.q) * b.start.w;
   }
   state.s = VecX::Zero(n_states_);
   state.z = VecX::Zero(n_memory_);
@@ -319,7 +328,7 @@ Twist twist(const Body& b, const State& state) {
   if (b.slot == kGround) return {};
   const Twist slot = state.slot_twist(b.slot);
   const Mat3 A = rotation(normalized(state.slot_pose(b.slot).q));
-  return {slot.v + A * cross(slot.w, b.in_slot.x), slot.w};
+  return {slot.v + A * cross(slot.w, b.in_slot.x), rotation(b.in_slot.q).transpose() * slot.w};
 }
 
 }  // namespace lockstep
