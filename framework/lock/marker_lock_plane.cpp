@@ -1,6 +1,8 @@
 // MarkerLock in a planar mechanism: (3.8)-(3.12) and (4.10)-(4.14) with everything in the plane or along its normal.
 #include "framework/lock/marker_lock_gather.h"
 #include "framework/support/clones.h"
+#include "framework/support/error.h"
+#include "framework/support/text.h"
 
 namespace lockstep {
 namespace {
@@ -10,6 +12,11 @@ int axis_along(const Mat3& A, int n) {
   for (int a = 0; a < 3; ++a)
     if (std::abs(std::abs(A(n, a)) - 1.0) < 1e-12) return a;
   return -1;
+}
+
+[[noreturn, gnu::noinline, gnu::cold]] void leaves_plane(const MarkerLock& lock, double t) {
+  throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + number(t) +
+                   " s, and the scene is planar; take \"planar\" out");
 }
 
 }  // namespace
@@ -79,6 +86,7 @@ LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) c
       }
       if (lock.laws_ & with::p) {
         const ImposedTranslationT<double> D = imposed_translation(lock);
+        if (has(lock.rows_, row_bit(f.turn_axis)) && D.p[f.turn_axis] != 0) leaves_plane(lock, in.t);
         for (int k = 0; k < f.n_translations; ++k) {
           const int a = f.axes[k];
           block.C(k) -= D.p[a], block.Ct(k) -= D.pd[a], block.Qhat(k) += D.pdd[a];
@@ -94,6 +102,9 @@ LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) c
     double delta_d = 0, delta_dd = 0;
     if (lock.laws_ & with::qD) {
       const ImposedRotationT<double> D = imposed_rotation(lock);
+      Vec3 other = D.q.vec();
+      other[f.turn_axis] = 0;
+      if (other.squaredNorm() > 1e-24) leaves_plane(lock, in.t);
       const double cD = D.q.w, sD = D.q.vec()[f.turn_axis], before = e0;
       e0 = cD * e0 + sD * ea, ea = cD * ea - sD * before;
       delta_d = D.w[f.turn_axis], delta_dd = D.a[f.turn_axis];
