@@ -112,10 +112,6 @@ void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) con
   for (const Drive& d : drives_) d.law->breakpoints(t0, t1, out);
 }
 
-namespace {
-Vec3 unit(int k) { return Vec3::Unit(k % 3); }
-}  // namespace
-
 void MarkerLock::refuse_particles(const std::string& rows) const {
   for (const Marker* m : {p_, s_})
     if (m->body->freedoms == Freedoms::particle)

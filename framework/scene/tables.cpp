@@ -23,7 +23,7 @@ SceneTable scene() {
             {"planar",
              Form::choice,
              Unit::none,
-             "off",
+             "\"off\"",
              "normal of the plane that all moves in: three velocities a body; \"auto\": where that is exact",
              {"off", "auto", "x", "y", "z"}},
             any("bodies", "the bodies; \"ground\" is always there"),
