@@ -46,14 +46,18 @@ double size_of(const VecX& d, double length) {
 TypeInfo GeneralizedAlpha::type_info() {
   return {"generalized_alpha",
           "implicit, order 2, fixed step, numerical damping that one number sets: stiff springs, large systems",
-          {{"rho_infinity", Form::number, Unit::none, "0.8",
-            "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything", {}}}};
+          {{"rho_infinity",
+            Form::number,
+            Unit::none,
+            "0.8",
+            "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
+            {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
   const double rho = params.number("rho_infinity");
   if (!(rho >= 0 && rho <= 1))
-    throw SceneError(fmt::format("generalized_alpha: rho_infinity is {}; it must lie between 0 and 1", rho));
+    params.refuse("rho_infinity", fmt::format("it is {}; it must lie between 0 (all damped) and 1 (nothing)", rho));
   return std::make_unique<GeneralizedAlpha>(rho);
 }
 
@@ -191,10 +195,11 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
 
 void GeneralizedAlpha::fail(double h, double size) const {
   throw StepError(
-      fmt::format("generalized_alpha: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s (the last "
-                  "change was {:.3g} m); take a smaller step (--step), or a method that chooses its own "
-                  "(--integrator radau5)",
-                  h, start_.t, size),
+      fmt::format(
+          "generalized_alpha: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s (the last "
+          "change was {:.3g} m); take a smaller step (--step), or a method that chooses its own "
+          "(--integrator radau5)",
+          h, start_.t, size),
       start_.t);
 }
 

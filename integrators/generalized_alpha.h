@@ -1,5 +1,5 @@
-// generalized_alpha: Chung and Hulbert's method on the Lie group, constraints at position and velocity level (stabilised
-// index 2). One numerical damping for everything that the step does not resolve.
+// generalized_alpha: Chung and Hulbert's method on the Lie group, constraints at position and velocity level
+// (stabilised index 2). One numerical damping for everything that the step does not resolve.
 //
 //   q1 = q0 (+) ( h v0 + h^2 ((1/2 - beta) a0 + beta a1) + u ),   v1 = v0 + h ((1 - gamma) a0 + gamma a1)
 //   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
@@ -48,7 +48,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
   NewtonMatrix matrix_;
   QuinticOutput output_;
   State start_, end_;
-  VecX vd_, a_, sd_, as_;              // v', a, s' and its own at the beginning of the step
+  VecX vd_, a_, sd_, as_;               // v', a, s' and its own at the beginning of the step
   VecX vd1_, a1_, sd1_, as1_, sd_now_;  // and at its end
   VecX lambda_, u_, y_;
   VecX force_, zero_, rows_, C_, Cd_, du_, al_, mu_;  // of the linear systems

@@ -22,8 +22,7 @@ void displace(const State& start, Eigen::Ref<const VecX> y, State& out) {
   const Eigen::Index n = start.v.size();
   for (Eigen::Index k = 0; 6 * k < n; ++k) {
     out.q.segment<3>(7 * k) = start.q.segment<3>(7 * k) + y.segment<3>(6 * k);
-    out.q.segment<4>(7 * k + 3) =
-        (quat_of(start.q, k) * exponential(Vec3(y.segment<3>(6 * k + 3)))).coefficients();
+    out.q.segment<4>(7 * k + 3) = (quat_of(start.q, k) * exponential(Vec3(y.segment<3>(6 * k + 3)))).coefficients();
   }
   out.v = start.v + y.segment(n, n);
   out.s = start.s + y.tail(start.s.size());

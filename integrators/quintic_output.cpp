@@ -16,8 +16,8 @@ Weights values(double x) {
 
 Weights slopes(double x) {
   const double x2 = x * x, x3 = x2 * x, x4 = x3 * x;
-  return {-30 * x2 + 60 * x3 - 30 * x4,     1 - 18 * x2 + 32 * x3 - 15 * x4, x - 4.5 * x2 + 6 * x3 - 2.5 * x4,
-          30 * x2 - 60 * x3 + 30 * x4,      -12 * x2 + 28 * x3 - 15 * x4,    1.5 * x2 - 4 * x3 + 2.5 * x4};
+  return {-30 * x2 + 60 * x3 - 30 * x4, 1 - 18 * x2 + 32 * x3 - 15 * x4, x - 4.5 * x2 + 6 * x3 - 2.5 * x4,
+          30 * x2 - 60 * x3 + 30 * x4,  -12 * x2 + 28 * x3 - 15 * x4,    1.5 * x2 - 4 * x3 + 2.5 * x4};
 }
 
 // Value, rate and second rate at one end, in 3 or 4 numbers.

@@ -1,5 +1,5 @@
-// Sources: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II (1996), IV.5 (method) and IV.8 (transformed
-// Newton iteration, its stop rule, error estimate).
+// Sources: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II (1996), IV.5 (method) and IV.8
+// (transformed Newton iteration, its stop rule, error estimate).
 #include "integrators/radau5.h"
 
 #include <spdlog/fmt/fmt.h>

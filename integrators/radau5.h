@@ -73,7 +73,7 @@ class LOCKSTEP_API Radau5 final : public Integrator {
   VecX p_, p2_, force_, force2_, rows_, al_, l_;  // of the linear systems: 6 a slot, one a row
   VecXc forcec_, rowsc_, alc_, lc_;
   double h_before_ = 0, t_before_ = 0;  // length and end of the step before; 0: there was none
-  bool careful_ = true;  // first step, or one after a rejection
+  bool careful_ = true;                 // first step, or one after a rejection
 };
 
 }  // namespace lockstep
