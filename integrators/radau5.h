@@ -49,6 +49,7 @@ class LOCKSTEP_API Radau5 final : public Integrator {
 
   Try attempt(Dynamics&, double h);
   void guess(double h);
+  void linearize(Dynamics&, double h);
   bool solve_stages(Dynamics&, double h, Try&);
   void evaluate_stages(Dynamics&, double h);
   double correct(double h);
