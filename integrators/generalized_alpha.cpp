@@ -17,7 +17,8 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostIterations = 25;
-constexpr double kNewton = 1e-11;  // of the scene's length (rad): what Newton may leave of a step
+constexpr double kNewton = 1e-11;  // of the scene's length and the step's move: what Newton may leave of a step
+constexpr double kStalled = 1e-8;  // of the same and of the first change: what shrinks no more is round-off below this
 constexpr double kSlow = 0.2;      // a worse ratio of two changes asks for a fresh matrix
 
 // out -= Jh^T lambda
@@ -119,26 +120,27 @@ void GeneralizedAlpha::prepare(Dynamics& dynamics, double h) {
 }
 
 // Newton until theta/(1 - theta) |change| is small.
-int GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
-  const double goal = kNewton * dynamics.system().length();
+void GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
+  const double length = dynamics.system().length();
   vd1_ = vd_;
   sd1_ = sd_;
   u_.setZero();
-  double before = 0;
-  bool anew = true;
-  for (int i = 1; i <= kMostIterations; ++i) {
-    place(h);
+  place(h);
+  double before = 0, first = 0;
+  bool anew = true, done = false;
+  for (int i = 1; i <= kMostIterations && !done; ++i) {
     const double now = correct(dynamics, h, anew);
+    place(h);
     const double theta = i > 1 ? now / before : 0.5;
     if (!std::isfinite(now) || (i > 8 && theta > 2)) fail(h, now);
-    if (now <= goal || (theta < 1 && theta / (1 - theta) * now <= goal) || (theta > 0.5 && now <= 100 * goal)) {
-      place(h);
-      return i;
-    }
+    if (i == 1) first = now;
+    const double scale = length + y_.head(start_.v.size()).lpNorm<Eigen::Infinity>();
+    const double remains = theta < 1 ? std::min(now, theta / (1 - theta) * now) : now;
+    done = remains <= kNewton * scale || (theta > 0.5 && now <= kStalled * std::max(scale, first));
     anew = theta > kSlow && i > 1;
     before = now;
   }
-  fail(h, before);
+  if (!done) fail(h, before);
 }
 
 /// a1 and the state at the end of the step from v1', s1' and u.

@@ -39,7 +39,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
 
  private:
   void prepare(Dynamics&, double h);
-  int solve(Dynamics&, double h);
+  void solve(Dynamics&, double h);
   void place(double h);
   double correct(Dynamics&, double h, bool anew);
   [[noreturn]] void fail(double h, double size) const;

@@ -9,20 +9,22 @@
 #pragma once
 
 #include "framework/model/state.h"
+#include "framework/support/export.h"
 
 namespace lockstep {
 
 /// Numbers in the increments of a state like this one.
 inline Eigen::Index n_increments(const State& y) { return 2 * y.v.size() + y.s.size(); }
 /// out = start (+) y; time, memory and links of `out` stay as they are.
-void displace(const State& start, Eigen::Ref<const VecX> y, State& out);
+LOCKSTEP_API void displace(const State& start, Eigen::Ref<const VecX> y, State& out);
 /// d/dt of the increments y at the state `here` = start (+) y, whose rates are `k`.
-void increment_rates(Eigen::Ref<const VecX> y, const State& here, const StateRate& k, Eigen::Ref<VecX> out);
+LOCKSTEP_API void increment_rates(Eigen::Ref<const VecX> y, const State& here, const StateRate& k,
+                                  Eigen::Ref<VecX> out);
 /// The small increments y as the difference of two states near `at`, for ErrorNorm.
-void as_difference(Eigen::Ref<const VecX> y, const State& at, StateRate& out);
+LOCKSTEP_API void as_difference(Eigen::Ref<const VecX> y, const State& at, StateRate& out);
 /// Increments y since the beginning of a step that ended with y1, counted from that end.
-void count_from(Eigen::Ref<const VecX> y1, Eigen::Index n_velocities, Eigen::Ref<VecX> y);
+LOCKSTEP_API void count_from(Eigen::Ref<const VecX> y1, Eigen::Index n_velocities, Eigen::Ref<VecX> y);
 /// Largest rotation |D| of the increments, rad.
-double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_velocities);
+LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_velocities);
 
 }  // namespace lockstep

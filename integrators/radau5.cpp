@@ -70,9 +70,8 @@ void Radau5::begin(Dynamics& dynamics, const State& state) {
   const Eigen::Index n = n_increments(state), n_v = state.v.size();
   for (Columns* c : {&Z_, &W_, &F_, &before_}) c->setZero(n, kStages);
   for (VecX* v : {&f0_, &r_, &r2_, &y_, &y2_, &error_}) v->setZero(n);
-  for (VecX* v : {&p_, &p2_, &force_, &force2_, &al_}) v->setZero(n_v);
-  for (VecXc* v : {&forcec_, &alc_}) v->setZero(n_v);
-  end_rate_s_.setZero(state.s.size());
+  end_rate_v_.setZero(n_v), end_rate_s_.setZero(state.s.size());
+  linear_.begin(state);
   norm_.set_states(dynamics.system().n_steering_states());
   norm_.scale(state, 1.0);
   control_.begin();
@@ -80,9 +79,9 @@ void Radau5::begin(Dynamics& dynamics, const State& state) {
   h_before_ = 0;
 }
 
-// The estimate goes with h^4, the weights with h (increments) or with 1 (absolute part), the error of a run with h^5: so
-// estimates up to c tol^-2/5 or c tol^-1/5 tolerances are to pass if the error of a run shall follow the tolerance with
-// slope one. The exponent between them serves both.
+// The estimate goes with h^4, the weights with h (increments) or with 1 (absolute part), the error of a run with h^5:
+// so estimates up to c tol^-2/5 or c tol^-1/5 tolerances are to pass if the error of a run shall follow the tolerance
+// with slope one. The exponent between them serves both.
 void Radau5::set_tolerance(const Tolerance& tolerance) {
   norm_.set(fixed_ ? Tolerance{1e-8, 1e-10} : tolerance);
   loose_ = fixed_ ? 1 : std::max(1.0, 0.12 / std::cbrt(tolerance.relative + tolerance.atol_x));
@@ -96,8 +95,6 @@ StepReport Radau5::step(Dynamics& dynamics, State& state, double h) {
   start_.z = stage_.z = end_.z = landed_.z = state.z;
   output_.forget();
   dynamics.rate(start_, rate0_);
-  rows_.setZero(dynamics.rows().n_rows);
-  rowsc_.setZero(dynamics.rows().n_rows);
   y_.setZero();
   increment_rates(y_, start_, rate0_, f0_);
   for (;; ++report.rejected) {
@@ -146,7 +143,6 @@ Radau5::Try Radau5::attempt(Dynamics& dynamics, double h) {
   end_.t = start_.t + h;
   if (!fixed_) {
     t.error = estimate(dynamics, h) / loose_;
-    if (getenv("RDBG")) fmt::print(stderr,"   err {:.3e}\n", t.error);
     if (!(t.error <= 1)) {
       t.shorter = control_.reject(t.error, t.iterations);
       return t;
@@ -170,11 +166,9 @@ void Radau5::linearize(Dynamics& dynamics, double h) {
   displace(start_, Z_.col(1), stage_);
   stage_.t = start_.t + kC[1] * h;
   dynamics.rate(stage_, rate_);
-  matrix_.gather(dynamics, dynamics.values().lambda);
-  const double s = h / kReal;
-  const Complex c = h / Complex(kAlpha, kBeta);
-  matrix_.factor(1, s, s * s);
-  matrix_.factor(1, c, c * c);
+  linear_.gather(dynamics);
+  linear_.factor(kReal / h);
+  linear_.factor(LinearizedMotion::Complex(kAlpha, kBeta) / h);
 }
 
 // The stages to begin with: the polynomial of the step before, continued; zeros where there is none, or where the state
@@ -205,14 +199,13 @@ bool Radau5::solve_stages(Dynamics& dynamics, double h, Try& t) {
       if (largest_turn(Z_.col(i), start_.v.size()) > kTurn) return false;
     evaluate_stages(dynamics, h);
     const double now = correct(h);
-    if (getenv("RDBG")) fmt::print(stderr,"t {:.6f} h {:.3e} it {} now {:.3e} goal {:.3e} ratio {:.3f}\n", start_.t,h,t.iterations,now,goal,before>0?now/before:0);
     if (!std::isfinite(now)) return false;
     if (now == 0) return true;
     if (t.iterations > 1) {
       const double ratio = now / before;
       theta = t.iterations == 2 ? ratio : std::sqrt(theta * ratio);
       const double left = PredictiveControl::kMostIterations - t.iterations;
-      if (theta >= 0.99) return now <= goal;  // round-off, or no end
+      if (theta >= 0.99) return now <= 10 * goal;  // round-off, or no end
       const double remains = theta / (1 - theta) * now;
       if (remains <= goal) return true;
       const double expected = remains * std::pow(theta, left);
@@ -241,11 +234,11 @@ void Radau5::evaluate_stages(Dynamics& dynamics, double h) {
 double Radau5::correct(double h) {
   const double g = kReal / h, a = kAlpha / h, b = kBeta / h;
   r_ = row(kTi[0], F_) - g * W_.col(0);
-  linear(g, r_, y_);
+  linear_.solve(g, r_, y_);
   W_.col(0) += y_;
   r_ = row(kTi[1], F_) - (a * W_.col(1) - b * W_.col(2));
   r2_ = row(kTi[2], F_) - (b * W_.col(1) + a * W_.col(2));
-  linear(Complex(a, b), r_, r2_, y_, y2_);
+  linear_.solve(LinearizedMotion::Complex(a, b), r_, r2_, y_, y2_);
   W_.col(1) += y_;
   W_.col(2) += y2_;
   double most = 0;
@@ -275,7 +268,7 @@ double Radau5::estimate(Dynamics& dynamics, double h) {
   norm_.scale(start_, rate0_, h, end_);
   r2_ = row(kError, Z_) / h;
   r_ = f0_ + r2_;
-  linear(kReal / h, r_, error_);
+  linear_.solve(kReal / h, r_, error_);
   const double e = size_of(error_);
   if (e <= loose_ || !std::isfinite(e) || !careful_) return e;
   displace(start_, error_, stage_);
@@ -283,52 +276,8 @@ double Radau5::estimate(Dynamics& dynamics, double h) {
   dynamics.rate(stage_, rate_);
   increment_rates(error_, stage_, rate_, r_);
   r_ += r2_;
-  linear(kReal / h, r_, error_);
+  linear_.solve(kReal / h, r_, error_);
   return size_of(error_);
-}
-
-// f' by its tangents at the beginning of the step, al the change of the accelerations:
-//   g dq - dv = r_q,  g dv - al = r_v,  M al + D dv + K dq + J^T l = 0,  J al = 0,  g ds = r_s, so that
-//   (M + D/g + K/g^2) al + J^T l = -(D r_v + K (r_q + r_v/g))/g
-void Radau5::linear(double g, const VecX& r, VecX& y) {
-  const Eigen::Index n = al_.size();
-  p_ = r.segment(n, n);
-  force_.setZero();
-  matrix_.add_D_times(p_, force_);
-  p_ = r.head(n) + p_ / g;
-  matrix_.add_K_times(p_, force_);
-  force_ *= -1 / g;
-  matrix_.solve(force_, rows_, al_, l_);
-  y.segment(n, n) = (al_ + r.segment(n, n)) / g;
-  y.head(n) = (y.segment(n, n) + r.head(n)) / g;
-  y.tail(y.size() - 2 * n) = r.tail(y.size() - 2 * n) / g;
-}
-
-void Radau5::linear(Complex g, const VecX& re, const VecX& im, VecX& y_re, VecX& y_im) {
-  const Eigen::Index n = al_.size();
-  const Complex i(0, 1), s = 1.0 / g;
-  const double a = s.real(), b = s.imag();
-  force_.setZero(), force2_.setZero();
-  p_ = re.segment(n, n), p2_ = im.segment(n, n);
-  matrix_.add_D_times(p_, force_);
-  matrix_.add_D_times(p2_, force2_);
-  al_ = re.head(n) + a * p_ - b * p2_;
-  p2_ = im.head(n) + b * p_ + a * p2_;
-  matrix_.add_K_times(al_, force_);
-  matrix_.add_K_times(p2_, force2_);
-  forcec_.real() = -a * force_ + b * force2_;
-  forcec_.imag() = -b * force_ - a * force2_;
-  matrix_.solve(forcec_, rowsc_, alc_, lc_);
-  const Eigen::Index n_s = re.size() - 2 * n;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Complex dv = s * (alc_[k] + Complex(re[n + k], im[n + k])), dq = s * (dv + Complex(re[k], im[k]));
-    y_re[n + k] = dv.real(), y_im[n + k] = dv.imag();
-    y_re[k] = dq.real(), y_im[k] = dq.imag();
-  }
-  for (Eigen::Index k = 2 * n; k < 2 * n + n_s; ++k) {
-    const Complex ds = s * Complex(re[k], im[k]);
-    y_re[k] = ds.real(), y_im[k] = ds.imag();
-  }
 }
 
 // The rates at the end are those of the collocation polynomial, h y'(1) = sum (A^-1)_3j Z_j: no stiff term magnifies
@@ -336,9 +285,9 @@ void Radau5::linear(Complex g, const VecX& re, const VecX& im, VecX& y_re, VecX&
 void Radau5::finish(double h) {
   r_ = row(kEndRate, Z_) / h;
   const Eigen::Index n = start_.v.size();
-  p_ = r_.segment(n, n);
+  end_rate_v_ = r_.segment(n, n);
   end_rate_s_ = r_.tail(start_.s.size());
-  output_.set(start_, rate0_.v, rate0_.s, end_, p_, end_rate_s_);
+  output_.set(start_, rate0_.v, rate0_.s, end_, end_rate_v_, end_rate_s_);
   before_ = Z_;
   h_before_ = h;
   t_before_ = start_.t + h;

@@ -9,9 +9,9 @@
 
 #include <memory>
 
-#include "framework/dynamics/implicit.h"
 #include "framework/dynamics/integrator.h"
 #include "framework/model/params.h"
+#include "integrators/linearized_motion.h"
 #include "integrators/predictive_control.h"
 #include "integrators/quintic_output.h"
 #include "integrators/step_control.h"
@@ -25,13 +25,13 @@ class LOCKSTEP_API Radau5 final : public Integrator {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
-  explicit Radau5(bool fixed = false) : fixed_(fixed) {}
+  explicit Radau5(bool fixed = false) : fixed_(fixed) { set_tolerance({}); }
 
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   StepReport step(Dynamics&, State&, double h) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
-  void set_tolerance(const Tolerance&) override;
+  void set_tolerance(const Tolerance&) final;
   double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
@@ -39,7 +39,6 @@ class LOCKSTEP_API Radau5 final : public Integrator {
  private:
   static constexpr int kStages = 3;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, kStages>;
-  using Complex = NewtonMatrix::Complex;
   struct Try {
     double error = 0, violation = 0, violation_after = 0;
     int iterations = 0;    ///< of Newton's method
@@ -55,8 +54,6 @@ class LOCKSTEP_API Radau5 final : public Integrator {
   double correct(double h);
   double estimate(Dynamics&, double h);
   void finish(double h);
-  void linear(double g, const VecX& r, VecX& y);
-  void linear(Complex g, const VecX& re, const VecX& im, VecX& y_re, VecX& y_im);
   double size_of(const VecX& y);
   double newton_goal() const;
 
@@ -64,15 +61,13 @@ class LOCKSTEP_API Radau5 final : public Integrator {
   ErrorNorm norm_;
   double loose_ = 1;  // errors up to this many tolerances are accepted: see set_tolerance
   PredictiveControl control_;
-  NewtonMatrix matrix_;
+  LinearizedMotion linear_;
   QuinticOutput output_;
 
   State start_, stage_, end_, landed_;  // of the step; its end before and after the projection
   StateRate rate0_, rate_, difference_;
   Columns Z_, W_, F_, before_;  // stages, transformed, their rates; stages of the step before
-  VecX f0_, r_, r2_, y_, y2_, error_, end_rate_s_;
-  VecX p_, p2_, force_, force2_, rows_, al_, l_;  // of the linear systems: 6 a slot, one a row
-  VecXc forcec_, rowsc_, alc_, lc_;
+  VecX f0_, r_, r2_, y_, y2_, error_, end_rate_v_, end_rate_s_;
   double h_before_ = 0, t_before_ = 0;  // length and end of the step before; 0: there was none
   bool careful_ = true;                 // first step, or one after a rejection
 };
