@@ -115,6 +115,11 @@ class PhiLock : public MarkerLock {
                            l * second_derivatives(L, in), out);
   }
 
+  /// A triple only beside a phi of the turn alone: any other has columns on v.
+  RowLayout layout() const override {
+    return needs_of<Phi>() == Needs::rotation && has(rows(), Mask::xyz) ? RowLayout::triple : RowLayout::dense;
+  }
+
   int n_memory() const override { return counts_turns<Phi>() ? 1 : 0; }
   void start_memory(std::span<double> z) const override {
     if constexpr (counts_turns<Phi>()) {

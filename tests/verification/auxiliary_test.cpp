@@ -46,7 +46,7 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
                   : which == 1 ? Method{std::make_unique<Radau5>(), 0, 1e-11, 1e-9}
                                : Method{std::make_unique<GeneralizedAlpha>(), 1e-4, 0.1, 1e-6};
   CAPTURE(method.integrator->info().name);
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   SimulationOptions options;
   options.step = method.step;
   options.tolerance = {method.relative, 1e-2 * method.relative};
