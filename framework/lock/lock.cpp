@@ -23,6 +23,7 @@ void Lock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum&
   rows.entries.resize(1);
   RowEntry& entry = rows.entries.front();
   entry.link = number_, entry.m = row_count(), entry.slots = slots();
+  entry.layout = layout(), entry.sign = row_sign();
   for (int k = 0; k < entry.m; ++k) entry.kind[static_cast<std::size_t>(k)] = row_kind(k);
   rows.lay_out();
   const SlotList& on = entry.slots;
