@@ -50,6 +50,9 @@ class LOCKSTEP_API Lock {
   virtual std::vector<Quantity> quantities() const;
   virtual double quantity(int k, const Inputs&) const;
 
+  /// Whether it holds its two bodies to each other for ever, nothing moving: then they may be merged into one slot.
+  virtual bool bolts() const { return false; }
+
   // -- setup: called once the bodies have their slots
   virtual void setup() = 0;            ///< folds markers into slots; throws ModelError naming the link
   virtual SlotList slots() const = 0;  ///< whose columns its rows touch

@@ -202,8 +202,12 @@ void MarkerLockGather::translations(Group links, RowSpan out) const {
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
     if constexpr (kLaws & with::p) D = imposed_translation(lock);
-    translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D,
-                       kLaws & with::world_rows ? Mask::xyz : lock.rows_, r);
+    const Mask rows = kLaws & with::world_rows ? Mask::xyz : lock.rows_;
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kLaws & (with::uP | with::uS | with::qS))
+      translation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
+    else
+      translation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
     const RowBlock block = out.lane(i);
     if constexpr (kLaws & with::world_rows) {
       for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
@@ -229,7 +233,11 @@ void MarkerLockGather::rotations(Group links, RowSpan out) const {
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
     if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
-    rotation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kLaws & (with::qP | with::qS))
+      rotation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+    else
+      rotation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
     const RowBlock block = out.lane(i);
     for (int k = first; k < lock.n_rows_; ++k) {
       const int j = lock.row_[static_cast<std::size_t>(k)] - 3;

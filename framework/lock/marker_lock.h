@@ -63,6 +63,10 @@ class LOCKSTEP_API MarkerLock : public Lock {
   void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
+  bool bolts() const override {
+    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide && !s_->spin;
+  }
+
   int n_states() const override { return n_speeds_; }
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;

@@ -66,6 +66,7 @@ class Builder {
   void events(const Params& root);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;
+  void set_merge(const std::string& how);
   void set_plane(const std::string& normal);
   void set_up();
 

@@ -26,6 +26,10 @@ SceneTable scene() {
              "\"off\"",
              "normal of the plane that all moves in: three velocities a body; \"auto\": where that is exact",
              {"off", "auto", "x", "y", "z"}},
+            {"merge", Form::choice, Unit::none, "\"off\"",
+             "\"auto\": bodies that a fixed link without a law holds together move as one; links that are recorded, or that "
+             "events name, stay",
+             {"off", "auto"}},
             any("bodies", "the bodies; \"ground\" is always there"),
             any("markers", "frames on bodies that links and forces name"),
             any("links", "what holds the bodies together"),

@@ -97,6 +97,7 @@ void System::setup_plane() {
     in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
     RowTable table;
     for (std::size_t l = 0; l < links_.size(); ++l) {
+      if (merged_[l]) continue;
       const Lock* link = links_[l].get();
       const RowShape shape{link->row_count(), link->slots().n, link->layout(), link->row_sign(), {}};
       link->gather(Group(&link, 1), in, table.spatial_span(shape));
@@ -128,6 +129,7 @@ void System::setup_plane() {
   }
   planar_rows_.assign(links_.size(), {});
   for (std::size_t l = 0; l < links_.size(); ++l) {
+    if (merged_[l]) continue;
     Lock& link = *links_[l];
     PlanarRows& rows = planar_rows_[l];
     for (int row = 0; row < link.row_count(); ++row) {

@@ -75,6 +75,14 @@ class LOCKSTEP_API System {
   /// the plane left out. Exact where axes, forces and starts lie in that plane; setup() refuses by name what leaves it.
   void set_planar(Plane plane) { plane_ = plane, ready_ = false; }
   Plane plane() const { return plane_; }
+
+  /// Bodies that are held to one another by a fixed link without a law, at its place at the start, move as one slot and
+  /// the link has no rows. `keep`: fixed links whose reactions are wanted; they stay links.
+  void set_merge(bool merge, std::vector<const Lock*> keep = {}) {
+    merge_ = merge, kept_ = std::move(keep), ready_ = false;
+  }
+  /// After setup: whether the link went into a slot, so that it has neither rows nor reaction.
+  bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
   /// After setup in a plane: whether rows or forces have arms along its normal. The motion is exact all the same, but
   /// moments of the links about axes in the plane are left out.
   bool has_offsets() const { return offsets_; }
@@ -136,6 +144,9 @@ class LOCKSTEP_API System {
   void check_new_name(const std::string& kind, const std::string& name) const;
   void setup_slots();
   void setup_plane();
+  void setup_merge();
+  void fill_slot(Slot&);
+  std::size_t index_of(const Lock&) const;
   void check_plane(const Inputs&, const VecX& f) const;
   void gather_from_space(const Inputs&, RowTable&, int entry) const;
   void setup_links();
@@ -153,6 +164,10 @@ class LOCKSTEP_API System {
 
   bool ready_ = false;
   Plane plane_;
+  bool merge_ = false;
+  std::vector<const Lock*> kept_;
+  std::vector<bool> merged_;          // by number of the link
+  std::vector<std::size_t> part_of_;  // of each body: the first body of its slot
   std::vector<Slot> slots_;
   bool offsets_ = false;
   std::vector<PlanarRows> planar_rows_;  // of each link, while planar
