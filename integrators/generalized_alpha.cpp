@@ -85,6 +85,7 @@ void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
   norm_.scale(state, 1.0);
   control_.begin();
   output_.begin(state);
+  matrix_.set_residual(1e-6);  // Newton does the rest
   h_ = 0;
 }
 
