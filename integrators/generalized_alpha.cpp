@@ -162,10 +162,12 @@ void GeneralizedAlpha::place(double h) {
 double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   dynamics.gather(end_);
   dynamics.residuals(C_, Cd_);
+  ++dynamics.work().evaluations;
   const double gh = gamma_ * h * kappa_, bh2 = beta_ * h * h * kappa_, length = dynamics.system().length();
   if (anew) {
     matrix_.gather(dynamics, lambda_);
     matrix_.factor(1, gh, bh2);
+    ++dynamics.work().factors;
   }
   double change = 0;
   if (start_.s.size() > 0) {  // no matrix of its own: repeated until it stands

@@ -36,6 +36,10 @@ class LOCKSTEP_API NewtonMatrix {
   SolveReport solve(const VecX& f, const VecX& r, VecX& x, VecX& l);
   SolveReport solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l);
 
+  /// How often a body's own block had no pivot, so that the block factorisation gave way to a dense one (which
+  /// allocates): statics and singular poses.
+  long n_dense() const;
+
   // -- products with what was gathered last: y += M x, D x, K x, J x, J^T l
   void add_M_times(const VecX& x, VecX& y) const;
   void add_D_times(const VecX& x, VecX& y) const;

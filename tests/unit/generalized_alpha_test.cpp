@@ -4,6 +4,7 @@
 
 #include "framework/force/spring_damper.h"
 #include "framework/support/error.h"
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
@@ -153,4 +154,22 @@ TEST_CASE("a step of generalized_alpha that Newton cannot make is an error that 
     CHECK(s.q == before.q);
     CHECK(s.t == before.t);
   }
+}
+
+TEST_CASE("a step of generalized_alpha allocates nothing, nor does its dense output", "[unit][integrators]") {
+  if (!allocations_are_counted()) return;
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  GeneralizedAlpha method;
+  State s = pendulum.system.start(), inside = s;
+  method.begin(dynamics, s);
+  const auto run = [&] {
+    for (int i = 0; i < 10; ++i) {
+      const double t = s.t;
+      method.step(dynamics, s, 0.0123456789);
+      method.dense(0.5 * (t + s.t), inside);
+    }
+  };
+  run();
+  CHECK(allocations_of(run) == 0);
 }
