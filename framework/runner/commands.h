@@ -33,6 +33,8 @@ class UsageError : public Error {
 struct Words {
   std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
   std::vector<std::string> plugins;
+  bool full = false;   ///< every economy off
+  std::string planar;  ///< as the scene's key
   bool quiet = false, json = false, channels = false;
 };
 

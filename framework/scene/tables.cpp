@@ -26,8 +26,12 @@ SceneTable scene() {
              "\"off\"",
              "normal of the plane that all moves in: three velocities a body; \"auto\": where that is exact",
              {"off", "auto", "x", "y", "z"}},
-            {"merge", Form::choice, Unit::none, "\"off\"",
-             "\"auto\": bodies that a fixed link without a law holds together move as one; links that are recorded, or that "
+            {"merge",
+             Form::choice,
+             Unit::none,
+             "\"off\"",
+             "\"auto\": bodies that a fixed link without a law holds together move as one; links that are recorded, or "
+             "that "
              "events name, stay",
              {"off", "auto"}},
             any("bodies", "the bodies; \"ground\" is always there"),

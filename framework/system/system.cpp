@@ -281,9 +281,8 @@ void System::setup_merge() {
   merged_.assign(links_.size(), false);
   if (!merge_) return;
   const auto number_of = [&](const Body* body) {
-    return static_cast<std::size_t>(std::find_if(bodies_.begin(), bodies_.end(),
-                                                 [&](const Body& b) { return &b == body; }) -
-                                    bodies_.begin());
+    return static_cast<std::size_t>(
+        std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return &b == body; }) - bodies_.begin());
   };
   const auto join = [&](std::size_t a, std::size_t b) {
     std::size_t first = std::min(part_of_[a], part_of_[b]), second = std::max(part_of_[a], part_of_[b]);
@@ -303,9 +302,7 @@ void System::setup_merge() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start ||
-        std::find(kept_.begin(), kept_.end(), &link) != kept_.end())
-      continue;
+    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end()) continue;
     const auto [p, s] = link.pairs().front();
     if (particle(p) || particle(s) || !meet(*p, *s)) continue;
     merged_[l] = true;

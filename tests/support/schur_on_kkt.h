@@ -51,8 +51,8 @@ class SchurOnKkt final : public LinearSolver {
         const MatX& L = L_[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])];
         for (int j = 0; j < link.m; ++j, at += static_cast<std::size_t>(L.rows())) {
           VecX row = VecX::Zero(6);
-          row.head(L.rows()) = L.triangularView<Eigen::Lower>().solve(
-              Eigen::Map<const VecX>(given.J.data() + at, L.rows()));
+          row.head(L.rows()) =
+              L.triangularView<Eigen::Lower>().solve(Eigen::Map<const VecX>(given.J.data() + at, L.rows()));
           block.set(i, j, Vec3(row.head<3>()), Vec3(row.tail<3>()));
         }
       }
@@ -69,8 +69,8 @@ class SchurOnKkt final : public LinearSolver {
     inner_.complete(report);
     a.resize(given.pattern.n);
     for (std::size_t s = 0; s < L_.size(); ++s)
-      a.segment(given.pattern.first[s], L_[s].rows()) = L_[s].transpose().triangularView<Eigen::Upper>().solve(
-          a6.segment(6 * static_cast<int>(s), L_[s].rows()));
+      a.segment(given.pattern.first[s], L_[s].rows()) =
+          L_[s].transpose().triangularView<Eigen::Upper>().solve(a6.segment(6 * static_cast<int>(s), L_[s].rows()));
     return report;
   }
 

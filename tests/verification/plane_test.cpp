@@ -6,17 +6,17 @@
 #include "framework/kkt/dense_solver.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/kkt/sparse_solver.h"
-#include "framework/links/joints.h"
 #include "framework/links/functions.h"
+#include "framework/links/joints.h"
 #include "framework/scene/scene.h"
 #include "framework/support/error.h"
-#include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
 using namespace lockstep;
+using lockstep::testing::message_of;
 
 namespace {
 
@@ -29,6 +29,16 @@ struct Rod {
   System system{{.gravity = Vec3(0, -9.81, 0)}};
   Body& rod = system.add_body("rod", {1.0, Vec3::Zero(), Vec3(0.01, 0.1, 0.1).asDiagonal()}, {Vec3(0.5, 0, 0), {}});
   Revolute& joint = system.add<Revolute>("hinge", rod, system.ground(), at(Vec3(0, 0, 0)));
+};
+
+/// Along x; from t = 5 s along z as well.
+class LeavesLater final : public TranslationLaw {
+ public:
+  TranslationValue at(double t) const override {
+    TranslationValue l;
+    l.x = Vec3(0.1 * t, 0, t > 5 ? t - 5 : 0.0), l.v = Vec3(0.1, 0, t > 5 ? 1.0 : 0.0), l.a.setZero();
+    return l;
+  }
 };
 
 /// What setting up in the plane says.
@@ -130,7 +140,8 @@ TEST_CASE("whoever leaves the plane is named", "[verification][plane]") {
   }
   {
     Rod r;
-    Body& other = r.system.add_body("other", {1.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.1).asDiagonal()}, {Vec3(1, 0, 0), {}});
+    Body& other =
+        r.system.add_body("other", {1.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.1).asDiagonal()}, {Vec3(1, 0, 0), {}});
     r.system.add<Revolute>("tilted", other, r.rod, at(Vec3(1, 0, 0), Vec3(0, 1, 1)));
     const std::string text = refusal(r.system);
     CHECK(text.find("link 'tilted', row") != std::string::npos);
@@ -138,7 +149,7 @@ TEST_CASE("whoever leaves the plane is named", "[verification][plane]") {
   }
   {
     Rod r;
-    CHECK(refusal(r.system).empty());
+    CHECK(refusal(r.system) == "no error");
     CHECK(r.system.n_velocities() == 3);
   }
 }
@@ -147,8 +158,7 @@ TEST_CASE("a law that leaves the plane later stops the run by name", "[verificat
   Rod r;
   Body& slider = r.system.add_body("slider", {1.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.1).asDiagonal()}, {});
   Fixed& drive = r.system.add<Fixed>("drive", slider, r.system.ground(), at(Vec3(0, 0, 0)));
-  drive.move(std::make_shared<ComponentsLaw>(law([](auto t) { return 0.1 * t; }), nullptr,
-                                             law([](auto t) { return jump_after(t, 5.0); })));
+  drive.move(std::make_shared<LeavesLater>());
   r.system.set_planar(Plane{2});
   Dynamics dynamics(r.system, std::make_unique<SchurSolver>());
   State state = r.system.start();
