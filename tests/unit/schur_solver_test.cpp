@@ -1,5 +1,7 @@
 #include "framework/kkt/schur_solver.h"
 
+#include "framework/dynamics/dynamics.h"
+
 #include "framework/kkt/dense_solver.h"
 #include "framework/kkt/schur_plan.h"
 #include "framework/kkt/sparse_solver.h"
