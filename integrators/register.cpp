@@ -3,6 +3,7 @@
 #include "framework/plugin/registry.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
+#include "integrators/rattle.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"
 
@@ -14,6 +15,8 @@ void register_integrators(Registry& registry) {
   registry.integrators.add(Rk4::type_info(), [](const Params&) { return std::make_unique<Rk4>(); });
   registry.integrators.add(Dopri5::type_info(), &Dopri5::make);
   registry.integrators.add(Dop853::type_info(), &Dop853::make);
+  for (const int order : {2, 4})
+    registry.integrators.add(Rattle::type_info(order), [order](const Params&) { return Rattle::make(order); });
 }
 
 }  // namespace lockstep
