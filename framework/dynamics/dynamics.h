@@ -67,7 +67,7 @@ class LOCKSTEP_API Dynamics {
   void accept(State&);
 
   WorkCount& work() { return work_; }
-  const SolveReport& last_solve() const { return solve_report_; }
+  const SolveReport& last_solve() const;
 
   // -- what assembly and analyses build on
   /// Rows and forces at this state; afterwards rows() and force() are complete.
@@ -89,6 +89,7 @@ class LOCKSTEP_API Dynamics {
  private:
   void prepare(const State&);
   void see(const State&);
+  void gather_unchecked(const State&);
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
   void check_gathered(const State&) const;
@@ -105,13 +106,15 @@ class LOCKSTEP_API Dynamics {
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
   bool laid_out_ = false, factored_ = false;
-  long revision_ = -1;  // of the system that was laid out
+  bool rows_moved_ = false;  // since the last factor
+  long revision_ = -1;       // of the system that was laid out
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
   VecX solved_f_, solved_c_, solved_a_, solved_lambda_;  // in the formulation's own unknowns
   Inputs in_;
   std::unique_ptr<Evaluated> values_;
-  SolveReport solve_report_;
+  mutable SolveReport solve_report_;
+  mutable bool report_complete_ = false;
   WorkCount work_;
 };
 
