@@ -16,10 +16,12 @@ constexpr int kFailures = 8;             // tries whose stages cannot be evaluat
 constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
 constexpr double kViolation = 1e-3;      // of the scene's length, before projection
 constexpr double kTurn = 0.5;            // rad a step, with the stages on the constraints
-constexpr double kSingular = 1e-3;       // detector below which the stages go onto the constraints,
+constexpr double kSingular = 1e-2;       // detector below which the stages go onto the constraints,
+constexpr double kRoundOff = 1e-17;      // of the accelerations, times the detector
 constexpr double kShift = 0.93;          // a step that avoids such a place,
-constexpr int kShifts = 8;               // tried so often
-constexpr double kRegular = 1e-2;        // and above which they leave them again
+constexpr int kShifts = 12;              // tried so often; then the best of them is taken,
+constexpr double kCross = 100;           // with an error up to this
+constexpr double kRegular = 3e-2;        // and above which they leave them again
 
 // Steps that only creep towards a place where nothing can be evaluated: the error there is the news, not the small
 // step.
@@ -79,16 +81,20 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
 StepReport EmbeddedRungeKutta::step(Dynamics& dynamics, State& state, double h) {
   StepReport report;
   const double smallest = kSmallestStep * std::max(std::abs(state.t), h);
-  int failures = 0;
+  int failures = 0, shifts = 0;
+  double limit = 1;  // of the error
+  struct {
+    double h = 0, error = kCross;
+  } best;  // of the shifted ones
   start_step(dynamics, state);
   h = longest(h);
   for (;; ++report.rejected) {
     double factor = 0.5;
     try {
-      const Try t = attempt(dynamics, h);
-      const bool ends_blind = t.blind && blind(scheme_.late_stage) && report.rejected < kShifts;
-      if (t.landed && (fixed() || (t.error <= 1 && !ends_blind))) {
-        finish_step(t, h, state, report);
+      const Try t = attempt(dynamics, h, limit);
+      const bool shift = shifts < kShifts && misplaced(t);
+      if (t.landed && !shift && (fixed() || t.error <= limit)) {
+        finish_step(t, h, shifts, state, report);
         return report;
       }
       if (t.singular) {
@@ -97,7 +103,13 @@ StepReport EmbeddedRungeKutta::step(Dynamics& dynamics, State& state, double h) 
         h = longest(h);
         continue;
       }
-      factor = shorter(t, report.rejected);
+      factor = t.error > 1 ? control_.reject(t.error) : 0.5;
+      if (shift) {
+        if (t.error < best.error && !blind(scheme_.late_stage)) best = {h, t.error};
+        const bool cross = ++shifts == kShifts && best.h > 0;
+        factor = cross ? best.h / h : kShift;
+        if (cross) limit = kCross;
+      }
     } catch (const NonFiniteError&) {
       if (fixed() || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
     } catch (const SolveError&) {
@@ -121,7 +133,7 @@ void EmbeddedRungeKutta::start_step(Dynamics& dynamics, const State& state) {
   if (follows && first_done_ && !fixed()) watch_stiffness(dynamics, h);
 }
 
-EmbeddedRungeKutta::Try EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
+EmbeddedRungeKutta::Try EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h, double limit) {
   Try t;
   if (!first_done_) first_done_ = stages_.evaluate(dynamics, start_, 0, 0, 1, on_);
   const bool evaluated = first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, on_);
@@ -129,9 +141,7 @@ EmbeddedRungeKutta::Try EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h
   if (t.singular || !evaluated) return t;
   stages_.end(start_, h, end_);
   t.error = fixed() ? 0 : estimate(h);
-  t.blind = on_ == StagesOn::manifold && t.error > 1 && detector() < kSingular;
-  for (int i = 1; i < scheme_.tableau.n_stages; ++i) t.blind = t.blind || blind(i);
-  if (t.error > 1) return t;
+  if (t.error > limit) return t;
   copy_motion(end_, landed_);
   if (fixed()) {
     const ProjectReport report = land_or_throw(dynamics, landed_, scheme_.name, start_.t, h, on_);
@@ -145,7 +155,7 @@ EmbeddedRungeKutta::Try EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h
   return t;
 }
 
-void EmbeddedRungeKutta::finish_step(const Try& t, double h, State& state, StepReport& report) {
+void EmbeddedRungeKutta::finish_step(const Try& t, double h, int shifts, State& state, StepReport& report) {
   report.h = h_ = h;
   report.error = t.error;
   report.violation = t.violation;
@@ -153,7 +163,7 @@ void EmbeddedRungeKutta::finish_step(const Try& t, double h, State& state, StepR
   report.manifold = on_ == StagesOn::manifold;
   report.stiff = watch_.stiff();
   if (!fixed()) {
-    report.h_next = h * control_.accept(t.error, report.rejected > 0);
+    report.h_next = h * control_.accept(t.error, report.rejected > shifts);
     stages_.sum(h, gap_w_, gap_);
   }
   if (options_.stages == StagesWhen::automatic)
@@ -173,19 +183,28 @@ double EmbeddedRungeKutta::estimate(double h) {
   return std::isfinite(e5) && std::isfinite(e3) ? e5 * (e5 / std::hypot(e5, 0.1 * e3)) : HUGE_VAL;
 }
 
-// A stage that fell on a singular position spoils the estimate whatever the step: a slightly different step misses it.
-double EmbeddedRungeKutta::shorter(const Try& t, int tries) const {
-  if (t.blind && tries < kShifts) return kShift;
-  return t.error > 1 ? control_.reject(t.error) : 0.5;
+// Where a solve sees badly the estimate is spoilt whatever the step: a slightly different one lands elsewhere.
+bool EmbeddedRungeKutta::misplaced(const Try& t) const {
+  if (fixed() || on_ == StagesOn::plain || blind(0)) return false;
+  if (blind(scheme_.late_stage)) return true;  // the next step would begin there
+  return t.error > 1 && detector() < kSingular;
 }
 
+// A solver without a detector is taken at its smallest pivot, which redundant rows make small everywhere.
 double EmbeddedRungeKutta::detector() const {
-  double smallest = stages_.sight(0).detector;
-  for (int i = 1; i < scheme_.tableau.n_stages; ++i) smallest = std::min(smallest, stages_.sight(i).detector);
+  double smallest = HUGE_VAL;
+  for (int i = 0; i < scheme_.tableau.n_stages; ++i) {
+    const Sight& s = stages_.sight(i);
+    smallest = std::min(smallest, std::isfinite(s.detector) ? s.detector : s.pivot);
+  }
   return smallest;
 }
 
-bool EmbeddedRungeKutta::blind(int stage) const { return stages_.sight(stage).residual > kRowTolerance; }
+// Accelerations are uncertain where the rows could not be met, and by round-off over the detector.
+bool EmbeddedRungeKutta::blind(int stage) const {
+  const Sight& s = stages_.sight(stage);
+  return s.residual > kRowTolerance || s.detector * norm_.tolerance().relative < kRoundOff;
+}
 
 double EmbeddedRungeKutta::longest(double h) const {
   if (fixed() || on_ == StagesOn::plain) return h;

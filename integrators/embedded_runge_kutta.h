@@ -26,7 +26,7 @@ struct EmbeddedScheme {
 };
 
 /// Where the stages are evaluated: as they are, on the constraints (see StagesOn), or on the constraints while a stage
-/// is near a singular position: when the detector of a solve (SolveReport) falls under 1e-3, until it is above 1e-2.
+/// is near a singular position: when the detector of a solve (SolveReport) falls under 1e-2, until it is above 3e-2.
 enum class StagesWhen { plain, manifold, automatic };
 
 /// How an embedded method is asked to work; what its keys say in a scene.
@@ -64,13 +64,12 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
     double error = 0, violation = 0, violation_after = 0;
     bool landed = false;    ///< projected, and near enough before
     bool singular = false;  ///< to be made again with the stages on the constraints
-    bool blind = false;     ///< a stage, or the end, stood where the accelerations are uncertain
   };
   void start_step(Dynamics&, const State&);
-  Try attempt(Dynamics&, double h);
-  void finish_step(const Try&, double h, State&, StepReport&);
+  Try attempt(Dynamics&, double h, double limit);
+  void finish_step(const Try&, double h, int shifts, State&, StepReport&);
   double estimate(double h);
-  double shorter(const Try&, int tries) const;
+  bool misplaced(const Try&) const;
   double detector() const;
   bool blind(int stage) const;
   double longest(double h) const;

@@ -2,8 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
-
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -69,14 +67,6 @@ inline void add_part(const double* base, const StateRate* k, VecX StateRate::*pa
   }
 }
 
-template <class Report>
-double detector_of(const Report& r) {
-  if constexpr (requires { r.detector; })
-    return std::isfinite(r.detector) ? r.detector : r.smallest_pivot;
-  else
-    return r.smallest_pivot;
-}
-
 }  // namespace
 
 Weights::Weights(const double* all, int n_all) {
@@ -108,7 +98,7 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
     dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
     if (!watch_) continue;
     const SolveReport& solved = dynamics.last_solve();
-    sight_[static_cast<std::size_t>(i)] = {detector_of(solved), solved.residual};
+    sight_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;
 }

@@ -42,8 +42,9 @@ enum class StagesOn { plain, manifold };
 
 /// How well an evaluation saw: near a singular position the accelerations come from what is left of vanishing pivots.
 struct Sight {
-  double detector = std::numeric_limits<double>::infinity();  ///< SolveReport::detector, else its smallest pivot
-  double residual = 0;                                        ///< SolveReport::residual
+  double detector = std::numeric_limits<double>::infinity();  ///< of SolveReport; infinite where the solver has none
+  double pivot = std::numeric_limits<double>::infinity();     ///< smallest
+  double residual = 0;
 };
 
 class LOCKSTEP_API Stages {
