@@ -24,6 +24,7 @@ struct NewtonNumbers {
   std::vector<RowEntry> entries;  // as laid out
   std::vector<double> J;          // 6 a slot and row, entry after entry
   VecX s;                         // scale of each row, for the proximal term
+  double enough = 1e-13;          // residuals, of the terms of their equation, that need no correction
   int n = 0, m = 0;
   BlockPlan plan;
   std::vector<BlockPlan::Place> pairs, row_places,
@@ -232,7 +233,6 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
 template <class T>
 SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
   constexpr int kCorrections = 3;
-  constexpr double kEnough = 1e-13;
   SolveReport report;
   for (std::size_t k = 0; k < N.width.size(); ++k)
     b_.segment(N.first[k], N.width[k]) = f.segment(6 * static_cast<int>(k), N.width[k]);
@@ -244,7 +244,7 @@ SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const V
     add_correction(N);
     const Residual now = measure(N);
     report.residual = now.largest, report.worst_row = now.worst_row, report.corrections = round;
-    if (now.largest <= kEnough || round == kCorrections || !(now.largest <= 0.5 * before)) break;
+    if (now.largest <= N.enough || round == kCorrections || !(now.largest <= 0.5 * before)) break;
     before = now.largest;
   }
   report.contradictory = report.residual > 1e-2;
