@@ -18,12 +18,12 @@ namespace lockstep {
 /// What the factors are made of: the mechanism's shape and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
-  std::vector<double> mass;       // of each slot
-  std::vector<Mat3> inertia;      // of each slot
-  std::vector<int> width, first;  // of each slot: unknowns and the first of them
-  std::vector<RowEntry> entries;  // as laid out
-  std::vector<double> J;          // 6 a slot and row, entry after entry
-  VecX s;                         // scale of each row, for the proximal term
+  std::vector<double> mass;                    // of each slot
+  std::vector<Mat3> inertia, inverse_inertia;  // of each slot
+  std::vector<int> width, first;               // of each slot: unknowns and the first of them
+  std::vector<RowEntry> entries;               // as laid out
+  std::vector<double> J;                       // 6 a slot and row, entry after entry
+  VecX s;                                      // scale of each row, for the proximal term
   int n = 0, m = 0;
   BlockPlan plan;
   std::vector<BlockPlan::Place> pairs, row_places,
@@ -99,8 +99,7 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
   }
   J_ = N.J;
   // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (numerics page, section 5).
-  constexpr double kEps = 1e-8;
-  E_ = kEps / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
+  E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
   fill(N);
   is_dense_ = !blocks_.factor(N.plan, [](const BlockPlan::Node&, double ratio) { return ratio == 0; });
@@ -232,7 +231,7 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
 template <class T>
 SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
   constexpr int kCorrections = 3;
-  constexpr double kEnough = 1e-13;
+  constexpr double kEnough = 1e-12;
   SolveReport report;
   for (std::size_t k = 0; k < N.width.size(); ++k)
     b_.segment(N.first[k], N.width[k]) = f.segment(6 * static_cast<int>(k), N.width[k]);
