@@ -145,6 +145,7 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
 
 void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
 void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->complex.factor(*work_, a, b, c); }
+void NewtonMatrix::set_residual(double enough) { work_->enough = enough; }
 SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) {
   return work_->real.solve(*work_, f, r, x, l);
 }
