@@ -8,6 +8,7 @@
 #include "framework/analysis/assembly.h"
 #include "framework/dynamics/simulation.h"
 #include "framework/model/read.h"
+#include "framework/runner/certify.h"
 #include "framework/runner/commands.h"
 #include "framework/runner/files.h"
 #include "framework/runner/progress.h"
@@ -99,8 +100,7 @@ Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
-void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds,
-               bool interrupted) {
+void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
@@ -191,6 +191,7 @@ int run_command(const Words& w) {
   if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
   if (unwritten) std::rethrow_exception(unwritten);
   print_files(csv, heading(loaded), recorder->table(), m.run, w.quiet);
+  if (w.certify && !ended.interrupted) print_certificate(loaded, w, m.run, recorder->table());
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   return ended.interrupted ? kExitInterrupted : kExitOk;
