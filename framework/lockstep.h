@@ -14,6 +14,7 @@
 #include "framework/force/torque_motor.h"
 #include "framework/force/torsion_spring_damper.h"
 #include "framework/kkt/dense_solver.h"
+#include "framework/kkt/schur_solver.h"
 #include "framework/kkt/sparse_solver.h"
 #include "framework/links/functions.h"
 #include "framework/links/joints.h"

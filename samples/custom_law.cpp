@@ -20,7 +20,7 @@ int main() {
 
   Recorder recorder(sys,
                     {"slider.z", "slider.az", "guide.drive.force_on_p_link_z", "guide.drive.work", "energy.total"});
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});

@@ -30,7 +30,7 @@ int main() {
                 registry.laws.make("bump", Params{{"height", kTwoPi}, {"at", 1.0}, {"width", 1.0}}, &registry, "host"));
 
     Recorder recorder(sys, {"shaft.angle_z", "follower.y", "shaft.drive.torque_on_p_link_z"});
-    Dynamics dynamics(sys, registry.solvers.make("sparse", Params{}, &registry, "host"));
+    Dynamics dynamics(sys, registry.solvers.make("schur", Params{}, &registry, "host"));
     State start = sys.start();
     assemble(dynamics, start);
     Simulation run(dynamics, registry.integrators.make("dopri5", Params{}, &registry, "host"), {.output = 0.01});

@@ -25,7 +25,7 @@ int main() {
   sys.add<GenericLock>("slot_out", center, sys.add_marker("hub_out", output), mask_from("x z e1 e2 e3"));
 
   Recorder recorder(sys, {"shaft_in.angle_z", "shaft_out.angle_z", "disc.x", "disc.y", "slot_in.torque_on_p_world_z"});
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
   Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 5e-3});

@@ -14,7 +14,7 @@ int main() {
   sys.add<Revolute>("hinge", bar, sys.ground(), at({0, 0, 0}));
 
   Recorder recorder(sys, {"rod.angle_z", "hinge.force_on_p_world_x", "hinge.force_on_p_world_y", "energy.total"});
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});
   run.add_observer(recorder);
 

@@ -19,7 +19,7 @@ Table run(samples::Arm& arm) {
   for (int k = 1; k <= 6; ++k)
     for (const char* what : {"angle_z", "angle_z_d", "angle_z_dd"}) wanted.push_back(fmt::format("J{}.{}", k, what));
   Recorder recorder(arm.sys, wanted);
-  Dynamics dynamics(arm.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(arm.sys, std::make_unique<SchurSolver>());
   State start = arm.sys.start();
   assemble(dynamics, start);
   Simulation simulation(dynamics, std::make_unique<Rk4>(), {.step = kStep, .output = kStep});

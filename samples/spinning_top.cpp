@@ -20,7 +20,7 @@ int main() {
   sys.add<Spherical>("tip", top, sys.ground(), at({0, 0, 0}));
 
   Recorder recorder(sys, {"top.center_x", "top.center_y", "top.center_z", "energy.total", "angular_momentum.z"});
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
   run.add_observer(recorder);
   run.run_until(5.0);

@@ -22,7 +22,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
     for (int i = 0; i < e.slots.n; ++i) {
       const bool particle = system.body_of_slot(e.slots[i]).freedoms == Freedoms::particle;
       for (int k = 0; k < e.m; ++k) {
-        const double* r = block.J(i, k);
+        const auto r = block.J(i, k);
         for (int c = 0; c < (particle ? 3 : 6); ++c) Jt(6 * e.slots[i] + c, e.first_row + k) = c < 3 ? r[c] : r[c] / L;
       }
     }

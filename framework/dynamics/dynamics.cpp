@@ -33,8 +33,9 @@ void Dynamics::prepare(const State& state) {
   if (!matrix_) matrix_ = std::make_unique<Matrix>(system_, options_.formulation);
   modes_ = state.modes;
   system_.lay_out(modes_, rows_);
-  matrix_->lay_out(rows_);
+  matrix_->lay_out(rows_, solver_->reads_rows());
   solver_->analyse(matrix_->kkt().pattern);
+  factored_ = false;
   const int n = 6 * system_.n_slots();
   f_.setZero(n), a_.setZero(n), zero_.setZero(n), d_.setZero(n);
   c_.setZero(rows_.n_rows), C_.setZero(rows_.n_rows), Cd_.setZero(rows_.n_rows), lambda_.setZero(rows_.n_rows);
@@ -54,17 +55,23 @@ void Dynamics::see(const State& state) {
 }
 
 void Dynamics::gather(const State& state) {
+  gather_unchecked(state);
+  check_gathered(state);
+}
+
+void Dynamics::gather_unchecked(const State& state) {
   see(state);
   system_.gather_rows(in_, rows_);
   system_.gather_forces(in_, f_);
   factored_ = false;
-  check_gathered(state);
+  rows_moved_ = true;
 }
 
 void Dynamics::refactor() {
   matrix_->update(rows_, motions_);
   solver_->factor(matrix_->kkt());
   factored_ = true;
+  rows_moved_ = false;
   ++work_.factors;
 }
 
@@ -74,6 +81,13 @@ const SolveReport& Dynamics::solve(const VecX& f, const VecX& c, VecX& a, VecX& 
 }
 
 const SolveReport& Dynamics::solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
+  report_complete_ = false;
+  matrix_->set_rows_moved(rows_moved_);
+  if (matrix_->direct()) {
+    solve_report_ = solver_->solve(matrix_->kkt(), f, c, a, lambda);
+    work_.corrections += solve_report_.corrections;
+    return solve_report_;
+  }
   matrix_->load(f, c, motions_, moving, solved_f_, solved_c_);
   solve_report_ = solver_->solve(matrix_->kkt(), solved_f_, solved_c_, solved_a_, solved_lambda_);
   work_.corrections += solve_report_.corrections;
@@ -82,8 +96,14 @@ const SolveReport& Dynamics::solve_loaded(const VecX& f, const VecX& c, bool mov
   return solve_report_;
 }
 
+const SolveReport& Dynamics::last_solve() const {
+  if (!report_complete_) solver_->complete(solve_report_);
+  report_complete_ = true;
+  return solve_report_;
+}
+
 const Evaluated& Dynamics::evaluate(const State& state) {
-  gather(state);
+  gather_unchecked(state);
   refactor();
   // c = Qhat + Qs; Qs = -2 alpha Cd - beta^2 C (2.15)
   const bool baumgarte = options_.stabilization.kind == Stabilization::Kind::baumgarte;
@@ -126,7 +146,7 @@ void Dynamics::residuals(VecX& C, VecX& Cd) const {
     for (int k = 0; k < e.m; ++k) {
       double cd = block.Ct(k);
       for (int i = 0; i < e.slots.n; ++i) {
-        const double* r = block.J(i, k);
+        const auto r = block.J(i, k);
         const Motion& O = in_.slot(e.slots[i]);
         cd += r[0] * O.v[0] + r[1] * O.v[1] + r[2] * O.v[2] + r[3] * O.w[0] + r[4] * O.w[1] + r[5] * O.w[2];
       }
@@ -198,8 +218,7 @@ void Dynamics::check_gathered(const State& state) const {
   for (const RowEntry& e : rows_.entries) {
     const RowBlock block = rows_.block(e);
     double sum = 0;
-    const std::size_t size = RowBlock::size(e.m, e.slots.n);
-    for (std::size_t i = 0; i < size; ++i) sum += (&block.C(0))[i];
+    for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (std::isfinite(sum)) continue;
     const Lock& link = *system_.links()[static_cast<std::size_t>(e.link)];
     const std::string law = link.blame(state.t);
@@ -242,10 +261,12 @@ void Dynamics::blame_rates(const State& state, const VecX& sd) const {
 
 void Dynamics::check_solved(const State& state) const {
   const auto when = [&] { return "t = " + number(state.t) + " s: "; };
-  if (!a_.allFinite() || !lambda_.allFinite())
+  if (!a_.allFinite() || !lambda_.allFinite()) {
+    check_gathered(state);  // names who made it
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
                              std::string(solver_->name()) + "' failed on this pose, try `dense`",
                          state.t);
+  }
   if (solve_report_.contradictory)
     throw SolveError(when() + system_.row_name(rows_, solve_report_.worst_row) +
                      " cannot hold together with the others (" + brief(100 * solve_report_.residual) +

@@ -52,6 +52,8 @@ class LOCKSTEP_API Dynamics {
 
   /// Least mass-weighted move onto C = 0 (exponential update), then onto Jh v = -Ct; quaternions normalised first.
   ProjectReport project(State&);
+  /// The same until |C| <= `goal`, m (not below round-off): what is left at most is still the tolerance.
+  ProjectReport project(State&, double goal);
   /// Only the velocity level; what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict one another.
   double project_velocity(State&);
   /// |C| in metres: over the rows of the present set (numerics page); and |Jh v + Ct| in m/s.
@@ -65,7 +67,7 @@ class LOCKSTEP_API Dynamics {
   void accept(State&);
 
   WorkCount& work() { return work_; }
-  const SolveReport& last_solve() const { return solve_report_; }
+  const SolveReport& last_solve() const;
 
   // -- what assembly and analyses build on
   /// Rows and forces at this state; afterwards rows() and force() are complete.
@@ -75,6 +77,8 @@ class LOCKSTEP_API Dynamics {
   /// M a + Jh^T lambda = f, Jh a = c at the last gathered state (6 a slot; particles' last three are 0). Counts a
   /// factor when the state is new.
   const SolveReport& solve(const VecX& f, const VecX& c, VecX& a, VecX& lambda);
+  /// For iterations with one matrix: solve() takes the matrix factored last (its J and M) at the state gathered now.
+  void keep_factor() { factored_ = true; }
   /// C, Ct and Jh v + Ct of the gathered rows, one a row.
   void residuals(VecX& C, VecX& Cd) const;
   /// q moved by d (6 a slot: x in the world, turn in slot axes; exponential update).
@@ -85,13 +89,14 @@ class LOCKSTEP_API Dynamics {
  private:
   void prepare(const State&);
   void see(const State&);
+  void gather_unchecked(const State&);
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
   void check_gathered(const State&) const;
   [[noreturn]] void blame_rates(const State&, const VecX& sd) const;
   void check_solved(const State&) const;
-  void project_position(State&, ProjectReport&);
-  double velocity_rounds(State&);
+  void project_position(State&, double goal, ProjectReport&);
+  double velocity_rounds(State&, double goal);
   void update_velocities(const State&);
 
   System& system_;
@@ -101,13 +106,15 @@ class LOCKSTEP_API Dynamics {
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
   bool laid_out_ = false, factored_ = false;
-  long revision_ = -1;  // of the system that was laid out
+  bool rows_moved_ = false;  // since the last factor
+  long revision_ = -1;       // of the system that was laid out
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
   VecX solved_f_, solved_c_, solved_a_, solved_lambda_;  // in the formulation's own unknowns
   Inputs in_;
   std::unique_ptr<Evaluated> values_;
-  SolveReport solve_report_;
+  mutable SolveReport solve_report_;
+  mutable bool report_complete_ = false;
   WorkCount work_;
 };
 

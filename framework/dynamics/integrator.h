@@ -29,6 +29,8 @@ struct StepReport {
   int rejected = 0;            ///< tries thrown away before this step
   double violation = 0;        ///< |C| before projection, m
   double violation_after = 0;  ///< |C| of the new state, m
+  bool manifold = false;       ///< its stages were put on the constraints, as near singular positions
+  bool stiff = false;          ///< damped fast modes limit the step, not accuracy: an implicit method is cheaper
 };
 
 class LOCKSTEP_API Integrator {

@@ -12,7 +12,22 @@ Mat3 inverse_of(const Mat3& J) { return J.llt().solve(Mat3::Identity()); }
 
 }  // namespace
 
-void Matrix::lay_out(const RowTable& rows) {
+void Matrix::lay_out_direct(const RowTable& rows) {
+  KktPattern& p = kkt_.pattern;
+  p = {};
+  const int n = system_.n_slots();
+  p.rows = &rows;
+  p.n = 6 * n, p.m = rows.n_rows;
+  p.width.assign(static_cast<std::size_t>(n), 6);
+  kkt_.masses.clear();
+  for (int k = 0; k < n; ++k) {
+    const Body& b = system_.body_of_slot(k);
+    kkt_.masses.push_back({b.mass.mass, b.mass.J, b.freedoms == Freedoms::particle});
+  }
+}
+
+void Matrix::lay_out(const RowTable& rows, bool direct) {
+  if (direct && formulation_ == Formulation::omega) return lay_out_direct(rows);
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
@@ -67,6 +82,7 @@ void Matrix::write_mass(int slot, const Motion& O) {
 }
 
 void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
+  if (direct()) return;
   const KktPattern& p = kkt_.pattern;
   if (formulation_ == Formulation::quaternion)
     for (int k = 0; k < system_.n_slots(); ++k)
@@ -85,7 +101,7 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
     for (int i = 0; i < link.n_slots; ++i) {
       const int slot = link.slot[static_cast<std::size_t>(i)], width = p.width[static_cast<std::size_t>(slot)];
       for (int k = 0; k < link.m; ++k, out += width) {
-        const double* r = block.J(i, k);
+        const auto r = block.J(i, k);
         out[0] = r[0], out[1] = r[1], out[2] = r[2];
         if (width == 6) {
           out[3] = r[3], out[4] = r[4], out[5] = r[5];

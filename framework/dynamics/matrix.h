@@ -17,8 +17,11 @@ class LOCKSTEP_API Matrix {
  public:
   Matrix(const System& system, Formulation formulation) : system_(system), formulation_(formulation) {}
 
-  /// Shape, when the set of active links changed.
-  void lay_out(const RowTable& rows);
+  /// Shape, when the set of active links changed. `direct`: for a solver that reads the rows themselves; nothing is
+  /// copied then, and load and unload are not needed.
+  void lay_out(const RowTable& rows, bool direct);
+  bool direct() const { return kkt_.pattern.rows != nullptr; }
+  void set_rows_moved(bool moved) { kkt_.rows_moved = moved; }
   /// Numbers: jacobians, and the mass blocks where they move.
   void update(const RowTable& rows, std::span<const Motion> motions);
   const Kkt& kkt() const { return kkt_; }
@@ -33,6 +36,7 @@ class LOCKSTEP_API Matrix {
               VecX& lambda6) const;
 
  private:
+  void lay_out_direct(const RowTable& rows);
   void write_mass(int slot, const Motion& O);
 
   const System& system_;

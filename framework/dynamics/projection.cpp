@@ -10,15 +10,14 @@ constexpr int kRounds = 6;  // positions; quadratic with a fresh factor, so thre
 }
 
 /// (S + E) z = C, d = M^-1 Jh^T z, q <- q (-) d, which is the solution of M d + Jh^T z = 0, Jh d = -C. One factor
-/// serves all rounds while it is good enough (chord). Stops at 1e-2 of the tolerance, not below round-off of the
-/// largest position.
-void Dynamics::project_position(State& state, ProjectReport& report) {
+/// serves all rounds while it is good enough (chord). Stops at the goal, not below round-off of the largest position.
+void Dynamics::project_position(State& state, double goal, ProjectReport& report) {
   const double ulp = std::numeric_limits<double>::epsilon();
   double x_max = 0;
   for (int k = 0; k < system_.n_slots(); ++k)
     x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
   const double tolerance = options_.stabilization.tolerance;
-  const double goal = std::max(1e-2 * tolerance, 1e-14 * system_.length() + 4 * ulp * x_max);
+  goal = std::max(goal, 1e-14 * system_.length() + 4 * ulp * x_max);
   double before = 0;
   for (int round = 0;; ++round) {
     gather(state);
@@ -42,28 +41,30 @@ void Dynamics::project_position(State& state, ProjectReport& report) {
   }
 }
 
-ProjectReport Dynamics::project(State& state) {
+ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
+
+ProjectReport Dynamics::project(State& state, double goal) {
   ProjectReport report;
   normalize(state);
   prepare(state);
   if (rows_.n_rows == 0) return report;
   ++work_.projections;
-  project_position(state, report);
+  project_position(state, goal, report);
   report.before_v = norm(Cd_);  // at the projected position, which was gathered last
-  report.after_v = velocity_rounds(state);
+  report.after_v = velocity_rounds(state, 0.1 * goal);
   return report;
 }
 
 double Dynamics::project_velocity(State& state) {
   gather(state);
   residuals(C_, Cd_);
-  return velocity_rounds(state);
+  return velocity_rounds(state, 1e-3 * options_.stabilization.tolerance);
 }
 
 /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), from residuals gathered at this state; the same factor for all rounds.
-double Dynamics::velocity_rounds(State& state) {
+double Dynamics::velocity_rounds(State& state, double goal) {
   const double ulp = std::numeric_limits<double>::epsilon();
-  const double goal = std::max(1e-3 * options_.stabilization.tolerance, 8 * ulp * state.v.lpNorm<Eigen::Infinity>());
+  goal = std::max(goal, 8 * ulp * state.v.lpNorm<Eigen::Infinity>());
   for (int round = 0; round < 3; ++round) {
     if (norm(Cd_) <= goal) break;
     Cd_ = -Cd_;

@@ -180,6 +180,8 @@ void Simulation::Loop::advance(double limit, double largest) {
   sim.dynamics_.accept(sim.state_);
   ++sim.report_.steps;
   sim.report_.rejected += step.rejected;
+  if (step.manifold) ++sim.report_.manifold_steps;
+  if (step.stiff) sim.report_.stiff_since = std::min(sim.report_.stiff_since, sim.state_.t);
   sim.report_.largest_violation = std::max(sim.report_.largest_violation, step.violation_after);
   outputs_inside(from.t, sim.state_.t);
   observe_end();

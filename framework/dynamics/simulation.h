@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -20,8 +21,10 @@ struct SimulationOptions {
 
 struct SimulationReport {
   long steps = 0, rejected = 0;
-  double largest_violation = 0;  ///< |C| after accepted steps, m
-  bool stopped = false;          ///< by an event or by stop()
+  double largest_violation = 0;                                  ///< |C| after accepted steps, m
+  long manifold_steps = 0;                                       ///< steps with their stages on the constraints
+  double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
+  bool stopped = false;                                          ///< by an event or by stop()
   std::string stopped_by;
 };
 

@@ -20,8 +20,19 @@ struct KktLink {
   std::size_t J = 0;  ///< offset of its first jacobian in Kkt::J: m x width of slot 0, then of slot 1 ...
 };
 
+/// Mass and inertia (slot axes) of a slot; a particle does not turn.
+struct SlotMass {
+  double m = 0;
+  Mat3 J = Mat3::Zero();
+  bool particle = false;
+};
+
 /// Shape of the matrix; changes only when the set of active links does.
 struct KktPattern {
+  /// For solvers that read the rows where the links wrote them (LinearSolver::reads_rows): six unknowns a slot, and
+  /// neither M nor J nor E are filled. Otherwise null.
+  const RowTable* rows = nullptr;
+  int n_slots() const { return static_cast<int>(width.size()); }
   std::vector<int> width, first;  ///< of each slot: unknowns and the first of them
   std::vector<std::size_t> M;     ///< offset of each slot's width x width block in Kkt::M
   std::vector<KktLink> links;
@@ -34,7 +45,9 @@ struct LOCKSTEP_API Kkt {
   KktPattern pattern;
   std::vector<double> M, Minv;  ///< mass blocks, symmetric positive definite, and their inverses
   std::vector<double> J;
-  VecX E;  ///< one a row: scale s_j of the proximal term (E itself is eps times it)
+  VecX E;                        ///< one a row: scale s_j of the proximal term (E itself is eps times it)
+  std::vector<SlotMass> masses;  ///< with KktPattern::rows
+  bool rows_moved = false;       ///< the rows were gathered anew since factor(): an iteration with one matrix
 
   /// s_j of every row: mean of the diagonal of J M^-1 J^T over the link's force rows, over its moment rows, of a single
   /// row for a function (numerics page, section 5). Reactions of redundant rows then depend on no frame.

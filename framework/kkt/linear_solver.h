@@ -14,6 +14,9 @@ struct SolveReport {
   int corrections = 0;  ///< proximal corrections made
   int rank = -1;        ///< rank of J where the solver reveals it, else -1
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
+  /// The smallest relative pivot beyond those of rows that are redundant everywhere: falls as the square of the
+  /// distance to a singular position. Infinite where the solver does not tell.
+  double detector = std::numeric_limits<double>::infinity();
   bool contradictory = false;  ///< the rows cannot all hold: the residual stays at the order of its scale
 };
 
@@ -29,6 +32,11 @@ class LOCKSTEP_API LinearSolver {
   virtual void factor(const Kkt&) = 0;
   /// M a + J^T lambda = f, J a = c, by the last factor; of all lambda the smallest in the metric of E.
   virtual SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) = 0;
+  /// Fills what a report costs time to know (residual, pivots, detector) where solve() left it out; only when somebody
+  /// looks.
+  virtual void complete(SolveReport&) const {}
+  /// Whether it takes the rows from KktPattern::rows instead of M, J and E.
+  virtual bool reads_rows() const { return false; }
 };
 
 }  // namespace lockstep

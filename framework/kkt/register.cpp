@@ -1,6 +1,7 @@
 #include "framework/kkt/register.h"
 
 #include "framework/kkt/dense_solver.h"
+#include "framework/kkt/schur_solver.h"
 #include "framework/kkt/sparse_solver.h"
 #include "framework/plugin/registry.h"
 
@@ -8,6 +9,7 @@ namespace lockstep {
 
 void register_solvers(Registry& registry) {
   registry.solvers.add<DenseSolver>();
+  registry.solvers.add<SchurSolver>();
   registry.solvers.add<SparseSolver>();
 }
 

@@ -11,20 +11,20 @@ namespace lockstep {
 template <unsigned kWith>
 using Instance = std::integral_constant<unsigned, kWith>;
 
-/// Calls half(Instance<kWith>{}) with the instance of `translation` that serves the laws (with::Bits); not at all when
-/// the mask holds no translation.
-template <class F>
+/// Calls half(Instance<kWith>{}) with the instance of `translation` that serves the laws (with::Bits) and what else is
+/// wanted (kExtra); not at all when the mask holds no translation.
+template <unsigned kExtra = 0, class F>
 inline void choose_translation(Mask rows, unsigned laws, F&& half) {
   constexpr unsigned kMarkers = with::uP | with::uS | with::qS;
   if (!any(rows, Mask::xyz)) return;
   if (laws & kMarkers)
-    half(Instance<kMarkers | with::p>{});
+    half(Instance<kMarkers | with::p | kExtra>{});
   else if (laws & with::p)
-    half(Instance<with::p>{});
+    half(Instance<with::p | kExtra>{});
   else if (laws & with::parallel)
-    half(Instance<with::parallel>{});
+    half(Instance<with::parallel | kExtra>{});
   else
-    half(Instance<with::nothing>{});
+    half(Instance<with::nothing | kExtra>{});
 }
 
 /// The same for `rotation`; not at all when the mask holds no turn.

@@ -36,7 +36,9 @@ struct ImposedRotationT {
 };
 
 /// What the kernel is compiled for. Laws that are present; `parallel`: none on the markers and A_P = A_S = 1; `rates`:
-/// yd = d/dt of the rows' values as well; `scalar_row`: the fourth component of e too (section 7 of the theory).
+/// yd = d/dt of the rows' values as well; `scalar_row`: the fourth component of e too (section 7 of the theory);
+/// `world_rows`: the angular jacobians of a full translational triple turned into world axes by R, where they are
+/// simpler.
 namespace with {
 enum Bits : unsigned {
   nothing = 0,
@@ -49,7 +51,8 @@ enum Bits : unsigned {
   all_laws = 63,
   parallel = 64,
   rates = 128,
-  scalar_row = 256
+  scalar_row = 256,
+  world_rows = 512
 };
 }  // namespace with
 
@@ -97,8 +100,17 @@ inline void translation(const MotionT<T>& O1, const MotionT<T>& O2, const Marker
   for (int k = 0; k < 3; ++k) {
     if (!has(rows, row_bit(k))) continue;
     V Rt;
-    if constexpr (kParallel) {
+    if constexpr (kParallel)
       Rt = O2.A.col(k);
+    else
+      Rt = O2.A * S.A.col(k);
+    out.Jv.row(k) = Rt;
+    if constexpr (kWith & with::world_rows) {  // R times (3.9): 1 | -A1 uP~ | -1 | A2 s~
+      out.Jw1.row(k) = cross(P.u, V(O1.A.row(k).transpose()));
+      out.Jw2.row(k) = cross(V(O2.A.row(k).transpose()), s);
+      continue;
+    }
+    if constexpr (kParallel)
       out.Jw2.row(k) = Vec3T<T>(k == 0   ? T(0)
                                 : k == 1 ? s[2]
                                          : -s[1],
@@ -108,11 +120,8 @@ inline void translation(const MotionT<T>& O1, const MotionT<T>& O2, const Marker
                                 k == 2   ? T(0)
                                 : k == 0 ? s[1]
                                          : -s[0]);
-    } else {
-      Rt = O2.A * S.A.col(k);
+    else
       out.Jw2.row(k) = cross(S.A.col(k), s);
-    }
-    out.Jv.row(k) = Rt;
     out.Jw1.row(k) = cross(P.u, V(O1.A.transpose() * Rt));
   }
 

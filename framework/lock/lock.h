@@ -55,6 +55,9 @@ class LOCKSTEP_API Lock {
   /// Links with equal dynamic type, pattern, row count and slot count make a group. `pattern` packs whatever a kernel
   /// is chosen by: mask, laws present, parallel markers, grounded sides.
   virtual unsigned pattern() const { return 0; }
+  /// How its jacobians are kept (kkt/rows.h), and for a triple the sign of its first slot: +1 where that is P's body.
+  virtual RowLayout layout() const { return RowLayout::dense; }
+  virtual double row_sign() const { return 1; }
 
   // -- evaluation
   /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.

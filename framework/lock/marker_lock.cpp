@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/lock/dispatch.h"
+#include "framework/support/clones.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -199,6 +200,8 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 struct MarkerLockGather {
   const Inputs& in;
 
+  void both(const MarkerLock& first, Group links, RowSpan out) const;
+
   LawValue value(const MarkerLock& lock, const Drive& d) const {
     const LawValue l = d.law->at(in.t);
     if (!d.speed) return l;
@@ -249,8 +252,15 @@ struct MarkerLockGather {
       const auto& lock = static_cast<const MarkerLock&>(*links[i]);
       if constexpr (kLaws & with::p) D = imposed_translation(lock);
       translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D,
-                         lock.rows_, r);
+                         kLaws & with::world_rows ? Mask::xyz : lock.rows_, r);
       const RowBlock block = out.lane(i);
+      if constexpr (kLaws & with::world_rows) {
+        for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
+        block.set_R(r.Jv.transpose());
+        block.set_A(lock.side1_, r.Jw1);
+        block.set_A(lock.side2_, r.Jw2);
+        continue;
+      }
       for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
         const int j = lock.row_[static_cast<std::size_t>(k)];
         block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
@@ -281,10 +291,16 @@ struct MarkerLockGather {
   }
 };
 
+LOCKSTEP_FLAT_CLONES void MarkerLockGather::both(const MarkerLock& first, Group links, RowSpan out) const {
+  if (first.layout() == RowLayout::triple)
+    choose_translation<with::world_rows>(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
+  else
+    choose_translation(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
+  choose_rotation(first.rows_, first.laws_, [&](auto with) { rotations<with>(links, out); });
+}
+
 void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
-  const MarkerLockGather g{in};
-  choose_translation(rows_, laws_, [&](auto with) { g.translations<with>(links, out); });
-  choose_rotation(rows_, laws_, [&](auto with) { g.rotations<with>(links, out); });
+  MarkerLockGather{in}.both(*this, links, out);
 }
 
 }  // namespace lockstep

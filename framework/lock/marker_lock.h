@@ -52,6 +52,11 @@ class LOCKSTEP_API MarkerLock : public Lock {
   void setup() override;
   SlotList slots() const override { return slots_; }
   unsigned pattern() const override { return pattern_; }
+  /// A class that adds rows of its own has columns on v, unless it says otherwise.
+  RowLayout layout() const override {
+    return has(rows_, Mask::xyz) && row_count() == n_rows_ ? RowLayout::triple : RowLayout::dense;
+  }
+  double row_sign() const override { return side1_ >= 0 ? 1.0 : -1.0; }
   void gather(Group, const Inputs&, RowSpan out) const override;
 
   int n_states() const override { return n_speeds_; }

@@ -105,6 +105,11 @@ class PhiLock : public MarkerLock {
     for (std::size_t i = 0; i < links.size(); ++i) static_cast<const PhiLock&>(*links[i]).fill(in, out.lane(i));
   }
 
+  /// A triple only beside a phi of the turn alone: any other has columns on v.
+  RowLayout layout() const override {
+    return needs_of<Phi>() == Needs::rotation && has(rows(), Mask::xyz) ? RowLayout::triple : RowLayout::dense;
+  }
+
   int n_memory() const override { return counts_turns<Phi>() ? 1 : 0; }
   void start_memory(std::span<double> z) const override {
     if constexpr (counts_turns<Phi>()) {

@@ -24,7 +24,7 @@ Wrench on_slot(const Lock& link, const Evaluated& v, const RowEntry& e, int i, i
   for (int k = 0; k < e.m; ++k) {
     if (!belongs(link.drive_row(k), part)) continue;
     const double lambda = v.lambda[e.first_row + k];
-    const double* r = block.J(i, k);
+    const auto r = block.J(i, k);
     F -= lambda * Vec3(r[0], r[1], r[2]);
     m -= lambda * Vec3(r[3], r[4], r[5]);
   }

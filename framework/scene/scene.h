@@ -29,7 +29,7 @@ struct ChannelRequest {
 
 /// The object "run". Zero stands for "not given" in step, until and output.
 struct RunSettings {
-  Typed integrator{"dopri5"}, solver{"sparse"};
+  Typed integrator{"dopri5"}, solver{"schur"};
   double step = 0, until = 0, output = 0;  ///< s
   std::vector<double> times{};             ///< s, rising
   Tolerance tolerance;

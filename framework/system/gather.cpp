@@ -29,6 +29,8 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
     e.link = link.number();
     e.m = link.row_count();
     e.slots = link.slots();
+    e.layout = link.layout();
+    e.sign = link.row_sign();
     for (int k = 0; k < e.m; ++k) e.kind[static_cast<std::size_t>(k)] = link.row_kind(k);
     table.entry_of_link[static_cast<std::size_t>(e.link)] = entry;
     table.entries.push_back(e);

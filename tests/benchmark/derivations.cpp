@@ -7,7 +7,7 @@
 
 #include "framework/analysis/assembly.h"
 #include "framework/analysis/work_precision.h"
-#include "framework/kkt/sparse_solver.h"
+#include "framework/kkt/schur_solver.h"
 #include "framework/links/joints.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
@@ -107,7 +107,7 @@ Subject subject_of(Way way, bool library) {
   four_bar->sys.setup();
   subject.start = four_bar->sys.start();
   FourBar exact(way, true);  // all begin at one and the same state
-  Dynamics dynamics(exact.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(exact.sys, std::make_unique<SchurSolver>());
   assemble(dynamics, subject.start, {{"A", Axis::rz, 10.0}});
   return subject;
 }
@@ -115,7 +115,7 @@ Subject subject_of(Way way, bool library) {
 WorkPrecision trajectory(Way way) {
   WorkPrecisionOptions options;
   options.integrators = {{"dop853", [] { return std::make_unique<Dop853>(); }}};
-  options.solvers = {{"sparse", [] { return std::make_unique<SparseSolver>(); }}};
+  options.solvers = {{"schur", [] { return std::make_unique<SchurSolver>(); }}};
   options.formulations = {Formulation::omega};
   options.stabilizations = {Stabilization::Kind::project};
   options.references = {options.integrators.front(), {"dopri5", [] { return std::make_unique<Dopri5>(); }}};

@@ -17,7 +17,7 @@ namespace {
 
 /// Microseconds of an evaluation, the least of nine rounds.
 double microseconds(Chain chain) {
-  Dynamics dynamics(*chain.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
   State state = chain.sys->start();
   assemble(dynamics, state);
   StateRate rate;
@@ -41,7 +41,7 @@ double microseconds_recorded(const std::vector<Request>& columns) {
   for (int round = 0; round < 9; ++round) {
     Chain chain = plain();
     Recorder recorder(*chain.sys, columns);
-    Dynamics dynamics(*chain.sys, std::make_unique<SparseSolver>());
+    Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
     Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .tolerance = {}});
     run.add_observer(recorder);
     run.step();

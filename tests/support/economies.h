@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "framework/dynamics/dynamics.h"
-#include "framework/kkt/sparse_solver.h"
+#include "framework/kkt/schur_solver.h"
 #include "framework/links/functions.h"
 #include "framework/links/joints.h"
 #include "motionlaws/ramp.h"
@@ -128,7 +128,7 @@ struct Size {
   int unknowns = 0, rows = 0;
 };
 inline Size size(Chain chain) {
-  Dynamics dynamics(*chain.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
   dynamics.gather(chain.sys->start());
   return {dynamics.system().n_velocities(), dynamics.rows().n_rows};
 }

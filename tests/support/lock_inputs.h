@@ -155,7 +155,7 @@ inline Rows gathered(System& system, const State& state) {
       const int row = e.first_row + k;
       r.C[row] = block.C(k), r.Ct[row] = block.Ct(k), r.Qhat[row] = block.Qhat(k);
       for (int i = 0; i < e.slots.n; ++i)
-        for (int j = 0; j < 6; ++j) r.J(row, 6 * e.slots[i] + j) = block.J(i, k)[j];
+        for (std::size_t j = 0; j < 6; ++j) r.J(row, 6 * e.slots[i] + static_cast<int>(j)) = block.J(i, k)[j];
     }
   }
   return r;

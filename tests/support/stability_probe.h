@@ -8,7 +8,7 @@
 #include <string>
 
 #include "framework/dynamics/simulation.h"
-#include "framework/kkt/sparse_solver.h"
+#include "framework/kkt/schur_solver.h"
 #include "framework/links/joints.h"
 #include "framework/support/error.h"
 #include "integrators/dop853.h"
@@ -45,7 +45,7 @@ inline double violation_ratio(const Limit& limit, double gain_h, int n_steps) {
   Marker& P = sys.add_marker("P", bead);
   Marker& S = sys.add_marker("S", sys.ground(), {Vec3(kOff, 0, 0), {}});
   sys.add<PointOnLine>("wire", P, S);
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>(), baumgarte(gain_h / h));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), baumgarte(gain_h / h));
   Simulation run(dynamics, limit.make(), {.step = h, .tolerance = {}, .start_limit = 1.0});
   for (int i = 0; i < n_steps; ++i) run.step();
   return dynamics.violation(run.state()) / kOff;
@@ -64,7 +64,7 @@ inline constexpr double kSwing = 2.0;  // s
 /// Where the middle of the rod is after kSwing: projected, at a tight tolerance.
 inline Vec3 swung() {
   Pendulum p;
-  Dynamics dynamics(p.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(p.sys, std::make_unique<SchurSolver>());
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
   run.run_until(kSwing);
   return run.state().q.head<3>();
@@ -78,7 +78,7 @@ inline constexpr double kLost = 1.0;       // m: the rod is somewhere else altog
 inline Verdict swing(const Limit& limit, double gain_h, double h, const Vec3& truth) {
   Pendulum p;
   const int n_steps = static_cast<int>(std::lround(kSwing / h));
-  Dynamics dynamics(p.sys, std::make_unique<SparseSolver>(), baumgarte(gain_h / h));
+  Dynamics dynamics(p.sys, std::make_unique<SchurSolver>(), baumgarte(gain_h / h));
   Simulation run(dynamics, limit.make(), {.step = kSwing / n_steps, .tolerance = {}, .start_limit = 1e-3});
   State start = p.sys.start();
   start.q[1] += 1e-6;

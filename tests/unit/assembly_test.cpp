@@ -27,7 +27,7 @@ System four_bar() {
 
 std::unique_ptr<LinearSolver> solver(bool dense) {
   if (dense) return std::make_unique<DenseSolver>();
-  return std::make_unique<SparseSolver>();
+  return std::make_unique<SchurSolver>();
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and 
   sys.add<Spherical>("left", body, sys.ground(), at({0, 0, 0}));
   Marker& end = sys.add_marker_at("end", body, {{1, 0, 0}, {}});
   sys.add<Spherical>("right", end, sys.add_marker("far", sys.ground(), {{1.5, 0, 0}, {}}));  // the rod is too short
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State state = sys.start();
   const State before = state;
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
@@ -88,7 +88,7 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
   Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
   auto& slide = sys.add<Prismatic>("slide", body, sys.ground(), at({0, 0, 0}));
   slide.drive(Axis::z, sick);
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
   SECTION("in a run, with what was computed kept") {
@@ -129,7 +129,7 @@ TEST_CASE("projection moves the least in the mass metric", "[unit][dynamics]") {
   Marker& P = sys.add_marker("P", light);
   Marker& S = sys.add_marker("S", heavy);
   sys.add<PointOnPlane>("tie", P, S);
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State state = sys.start();
   state.q[2] = 0.04;  // z of the light one
   state.v[2] = 0.8;
@@ -161,7 +161,7 @@ TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
 
 TEST_CASE("a system that grew is set up anew, and a state of before is refused", "[unit][dynamics]") {
   System sys = four_bar();
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   const State old = sys.start();
   dynamics.evaluate(old);
   sys.add_body("late", box(1.0, {1, 1, 1}));
@@ -177,7 +177,7 @@ TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]
   Body& body = sys.add_body("wheel", box(1.0, {0.1, 0.2, 0.3}));
   sys.add<Revolute>("slow", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(1.0));
   sys.add<Revolute>("fast", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(2.0));
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State state = sys.start();
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
   CHECK(says(message, {"velocities that no motion can have", "row e3 of link", "Two laws may drive one coordinate"}));

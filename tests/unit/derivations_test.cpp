@@ -70,7 +70,8 @@ TEST_CASE("a joint made of derived rows moves as the library's own", "[unit][der
     for (int k = 0; k < 3; ++k) {
       INFO("link " << e.link << ", row " << k);
       CHECK(table.block(e).Qhat(k) == Approx(truth.Qhat[kRows[k]]).margin(1e-6));
-      for (int j = 0; j < 6; ++j) CHECK(table.block(e).J(1, k)[j] == Approx(truth.J(kRows[k], 6 + j)).margin(1e-8));
+      for (std::size_t j = 0; j < 6; ++j)
+        CHECK(table.block(e).J(1, k)[j] == Approx(truth.J(kRows[k], 6 + j)).margin(1e-8));
     }
 }
 

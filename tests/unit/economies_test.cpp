@@ -27,7 +27,7 @@ void check_size(const std::string& name, Size absent, Size present) {
 long evaluations(const std::vector<Request>& columns) {
   Chain chain = plain();
   Recorder recorder(*chain.sys, columns);
-  Dynamics dynamics(*chain.sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
   Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 0.001, .tolerance = {}, .output = 0.005});
   run.add_observer(recorder);
   run.run_until(0.02);

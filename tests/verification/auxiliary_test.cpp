@@ -37,7 +37,7 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
     const double s = in.s[static_cast<std::size_t>(controller.first())];
     out.force(slider.slot, {0, 0, -k * O.x[2] - c * O.v[2] - i * s}, O.x);
   }));
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   SimulationOptions options;
   options.tolerance = {1e-11, 1e-13};
   Simulation run(dynamics, std::make_unique<Dop853>(), options);

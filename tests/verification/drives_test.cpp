@@ -13,7 +13,7 @@ namespace {
 /// Runs to t = 2 s with dop853 at 1e-10 and gives the table.
 Table run(System& sys, std::vector<Request> wanted) {
   Recorder recorder(sys, std::move(wanted));
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
   Simulation simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
@@ -126,7 +126,7 @@ TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verific
   sys.add<Revolute>("B", bar, crank, at({0, 0.2, 0}));
   sys.add<Revolute>("C", bar, rocker, at({0.5, 0.2, 0}));
   sys.add<Revolute>("D", rocker, sys.ground(), at({0.5, 0, 0}));
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start, {{"A", Axis::rz, 3.0}});
   CHECK(std::abs(twist(crank, start).w[2] - 3.0) < 1e-10);
@@ -150,7 +150,7 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   motor.drive_speed(Axis::rz, ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
   motor.active_at_start = false;
   Recorder recorder(sys, {"bearing.angle_z"});
-  Dynamics dynamics(sys, std::make_unique<SparseSolver>());
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
   run.add_observer(recorder);
   run.add_event({.name = "engage", .at = 0.5, .activate = {"motor"}});
@@ -181,7 +181,7 @@ TEST_CASE("a mechanism held at rest by its drives carries its weight, with every
   if (dense)
     solver = std::make_unique<DenseSolver>();
   else
-    solver = std::make_unique<SparseSolver>();
+    solver = std::make_unique<SchurSolver>();
   Dynamics dynamics(sys, std::move(solver), {formulation, {}});
   const State state = sys.start();
   const Evaluated& values = dynamics.evaluate(state);

@@ -254,7 +254,7 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     Dynamics dynamics(m.system, std::make_unique<DenseSolver>());
     dynamics.gather(state);
     Matrix matrix(m.system, Formulation::quaternion);
-    matrix.lay_out(dynamics.rows());
+    matrix.lay_out(dynamics.rows(), false);
     matrix.update(dynamics.rows(), dynamics.inputs().motions);
     const KktLink& link = matrix.kkt().pattern.links.front();
     REQUIRE(link.m == 6);

@@ -1,0 +1,341 @@
+// The numeric half of the solver `schur`, node by node. Letters as in the numerics page, section 2:
+//
+//   S = J M^-1 J^T + E,  Y = J M^-1,  D the inverse of a pivot's block,  L = A D below it.
+//
+// With hubs the matrix is [[-M, -J^T], [-J, S]] over (a of the hubs, lambda), quasi-definite in any order
+// (Vanderbei 1995). A column of a block is one pack: all rows of a link in one instruction. No allocation, no search.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+
+#include "framework/kkt/schur_plan.h"
+#include "framework/math/pack.h"
+
+namespace lockstep::schur {
+
+/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, pivot, E, r. By slot: a, 6 and padded;
+/// inverse, 8: 1/m, then J^-1 (xx xy xz yy yz zz); mass, 10: m, J (row after row), for hubs.
+struct Numbers {
+  const double* rows = nullptr;
+  const double *inverse = nullptr, *mass = nullptr;
+  double *A = nullptr, *Y = nullptr;
+  double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *pivot = nullptr, *E = nullptr,
+         *r = nullptr, *a = nullptr;
+  double eps = 0;
+};
+
+inline constexpr double kPivotFloor = 1e-14;  ///< of the diagonal it started from
+
+#define LOCKSTEP_KERNEL [[gnu::always_inline]] inline
+
+template <int N>
+LOCKSTEP_KERNEL Pack<N> load(const double* p) {
+  return *reinterpret_cast<const Pack<N>*>(p);
+}
+template <int N>
+LOCKSTEP_KERNEL void store(double* p, const Pack<N>& v) {
+  *reinterpret_cast<Pack<N>*>(p) = v;
+}
+template <int N>
+LOCKSTEP_KERNEL Pack<N> load_anywhere(const double* p) {
+  Pack<N> v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+/// Ones in the places first ... last - 1.
+template <int N>
+LOCKSTEP_KERNEL Pack<N> ones(int first, int last) {
+  Pack<N> v{};
+  for (int i = first; i < last; ++i) v[i] = 1.0;
+  return v;
+}
+
+// ------------------------------------------------------------------------------------------------- rows -> S
+
+/// Y = J M^-1 of one link and its own block of S.
+template <int M, bool kTriple>
+LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  using V = Pack<ld>;
+  V D[M];
+  for (int i = 0; i < M; ++i) D[i] = V{};
+  double linear = 0;
+  for (int s = 0; s < node.n_sides; ++s) {
+    const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
+    if (side.hub) continue;
+    const double* J = z.rows + side.J;
+    double* Y = z.Y + side.Y;
+    const double* I = z.inverse + 8 * side.slot;
+    if constexpr (!kTriple) {
+      for (int c = 0; c < 3; ++c) {
+        const V Yc = load<ld>(J + c * ld) * I[0];
+        store<ld>(Y + c * ld, Yc);
+        for (int i = 0; i < M; ++i) D[i] += Yc * J[c * ld + i];
+      }
+      J += 3 * ld, Y += 3 * ld;
+    }
+    const V J0 = load<ld>(J), J1 = load<ld>(J + ld), J2 = load<ld>(J + 2 * ld);
+    const V Y0 = J0 * I[1] + J1 * I[2] + J2 * I[3];
+    const V Y1 = J0 * I[2] + J1 * I[4] + J2 * I[5];
+    const V Y2 = J0 * I[3] + J1 * I[5] + J2 * I[6];
+    store<ld>(Y, Y0), store<ld>(Y + ld, Y1), store<ld>(Y + 2 * ld, Y2);
+    for (int i = 0; i < M; ++i) D[i] += Y0 * J[i] + Y1 * J[ld + i] + Y2 * J[2 * ld + i];
+    linear += I[0];
+  }
+  double* d = z.A + node.D;
+  for (int i = 0; i < M; ++i) store<ld>(d + i * ld, D[i]);
+  if constexpr (kTriple)
+    for (int i = 0; i < 3; ++i) d[i * ld + i] += linear;
+
+  double* diagonal = z.diagonal + node.x;
+  for (int i = 0; i < M; ++i) diagonal[i] = d[i * ld + i];
+  if (z.eps == 0) return;
+  // E = eps s_j: one number for the force rows of a link, one for its moment rows, a function's own
+  double t = 0, r = 0;
+  for (int i = 0; i < M; ++i) {
+    t += (node.translations >> i & 1u) ? diagonal[i] : 0.0;
+    r += (node.rotations >> i & 1u) ? diagonal[i] : 0.0;
+  }
+  t /= std::max(1, __builtin_popcount(node.translations));
+  r /= std::max(1, __builtin_popcount(node.rotations));
+  for (int i = 0; i < M; ++i) {
+    const double s = (node.translations >> i & 1u) ? t : (node.rotations >> i & 1u) ? r : diagonal[i];
+    const double e = z.eps * (s > 0 ? s : 1.0);
+    z.E[node.x + static_cast<std::size_t>(i)] = e;
+    d[i * ld + i] += e;
+    diagonal[i] += e;
+  }
+}
+
+/// Share of a slot in the block between two links: J_later M^-1 J_pivot^T.
+template <int M, bool kTriple, int kLater, bool kLaterTriple>
+LOCKSTEP_KERNEL void fill_term(const Side& p, const Side& q, const Numbers& z, double* block) {
+  constexpr int ld = pack_size(M), lq = pack_size(kLater);
+  using V = Pack<lq>;
+  const double *Y = z.Y + p.Y + (kTriple ? 0 : 3 * ld), *J = z.rows + q.J + (kLaterTriple ? 0 : 3 * lq);
+  const V J0 = load<lq>(J), J1 = load<lq>(J + lq), J2 = load<lq>(J + 2 * lq);
+  for (int i = 0; i < M; ++i) {
+    V a = load<lq>(block + i * lq);
+    a += J0 * Y[i] + J1 * Y[ld + i] + J2 * Y[2 * ld + i];
+    if constexpr (!kTriple && !kLaterTriple)
+      for (int c = 0; c < 3; ++c)
+        a += load<lq>(z.rows + q.J + c * lq) * z.Y[p.Y + static_cast<std::size_t>(c * ld + i)];
+    if constexpr (kTriple && !kLaterTriple)
+      if (i < 3) a += load<lq>(z.rows + q.J + i * lq) * (p.sign * z.inverse[8 * p.slot]);
+    store<lq>(block + i * lq, a);
+  }
+  if constexpr (kLaterTriple)
+    for (int c = 0; c < 3; ++c) {
+      if constexpr (kTriple)
+        block[c * lq + c] += p.sign * q.sign * z.inverse[8 * p.slot];
+      else
+        for (int i = 0; i < M; ++i) block[i * lq + c] += q.sign * z.Y[p.Y + static_cast<std::size_t>(c * ld + i)];
+    }
+}
+
+// ------------------------------------------------------------------------------------------------- S -> factor
+
+/// D <- D^-1, symmetric positive definite, by sweeps without pivoting.
+template <int M>
+LOCKSTEP_KERNEL void invert(Pack<pack_size(M)>* D, const double* diagonal, double* pivot) {
+  using V = Pack<pack_size(M)>;
+  for (int k = 0; k < M; ++k) {
+    const V column = D[k];
+    const double floor = kPivotFloor * diagonal[k];
+    const double d = column[k] > floor ? column[k] : floor;
+    pivot[k] = d;
+    const double p = 1.0 / d;
+    V u = column * p;
+    u[k] = -p;
+    for (int j = 0; j < M; ++j) {
+      if (j == k) continue;
+      V Dj = D[j];
+      Dj[k] = 0.0;
+      D[j] = Dj - u * column[j];
+    }
+    D[k] = u;
+  }
+  for (int k = 0; k < M; ++k) D[k] = -D[k];
+}
+
+/// The block of one later node: L = A D, and all products with the blocks before it.
+template <int M, int kPack>
+LOCKSTEP_KERNEL void eliminate_below(const Plan& plan, const Node& node, const Later* later, int s,
+                                     const std::size_t* target, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  using V = Pack<kPack>;
+  const double* D = z.A + node.D;
+  double* As = z.A + later[s].block;
+  V A[M], L[M];
+  for (int k = 0; k < M; ++k) A[k] = load<kPack>(As + k * kPack);
+  for (int j = 0; j < M; ++j) {
+    V l = A[0] * D[j];
+    for (int k = 1; k < M; ++k) l += A[k] * D[k * ld + j];
+    L[j] = l;
+  }
+  for (int j = 0; j < M; ++j) store<kPack>(As + j * kPack, L[j]);
+  const auto subtract = [&](double* T, const double* Lt, int lt, int mt) __attribute__((always_inline)) {
+    for (int i = 0; i < mt; ++i) {
+      V t = load<kPack>(T + i * kPack);
+      for (int k = 0; k < M; ++k) t -= A[k] * Lt[k * lt + i];
+      store<kPack>(T + i * kPack, t);
+    }
+  };
+  for (int t = 0; t <= s; ++t) {
+    const Later& other = later[t];
+    if (other.m == M)
+      subtract(z.A + target[t], z.A + other.block, ld, M);
+    else
+      subtract(z.A + target[t], z.A + other.block, pack_size(other.m), other.m);
+  }
+  (void)plan;
+}
+
+template <int M>
+LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  Pack<ld> D[M];
+  double* d = z.A + node.D;
+  const double sign = node.link < 0 ? -1.0 : 1.0;  // the block of a hub is negative definite
+  for (int k = 0; k < M; ++k) D[k] = load<ld>(d + k * ld) * sign;
+  invert<M>(D, z.diagonal + node.x, z.pivot + node.x);
+  for (int k = 0; k < M; ++k) store<ld>(d + k * ld, D[k] * sign);
+  const Later* later = plan.later.data() + node.first_later;
+  const std::size_t* target = plan.targets.data() + node.first_target;
+  for (int s = 0; s < node.n_later; target += ++s) {
+    switch (pack_size(later[s].m)) {
+      case 2:
+        eliminate_below<M, 2>(plan, node, later, s, target, z);
+        break;
+      case 4:
+        eliminate_below<M, 4>(plan, node, later, s, target, z);
+        break;
+      default:
+        eliminate_below<M, 8>(plan, node, later, s, target, z);
+    }
+  }
+}
+
+/// x_later -= L x
+template <int M, int kPack>
+LOCKSTEP_KERNEL void forward_below(const Later& later, const double* x, const Numbers& z) {
+  const double* L = z.A + later.block;
+  auto b = load<kPack>(z.x + later.x);
+  for (int k = 0; k < M; ++k) b -= load<kPack>(L + k * kPack) * x[k];
+  store<kPack>(z.x + later.x, b);
+}
+template <int M>
+LOCKSTEP_KERNEL void forward(const Plan& plan, const Node& node, const Numbers& z) {
+  const double* x = z.x + node.x;
+  for (int s = 0; s < node.n_later; ++s) {
+    const Later& later = plan.later[static_cast<std::size_t>(node.first_later + s)];
+    switch (pack_size(later.m)) {
+      case 2:
+        forward_below<M, 2>(later, x, z);
+        break;
+      case 4:
+        forward_below<M, 4>(later, x, z);
+        break;
+      default:
+        forward_below<M, 8>(later, x, z);
+    }
+  }
+}
+/// x <- D x - sum L^T x_later
+template <int M>
+LOCKSTEP_KERNEL void backward(const Plan& plan, const Node& node, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  double* x = z.x + node.x;
+  const double* D = z.A + node.D;
+  Pack<ld> y = load<ld>(D) * x[0];
+  for (int k = 1; k < M; ++k) y += load<ld>(D + k * ld) * x[k];
+  for (int s = 0; s < node.n_later; ++s) {
+    const Later& later = plan.later[static_cast<std::size_t>(node.first_later + s)];
+    const double *L = z.A + later.block, *xs = z.x + later.x;
+    const int ls = pack_size(later.m);
+    for (int k = 0; k < M; ++k) {
+      double t = 0;
+      if (later.m == M)
+        for (int i = 0; i < M; ++i) t += L[k * ld + i] * xs[i];
+      else
+        for (int i = 0; i < later.m; ++i) t += L[k * ls + i] * xs[i];
+      y[k] -= t;
+    }
+  }
+  store<ld>(x, y);
+}
+
+// ------------------------------------------------------------------------------------------------- right sides
+
+/// J a of one link, in the axes that its rows are kept in.
+template <int M, bool kTriple>
+LOCKSTEP_KERNEL Pack<pack_size(M)> rows_times(const Side& side, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  const double *J = z.rows + side.J, *a = z.a + 6 * side.slot;
+  if constexpr (kTriple) {
+    auto b = load_anywhere<ld>(a) * ones<ld>(0, 3) * side.sign;
+    return b + load<ld>(J) * a[3] + load<ld>(J + ld) * a[4] + load<ld>(J + 2 * ld) * a[5];
+  } else {
+    auto b = load<ld>(J) * a[0];
+    for (int c = 1; c < 6; ++c) b += load<ld>(J + c * ld) * a[c];
+    return b;
+  }
+}
+
+/// x = J a_f - c of one link, c turned into the rows' axes, and the scales |J a_f| + |c|. c: numbers of its rows.
+template <int M, bool kTriple>
+LOCKSTEP_KERNEL void start_link(const Plan& plan, const Node& node, const double* given, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  using V = Pack<ld>;
+  V b{}, on_hubs{};
+  for (int s = 0; s < node.n_sides; ++s) {
+    const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
+    (side.hub ? on_hubs : b) += rows_times<M, kTriple>(side, z);
+  }
+  V c = load_anywhere<ld>(given) * ones<ld>(kTriple ? 3 : 0, M);
+  if constexpr (kTriple) {
+    const double* R = z.rows + node.R;
+    c += load<ld>(R) * given[0] + load<ld>(R + ld) * given[1] + load<ld>(R + 2 * ld) * given[2];
+  }
+  store<ld>(z.c + node.x, c);
+  store<ld>(z.x + node.x, b - c);
+  const V all = b + on_hubs;
+  for (int i = 0; i < M; ++i) z.scale[node.x + static_cast<std::size_t>(i)] = std::abs(all[i]) + std::abs(c[i]);
+}
+
+/// a -= Y^T x
+template <int M, bool kTriple>
+LOCKSTEP_KERNEL void apply_link(const Plan& plan, const Node& node, const double* x, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  for (int s = 0; s < node.n_sides; ++s) {
+    const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
+    if (side.hub) continue;
+    const double* Y = z.Y + side.Y;
+    double* a = z.a + 6 * side.slot;
+    constexpr int n = kTriple ? 3 : 6, first = kTriple ? 3 : 0;
+    if constexpr (kTriple) {
+      const double k = side.sign * z.inverse[8 * side.slot];
+      for (int c = 0; c < 3; ++c) a[c] -= k * x[c];
+    }
+    for (int c = 0; c < n; ++c) {
+      double t = 0;
+      for (int i = 0; i < M; ++i) t += Y[c * ld + i] * x[i];
+      a[first + c] -= t;
+    }
+  }
+}
+
+/// r = J a - c
+template <int M, bool kTriple>
+LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  Pack<ld> r = -load<ld>(z.c + node.x);
+  for (int s = 0; s < node.n_sides; ++s)
+    r += rows_times<M, kTriple>(plan.sides[static_cast<std::size_t>(node.first_side + s)], z);
+  store<ld>(z.r + node.x, r);
+}
+
+#undef LOCKSTEP_KERNEL
+
+}  // namespace lockstep::schur

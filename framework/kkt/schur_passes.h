@@ -1,0 +1,15 @@
+// The passes of the solver `schur` over all nodes; each is compiled for every instruction set (support/clones.h).
+#pragma once
+
+#include "framework/kkt/schur_kernels.h"
+
+namespace lockstep::schur {
+
+void fill(const Plan&, const Numbers&);                    ///< rows -> Y, S + E
+void factor(const Plan&, const Numbers&);                  ///< S + E -> L, D
+void start(const Plan&, const double* c, const Numbers&);  ///< x = J a_f - c and scales; c one a row of the table
+void solve(const Plan&, const Numbers&);                   ///< x <- (S + E)^-1 x; with hubs x holds their a as well
+void apply(const Plan&, const double* x, const Numbers&);  ///< a -= Y^T x; hubs: a += x
+void residual(const Plan&, const Numbers&);                ///< r = J a - c
+
+}  // namespace lockstep::schur

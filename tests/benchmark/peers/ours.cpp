@@ -1,0 +1,248 @@
+// lockstep itself, by its public interface. Words of its own: --scenes FOLDER (where bench_*.json are; the long ones
+// are written on the way), --solver NAME and --planar VALUE (each repeatable: one more variant each), --integrator
+// NAME or NAME{"key": value} (repeatable: only these), --plugin NAME (repeatable).
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "framework/lockstep.h"
+#include "framework/scene/read.h"
+#include "tests/benchmark/peers/measure.h"
+#include "tests/benchmark/peers/scenes.h"
+
+namespace lockstep::peers {
+
+namespace {
+
+/// What is tried on every mechanism as far as the registry has it: name, and its keys as JSON.
+const std::vector<std::string> kIntegrators = {R"(dop853)",
+                                               R"(dopri5)",
+                                               R"(dop853{"fixed": true})",
+                                               R"(dopri5{"fixed": true})",
+                                               R"(rk4)",
+                                               R"(semi_implicit_euler)",
+                                               R"(dop853{"stages": "manifold"})",
+                                               R"(dopri5{"stages": "manifold"})",
+                                               R"(rattle)",
+                                               R"(rattle{"order": 4})",
+                                               R"(generalized_alpha)",
+                                               R"(radau5)"};
+
+/// One way to run a mechanism.
+struct Method {
+  Typed integrator;
+  std::string solver, planar;  ///< "": the scene's own
+  Stabilization::Kind stabilization = Stabilization::Kind::project;
+  bool dense = false;  ///< put out at the report times; else the steps' ends are sampled
+  std::string name;
+  IntegratorInfo info{};
+  double setting = 0;  ///< step or tolerance
+};
+
+class SceneSource {
+ public:
+  SceneSource(std::string folder, const Mechanism& m) : mechanism_(m), path_(folder + "/" + scene_name(m) + ".json") {}
+
+  Scene scene(const Method& method) const {
+    Value root = std::filesystem::exists(path_) ? read_json_file(path_) : read_json(scene_text(mechanism_), path_);
+    if (!method.planar.empty()) {
+      root = root.without({"planar"});
+      root.object()->push_back({"planar", Value(method.planar), {}});
+    }
+    Scene scene = scene_from(std::move(root), path_);
+    scene.run.integrator = method.integrator;
+    if (!method.solver.empty()) scene.run.solver = {method.solver};
+    scene.run.stabilization.kind = method.stabilization;
+    if (method.info.adaptive)
+      scene.run.tolerance = {method.setting, 1e-2 * method.setting};
+    else
+      scene.run.step = method.setting;
+    return scene;
+  }
+
+ private:
+  const Mechanism& mechanism_;
+  std::string path_;
+};
+
+/// x and v of the mass centres, world axes.
+Motions motions(const System& system, const State& state) {
+  Motions all;
+  for (const Body& body : system.bodies()) {
+    if (body.fixed || &body == &system.bodies().front()) continue;
+    const Pose p = pose(body, state);
+    const Twist t = twist(body, state);
+    const Mat3 R = rotation(p.q);
+    const Vec3 w = R * t.w, arm = R * body.mass.center;
+    all.push_back({p.x + arm, R, t.v + cross(w, arm), w});
+  }
+  return all;
+}
+
+/// Looks at the states that the method is judged by.
+class Watch final : public Observer {
+ public:
+  Watch(Run& run, bool dense, bool reactions) : run_(run), dense_(dense), reactions_(reactions) {}
+  void start(const Sample& s) override { look(s); }
+  void step(const Sample& s) override {
+    if (!dense_) look(s);
+    if (++n_steps_ % 64 == 0) run_.check_time();
+  }
+  void output(const Sample& s) override {
+    if (dense_) look(s);
+  }
+
+ private:
+  void look(const Sample& s) {
+    if (reactions_) s.values();
+    if (run_.sampled)
+      run_.sample(s.state.t, motions(s.system(), s.state));
+    else
+      last_ = s.state;
+  }
+
+  Run& run_;
+  bool dense_, reactions_;
+  long n_steps_ = 0;
+  State last_;
+};
+
+std::vector<double> report_times(const Mechanism& m) {
+  std::vector<double> times;
+  for (int i = 0; i <= kReports; ++i) times.push_back(m.until * i / kReports);
+  return times;
+}
+
+void simulate(Run& run, const SceneSource& source, const Registry& registry, const Method& method) {
+  lockstep::Mechanism mechanism = build(source.scene(method), registry);
+  const RunSettings& settings = mechanism.run;
+  Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
+  State start = mechanism.system.start();
+  if (settings.assemble) assemble(dynamics, start, mechanism.start_speeds);
+  Watch watch(run, method.dense, run.mechanism.kind == Kind::slider_crank);
+  SimulationOptions options{.step = settings.step, .tolerance = settings.tolerance};
+  if (method.dense) options.output_times = report_times(run.mechanism);
+  Simulation simulation(dynamics, make_integrator(settings, registry), options);
+  simulation.set_state(start);
+  simulation.add_observer(watch);
+  const WorkCount before = dynamics.work();
+  run.start_clock();
+  const SimulationReport& report = simulation.run_until(run.mechanism.until);
+  run.stop_clock();
+  run.steps = report.steps;
+  if (!(report.largest_violation <= run.violation)) run.violation = report.largest_violation;
+  run.note = "evaluations=" + std::to_string(dynamics.work().evaluations - before.evaluations) +
+             " rejected=" + std::to_string(report.rejected) + " solver=" + std::string(dynamics.solver().name());
+}
+
+/// "dop853{...}" as a name with keys.
+Typed typed(const std::string& text) {
+  const std::size_t brace = text.find('{');
+  Typed t{text.substr(0, brace)};
+  if (brace != std::string::npos) t.keys = read_json(text.substr(brace), "--integrator");
+  return t;
+}
+
+/// Commas part the columns of the CSV.
+std::string column_name(std::string text) {
+  std::string name;
+  for (const char c : text)
+    if (c != '"' && c != ' ') name += c == ',' ? ';' : c;
+  return name;
+}
+
+/// What the integrator says of itself, when the registry has it, takes its keys, and it can begin on this mechanism;
+/// and whether it has dense output.
+struct Trial {
+  IntegratorInfo info;
+  bool dense = false;
+};
+std::optional<Trial> trial(const SceneSource& source, const Registry& registry, Method method) {
+  try {
+    method.info.adaptive = false;  // a step, should it need one; an adaptive method takes it as the largest
+    method.setting = 1e-3;
+    lockstep::Mechanism mechanism = build(source.scene(method), registry);
+    const std::unique_ptr<Integrator> integrator = make_integrator(mechanism.run, registry);
+    Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry),
+                      {mechanism.run.formulation, mechanism.run.stabilization});
+    State start = mechanism.system.start(), inside = start;
+    if (mechanism.run.assemble) assemble(dynamics, start, mechanism.start_speeds);
+    integrator->begin(dynamics, start);
+    return Trial{integrator->info(), integrator->dense(start.t, inside)};
+  } catch (const Error& e) {
+    std::fprintf(stderr, "lockstep %s: left out: %s\n", method.name.c_str(), e.what());
+    return std::nullopt;
+  }
+}
+
+class Ours {
+ public:
+  Ours(int argc, char** argv) : bench_("lockstep", argc, argv), registry_(builtin_registry()) {
+    folder_ = bench_.word("--scenes");
+    for (const std::string& plugin : bench_.all_words("--plugin")) load_plugin(registry_, plugin);
+    integrators_ = or_else(bench_.all_words("--integrator"), kIntegrators);
+    solvers_ = or_else(bench_.all_words("--solver"), {""});
+    planar_ = or_else(bench_.all_words("--planar"), {""});
+  }
+
+  void run() {
+    for (const Mechanism& m : all_mechanisms()) {
+      if (!bench_.wants(m)) continue;
+      for (const std::string& planar : planar_)
+        for (const std::string& solver : solvers_)
+          for (const std::string& integrator : integrators_) try_method(m, integrator, solver, planar);
+    }
+  }
+
+ private:
+  static std::vector<std::string> or_else(std::vector<std::string> given, const std::vector<std::string>& standard) {
+    return given.empty() ? standard : given;
+  }
+
+  void try_method(const Mechanism& m, const std::string& integrator, const std::string& solver,
+                  const std::string& planar) {
+    Method method;
+    method.integrator = typed(integrator);
+    method.solver = solver;
+    method.planar = planar;
+    method.name = column_name(integrator) + (solver.empty() ? "" : "@" + solver) +
+                  (planar.empty() ? "" : "+planar(" + planar + ")");
+    if (!bench_.wants(m, method.name)) return;
+    const SceneSource source(folder_, m);
+    const std::optional<Trial> known = trial(source, registry_, method);
+    if (!known) return;
+    method.info = known->info;
+    sweep(m, source, method);
+    if (!known->dense) return;
+    method.dense = true;
+    method.name += "+dense";
+    sweep(m, source, method);
+  }
+
+  void sweep(const Mechanism& m, const SceneSource& source, const Method& method) {
+    const auto make = [&](double setting) {
+      Method set = method;
+      set.setting = setting;
+      return [this, &source, set](Run& run) { simulate(run, source, registry_, set); };
+    };
+    if (method.info.adaptive)
+      bench_.sweep(m, method.name, tolerance_ladder(), make, 1.0 / method.info.order);
+    else
+      bench_.sweep(m, method.name, step_ladder(m), make);
+  }
+
+  Bench bench_;
+  Registry registry_;
+  std::string folder_;
+  std::vector<std::string> integrators_, solvers_, planar_;
+};
+
+}  // namespace
+
+}  // namespace lockstep::peers
+
+int main(int argc, char** argv) {
+  lockstep::peers::Ours(argc, argv).run();
+  return 0;
+}
