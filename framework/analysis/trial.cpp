@@ -23,12 +23,11 @@ void note_failure(const Error& error, Outcome& out) {
 
 }  // namespace
 
-Outcome try_run(const Course& course, const Recipe& recipe, double limit, const std::function<double()>& cpu,
-                TrialKind kind) {
+Outcome try_run(const Course& course, const Recipe& recipe, double limit, const Clocks& clocks, TrialKind kind) {
   Outcome out;
   const Subject subject = kind == TrialKind::truth && course.truth ? course.truth() : course.make();
-  HistoryObserver observer(*subject.system, cpu, out.history);
-  const double begin = cpu();
+  HistoryObserver observer(*subject.system, clocks.cpu, out.history);
+  const double begin = clocks.cpu(), clock_begin = clocks.clock();
   try {
     Dynamics dynamics(*subject.system, recipe.solver->make(), recipe.dynamics);
     Simulation sim(dynamics, recipe.method->make(),
@@ -37,7 +36,7 @@ Outcome try_run(const Course& course, const Recipe& recipe, double limit, const 
     for (Observer* o : subject.observers) sim.add_observer(*o);
     if (kind != TrialKind::bare) sim.add_observer(observer);
     for (const Event& event : subject.events) sim.add_event(event);
-    sim.progress = [&](const State&) { return !(out.given_up = cpu() - begin - observer.cpu() > limit); };
+    sim.progress = [&](const State&) { return !(out.given_up = clocks.clock() - clock_begin > limit); };
     try {
       sim.run_until(course.length);
     } catch (const Error& error) {
@@ -51,7 +50,7 @@ Outcome try_run(const Course& course, const Recipe& recipe, double limit, const 
   } catch (const Error& error) {
     note_failure(error, out);
   }
-  out.cpu = cpu() - begin - observer.cpu();
+  out.cpu = clocks.cpu() - begin - observer.cpu();
   out.work.evaluations -= observer.evaluations(), out.work.factors -= observer.evaluations();
   if (out.given_up && out.failure.empty())
     out.failure = fmt::format("given up after {:.2g} s of computing", out.cpu);

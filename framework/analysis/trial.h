@@ -31,8 +31,12 @@ struct Outcome {
 /// them; truth: looked, and by the course's own means for it.
 enum class TrialKind { looked, bare, truth };
 
-/// `limit`: s of CPU time after which the run is given up. What goes wrong stands in the outcome.
-Outcome try_run(const Course&, const Recipe&, double limit, const std::function<double()>& cpu,
-                TrialKind kind = TrialKind::looked);
+/// What time is measured by, s: the budget's clock, and what a run costs.
+struct Clocks {
+  std::function<double()> clock, cpu;
+};
+
+/// `limit`: s by the clock after which the run is given up. What goes wrong stands in the outcome.
+Outcome try_run(const Course&, const Recipe&, double limit, const Clocks&, TrialKind kind = TrialKind::looked);
 
 }  // namespace lockstep

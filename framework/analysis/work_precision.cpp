@@ -15,6 +15,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
+constexpr double kSecondTime = 0.45;      // of the budget, after which no second method is tried
 constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
 constexpr double kFirstDecade = 3;        // cost of the second tolerance against the first
 constexpr double kFalls = 0.5;            // an error that falls at all falls below this part of the best so far
@@ -47,9 +48,8 @@ class Survey {
   Survey(const Course& course, const WorkPrecisionOptions& options)
       : course_(course),
         options_(options),
-        clock_(options.clock ? options.clock : clock_seconds),
-        cpu_(options.cpu ? options.cpu : thread_seconds),
-        begin_(clock_()) {}
+        clocks_{options.clock ? options.clock : clock_seconds, options.cpu ? options.cpu : thread_seconds},
+        begin_(clocks_.clock()) {}
 
   WorkPrecision run() {
     make_references();
@@ -73,7 +73,7 @@ class Survey {
                         {Formulation::omega, tight},
                         {tolerance, 1e-2 * tolerance},
                         options_.largest_step};
-    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, cpu_, TrialKind::truth);
+    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, clocks_, TrialKind::truth);
     if (out.failure.empty()) return std::move(out.history);
     why = method.name + ": " + out.failure;
     return std::nullopt;
@@ -89,9 +89,10 @@ class Survey {
     };
     std::vector<std::string> names;
     for (int k = 0; k < 4 && found.size() < 2; ++k, r *= 10) {
-      if (k > 0 && clock_() - begin_ > kReferenceTime * options_.budget) break;
+      if (k > 0 && clocks_.clock() - begin_ > kReferenceTime * options_.budget) break;
       for (const MethodChoice& method : options_.references) {
         if (found.size() == 2 || (found.size() == 1 && found.front().first == &method)) continue;
+        if (!found.empty() && clocks_.clock() - begin_ > kSecondTime * options_.budget) continue;
         std::optional<History> history = reference(method, r, why);
         if (!history) continue;
         found.emplace_back(&method, std::move(*history));
@@ -139,7 +140,7 @@ class Survey {
   std::size_t n_rungs(const Lane& lane) const {
     return lane.adaptive ? options_.tolerances.size() : options_.steps.size();
   }
-  double left() const { return options_.budget - (clock_() - begin_); }
+  double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
   // The open combination whose next rung is cheapest; none when that does not fit.
   Lane* next() {
@@ -181,7 +182,7 @@ class Survey {
       recipe.tolerance = {run.setting, 1e-2 * run.setting}, recipe.step = options_.largest_step;
     else
       recipe.step = run.setting;
-    Outcome out = try_run(course_, recipe, limit, cpu_);
+    Outcome out = try_run(course_, recipe, limit, clocks_);
     note(out, run, out.cpu);
     if (!run.done()) return out;
     run.error = difference(out.history, reference_, length_);
@@ -191,7 +192,7 @@ class Survey {
     double cpu = bare ? HUGE_VAL : run.cpu;
     for (int k = bare ? 0 : 1; run.done() && k < std::max(1, options_.repeats); ++k) {
       if (k > 0 && cpu > options_.quick) break;
-      const Outcome again = try_run(course_, recipe, limit, cpu_, bare ? TrialKind::bare : TrialKind::looked);
+      const Outcome again = try_run(course_, recipe, limit, clocks_, bare ? TrialKind::bare : TrialKind::looked);
       if (!again.failure.empty()) break;
       cpu = std::min(cpu, again.cpu);
       note(again, run, cpu);
@@ -273,7 +274,7 @@ class Survey {
 
   const Course& course_;
   const WorkPrecisionOptions& options_;
-  std::function<double()> clock_, cpu_;
+  Clocks clocks_;
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
   History reference_;

@@ -37,7 +37,6 @@ std::string one_word(const Value& v) {
 
 std::vector<Value> other_values(const Key& key) {
   std::vector<Value> values;
-  if (key.form == Form::boolean) values.emplace_back(key.fallback != "true");
   if (key.form == Form::choice)
     for (const std::string& choice : key.choices)
       if (key.fallback != "\"" + choice + "\"") values.emplace_back(choice);

@@ -25,8 +25,8 @@ std::string spelled(const Typed&);
 /// The same as it stands in a scene: "rk4" in quotes, or {"type": "dopri5", "fixed": true}.
 Value as_value(const Typed&);
 
-/// `own` first, then every type with its defaults, then with each other value of a key that is a choice or a switch,
-/// one key at a time.
+/// `own` first, then every type with its defaults, then with each other value of a key that is a choice, one key at a
+/// time; what is beyond that (switches, numbers) is charted where somebody names it.
 std::vector<Typed> all_ways(const Typed& own, const std::vector<TypeInfo>& types);
 
 /// `type` with those of `keys` that it knows.
