@@ -28,6 +28,8 @@
 #include "framework/version.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
+#include "integrators/generalized_alpha.h"
+#include "integrators/radau5.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"
 #include "motionlaws/constant.h"

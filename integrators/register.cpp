@@ -3,6 +3,8 @@
 #include "framework/plugin/registry.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
+#include "integrators/generalized_alpha.h"
+#include "integrators/radau5.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"
 
@@ -14,6 +16,8 @@ void register_integrators(Registry& registry) {
   registry.integrators.add(Rk4::type_info(), [](const Params&) { return std::make_unique<Rk4>(); });
   registry.integrators.add(Dopri5::type_info(), &Dopri5::make);
   registry.integrators.add(Dop853::type_info(), &Dop853::make);
+  registry.integrators.add(GeneralizedAlpha::type_info(), &GeneralizedAlpha::make);
+  registry.integrators.add(Radau5::type_info(), &Radau5::make);
 }
 
 }  // namespace lockstep

@@ -23,10 +23,15 @@ void Applied::setup() {
   body_axes_ = rotation(p().body->in_slot.q);
 }
 
-Vec3 Applied::in_world_axes(const Inputs& in) const {
+Vec3 Applied::in_its_axes(const Inputs& in) const {
   Vec3 f = vector_.value;
   if (vector_.law) f += value(vector_.law, in.t) * vector_.direction;
   for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[static_cast<std::size_t>(k)], in.t);
+  return f;
+}
+
+Vec3 Applied::in_world_axes(const Inputs& in) const {
+  const Vec3 f = in_its_axes(in);
   switch (vector_.axes) {
     case AppliedAxes::body:
       return in.slot(P_.slot).A * (body_axes_ * f);
@@ -34,6 +39,19 @@ Vec3 Applied::in_world_axes(const Inputs& in) const {
       return in_world(P_, in).A * f;
     default:
       return f;
+  }
+}
+
+// (9.14) constant in the world, or fixed in the slot of P
+VaryingVector Applied::varying(const Inputs& in, const Variation& at) const {
+  const Vec3 f = in_its_axes(in);
+  switch (vector_.axes) {
+    case AppliedAxes::body:
+      return at.fixed(0, body_axes_ * f);
+    case AppliedAxes::marker:
+      return at.fixed(0, P_.at(in.t).A * f);
+    default:
+      return {f};
   }
 }
 

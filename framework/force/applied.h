@@ -6,6 +6,7 @@
 #include <string>
 
 #include "framework/force/marker_force.h"
+#include "framework/force/variation.h"
 
 namespace lockstep {
 
@@ -34,10 +35,12 @@ class LOCKSTEP_API Applied : public MarkerForce {
 
  protected:
   Vec3 in_world_axes(const Inputs&) const;  ///< the vector now
+  VaryingVector varying(const Inputs&, const Variation&) const;
   /// The part that is constant in the world; zero in other axes.
   Vec3 constant() const { return vector_.axes == AppliedAxes::world ? vector_.value : Vec3(Vec3::Zero()); }
 
  private:
+  Vec3 in_its_axes(const Inputs&) const;
   AppliedVector vector_;
   Mat3 body_axes_ = Mat3::Identity();  // body axes -> slot axes; made by setup()
 };

@@ -1,5 +1,7 @@
 #include "framework/force/applied_force.h"
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 namespace {
 AppliedVector vector_of(AppliedForce::Options o) {
@@ -37,6 +39,13 @@ void AppliedForce::apply(const Inputs& in, WrenchSum& out) const {
   const Vec3 F = in_world_axes(in), x = in_world(P_, in).x;
   out.force(P_.slot, F, x);
   if (s() != nullptr) out.force(S_.slot, -F, x);
+}
+
+void AppliedForce::tangent(const Inputs& in, TangentSum& out) const {
+  const Variation at(in, P_, S_);
+  const VaryingVector F = varying(in, at), x = at.point(0);
+  at.force(0, F, x, out);
+  if (s() != nullptr) at.force(1, -F, x, out);
 }
 
 double AppliedForce::potential(const Inputs& in) const {

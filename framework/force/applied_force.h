@@ -31,6 +31,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
+  void tangent(const Inputs&, TangentSum& out) const override;
   double potential(const Inputs&) const override;
 
   static const TypeInfo& info();

@@ -1,5 +1,7 @@
 #include "framework/force/applied_torque.h"
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 namespace {
 AppliedVector vector_of(AppliedTorque::Options o) {
@@ -37,6 +39,13 @@ void AppliedTorque::apply(const Inputs& in, WrenchSum& out) const {
   const Vec3 M = in_world_axes(in);
   out.torque(P_.slot, M);
   if (s() != nullptr) out.torque(S_.slot, -M);
+}
+
+void AppliedTorque::tangent(const Inputs& in, TangentSum& out) const {
+  const Variation at(in, P_, S_);
+  const VaryingVector M = varying(in, at);
+  at.torque(0, M, out);
+  if (s() != nullptr) at.torque(1, -M, out);
 }
 
 std::vector<Quantity> AppliedTorque::quantities() const {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 
 Bushing::Bushing(std::string name, Marker& p, Marker& s, Options options)
@@ -44,13 +46,28 @@ struct Bushing::Offset {
 };
 
 namespace {
-// J' b with J = 1 - 1/2 th~ + c th~^2; c = 1/12 + a^2/720 + a^4/30240 + ... near a = 0
+// c of J = 1 - 1/2 th~ + c th~^2; c = 1/12 + a^2/720 + a^4/30240 + ... near a = 0
+double second_factor(double a2) {
+  const double a = std::sqrt(a2);
+  return a2 < 1e-2 ? 1.0 / 12 + a2 / 720 + a2 * a2 / 30240 + a2 * a2 * a2 / 1209600
+                   : (1 - 0.5 * a / std::tan(0.5 * a)) / a2;
+}
+// dc/d(a^2). The series is that of c: |B_2n| (a^2)^(n-1) / (2n)!, B_2n the Bernoulli numbers.
+double rate_of_second_factor(double a2) {
+  if (a2 < 0.5)
+    return 1.0 / 720 +
+           a2 * (2.0 / 30240 +
+                 a2 * (3.0 / 1209600 +
+                       a2 * (4.0 / 47900160 + a2 * (5.0 * 691 / 1307674368000 +
+                                                    a2 * (6.0 / 74724249600 + a2 * 7 * 3617 / 10670622842880000)))));
+  const double a = std::sqrt(a2), s = std::sin(0.5 * a), f = 0.5 * a / std::tan(0.5 * a);  // c = (1 - f)/a^2
+  const double fd = 0.25 / a * (std::cos(0.5 * a) / s - 0.5 * a / (s * s));                // df/d(a^2)
+  return -fd / a2 - (1 - f) / (a2 * a2);
+}
+// J' b
 Vec3 transposed_rate(const Vec3& th, const Vec3& b) {
-  const double a2 = th.squaredNorm(), a = std::sqrt(a2);
-  const double c = a2 < 1e-2 ? 1.0 / 12 + a2 / 720 + a2 * a2 / 30240 + a2 * a2 * a2 / 1209600
-                             : (1 - 0.5 * a / std::tan(0.5 * a)) / a2;
   const Vec3 thb = cross(th, b);
-  return b + 0.5 * thb + c * cross(th, thb);
+  return b + 0.5 * thb + second_factor(th.squaredNorm()) * cross(th, thb);
 }
 }  // namespace
 
@@ -75,6 +92,28 @@ void Bushing::apply(const Inputs& in, WrenchSum& out) const {
   out.force(S_.slot, -F, r.x);
   out.torque(P_.slot, M);
   out.torque(S_.slot, -M);
+}
+
+void Bushing::tangent(const Inputs& in, TangentSum& out) const {
+  const Offset r = offset(in);
+  const Variation at(in, P_, S_);
+  const VaryingVector xP = at.point(0), apart = xP - at.point(1), d = at.in_marker(1, apart);
+  const VaryingVector dd = at.in_marker(1, at.velocity(0) - at.velocity(1) - cross(at.turn_rate(1), apart));
+  const VaryingVector F = at.in_world(1, -(scaled(options_.stiffness, d) + scaled(options_.damping, dd)));
+
+  // th changes by J A_S' times the small turn of P against S
+  const double a2 = r.th.squaredNorm();
+  const Mat3 T = skew(r.th);
+  VaryingVector th{r.th,
+                   (Mat3::Identity() - 0.5 * T + second_factor(a2) * T * T) * r.A_S.transpose() * at.relative_turn().d};
+  const VaryingNumber c{second_factor(a2), 2.0 * rate_of_second_factor(a2) * r.th.transpose() * th.d};
+  const VaryingVector b = scaled(options_.torsion_stiffness, th), thb = cross(th, b);
+  const VaryingVector w = at.in_marker(1, at.turn_rate(0) - at.turn_rate(1));
+  const VaryingVector M = at.in_world(1, -(b + 0.5 * thb + c * cross(th, thb) + scaled(options_.torsion_damping, w)));
+  at.force(0, F, xP, out);
+  at.force(1, -F, xP, out);
+  at.torque(0, M, out);
+  at.torque(1, -M, out);
 }
 
 double Bushing::potential(const Inputs& in) const {

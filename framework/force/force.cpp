@@ -10,10 +10,52 @@ Force::~Force() = default;
 void Force::breakpoints(double, double, std::vector<double>&) const {}
 std::vector<Quantity> Force::quantities() const { return {}; }
 double Force::quantity(int, const Inputs&) const { return 0; }
+
+void Force::tangent(const Inputs& in, TangentSum& out) const {
+  if (slots_.empty()) return;
+  Differences& scratch = out.differences(in);
+  Inputs at = in;
+  at.motions = scratch.motions;
+  WrenchSum sum(at.motions, scratch.f);
+  const auto add_force = [&](int column, int k, double factor) {
+    for (const int i : slots_) scratch.f.segment<6>(6 * i).setZero();
+    apply(at, sum);
+    for (const int i : slots_) {
+      Mat6 change = Mat6::Zero();
+      change.col(k % 6) = factor * scratch.f.segment<6>(6 * i);
+      if (k < 6)
+        out.add_K(i, column, change);
+      else
+        out.add_D(i, column, change);
+    }
+  };
+  const double distance = Differences::distance(slots_, in);
+  for (const int j : slots_)
+    for (int k = 0; k < 12; ++k) {
+      Motion& O = scratch.motions[static_cast<std::size_t>(j + 1)];
+      const Motion home = O;
+      const double speed = std::max(1.0, k < 9 ? home.v.norm() : home.w.norm());
+      const double h = Differences::kStep * (k < 3 ? distance : k < 6 ? 1.0 : speed);
+      O = Differences::moved(home, k, h);
+      add_force(j, k, -0.5 / h);
+      O = Differences::moved(home, k, -h);
+      add_force(j, k, 0.5 / h);
+      O = home;
+    }
+}
+
 double Force::potential(const Inputs&) const { return 0; }
 double Force::dissipation(const Inputs&) const { return 0; }
 double Force::supply(const Inputs&) const { return 0; }
 void Force::start_memory(std::span<double> z) const { std::fill(z.begin(), z.end(), 0.0); }
 void Force::accept(const Inputs&, std::span<double>) const {}
+
+void Force::place(int first_memory) {
+  first_memory_ = first_memory;
+  slots_.clear();
+  for (const Marker* m : markers())
+    if (m->body->slot != kGround && std::find(slots_.begin(), slots_.end(), m->body->slot) == slots_.end())
+      slots_.push_back(m->body->slot);
+}
 
 }  // namespace lockstep

@@ -33,6 +33,9 @@ class LOCKSTEP_API Force {
 
   // -- evaluation
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
+  /// K = -df/d(dx, dth) and D = -df/d(v, w); conventions of TangentSum. Asked by implicit methods only. Default:
+  /// central differences of the force's own apply() over the slots of its markers, for forces that bring no formula.
+  virtual void tangent(const Inputs&, TangentSum& out) const;
   virtual double potential(const Inputs&) const;    ///< J; asked only while energy is recorded; default 0
   virtual double dissipation(const Inputs&) const;  ///< W taken out by dampers, >= 0; default 0
   /// W put in by laws and motors: what the force gives to the bodies beyond -dV/dt and the dampers; default 0. The
@@ -44,11 +47,13 @@ class LOCKSTEP_API Force {
   virtual void start_memory(std::span<double> z) const;
   virtual void accept(const Inputs&, std::span<double> z) const;
   int first_memory() const { return first_memory_; }
-  void place(int first_memory) { first_memory_ = first_memory; }  ///< called by System::setup
+  const std::vector<int>& slots() const { return slots_; }  ///< moving slots of its markers, each once
+  void place(int first_memory);                             ///< called by System::setup
 
  private:
   std::string name_;
   int first_memory_ = 0;
+  std::vector<int> slots_;
 };
 
 }  // namespace lockstep

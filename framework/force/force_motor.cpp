@@ -1,5 +1,7 @@
 #include "framework/force/force_motor.h"
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 
 ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
@@ -30,6 +32,13 @@ void ForceMotor::apply(const Inputs& in, WrenchSum& out) const {
   const Vec3 F = value(options_.force, in.t) * in_world(S_, in).A.col(2), x = in_world(P_, in).x;
   out.force(P_.slot, F, x);
   out.force(S_.slot, -F, x);
+}
+
+void ForceMotor::tangent(const Inputs& in, TangentSum& out) const {
+  const Variation at(in, P_, S_);
+  const VaryingVector F = value(options_.force, in.t) * at.axis(1, 2), x = at.point(0);
+  at.force(0, F, x, out);
+  at.force(1, -F, x, out);
 }
 
 std::vector<Quantity> ForceMotor::quantities() const { return {{"force", "N"}, {"rate", "m/s"}, {"power", "W"}}; }

@@ -1,5 +1,6 @@
 #include "framework/force/spring_damper.h"
 
+#include "framework/force/variation.h"
 #include "framework/support/text.h"
 
 namespace lockstep {
@@ -66,6 +67,24 @@ void SpringDamper::apply(const Inputs& in, WrenchSum& out) const {
   const Line r = line(in);
   out.force(P_.slot, -r.force * r.n, r.xP);
   out.force(S_.slot, r.force * r.n, r.xS);
+}
+
+void SpringDamper::tangent(const Inputs& in, TangentSum& out) const {
+  const Variation at(in, P_, S_);
+  const VaryingVector xP = at.point(0), xS = at.point(1), d = xP - xS;
+  const double law = value(options_.force, in.t);
+  const double at_zero = options_.preload - options_.stiffness * options_.free_length + law;  // tension at length 0
+  VaryingVector pull = options_.stiffness * d;  // T n, where it passes zero smoothly
+  if (!d.v.isZero(0)) {
+    const VaryingNumber l = norm(d);
+    const VaryingVector n = inverse(l) * d;
+    const VaryingNumber rate = dot(n, at.velocity(0) - at.velocity(1));
+    pull = (options_.stiffness * l + options_.damping * rate + at_zero) * n;
+  } else if (at_zero != 0) {
+    return;  // no direction, no force
+  }
+  at.force(0, -pull, xP, out);
+  at.force(1, pull, xS, out);
 }
 
 double SpringDamper::potential(const Inputs& in) const {

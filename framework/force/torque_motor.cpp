@@ -1,5 +1,7 @@
 #include "framework/force/torque_motor.h"
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 
 TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
@@ -31,6 +33,13 @@ void TorqueMotor::apply(const Inputs& in, WrenchSum& out) const {
   const Vec3 M = value(options_.torque, in.t) * in_world(S_, in).A.col(2);
   out.torque(P_.slot, M);
   out.torque(S_.slot, -M);
+}
+
+void TorqueMotor::tangent(const Inputs& in, TangentSum& out) const {
+  const Variation at(in, P_, S_);
+  const VaryingVector M = value(options_.torque, in.t) * at.axis(1, 2);
+  at.torque(0, M, out);
+  at.torque(1, -M, out);
 }
 
 std::vector<Quantity> TorqueMotor::quantities() const { return {{"torque", "N m"}, {"rate", "rad/s"}, {"power", "W"}}; }

@@ -26,6 +26,7 @@ class LOCKSTEP_API TorqueMotor final : public MarkerForce {
   double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
+  void tangent(const Inputs&, TangentSum& out) const override;
 
   static const TypeInfo& info();
   static std::unique_ptr<Force> make(const Site&, const Params&);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "framework/force/variation.h"
+
 namespace lockstep {
 
 TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options)
@@ -75,6 +77,22 @@ void TorsionSpringDamper::apply(const Inputs& in, WrenchSum& out) const {
   const Turn r = turn(in);
   out.torque(P_.slot, -r.torque * r.g);
   out.torque(S_.slot, r.torque * r.g);
+}
+
+void TorsionSpringDamper::tangent(const Inputs& in, TangentSum& out) const {
+  const Turn r = turn(in);
+  const Variation at(in, P_, S_);
+  const VaryingVector zP = at.axis(0, 2), zS = at.axis(1, 2);
+  const VaryingNumber c = dot(zP, zS) + 1.0;
+  if (c.v == 0) return;  // no angle, no torque
+  const VaryingVector g = inverse(c) * (zP + zS);
+  VaryingNumber angle = dot(g, at.relative_turn());
+  angle.v = r.angle;
+  const VaryingNumber rate = dot(g, at.turn_rate(0) - at.turn_rate(1));
+  const double rest = options_.preload - options_.stiffness * options_.free_angle + value(options_.torque, in.t);
+  const VaryingVector M = (options_.stiffness * angle + options_.damping * rate + rest) * g;
+  at.torque(0, -M, out);
+  at.torque(1, M, out);
 }
 
 double TorsionSpringDamper::potential(const Inputs& in) const {

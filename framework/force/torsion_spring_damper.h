@@ -38,6 +38,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public MarkerForce {
   double supply(const Inputs&) const override;
   void setup() override;
   void apply(const Inputs&, WrenchSum& out) const override;
+  void tangent(const Inputs&, TangentSum& out) const override;
   double potential(const Inputs&) const override;
   double dissipation(const Inputs&) const override;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/kkt/rows.h"
+#include "framework/kkt/tangent.h"
 #include "framework/model/inputs.h"
 #include "framework/model/marker.h"
 #include "framework/support/export.h"
@@ -62,6 +63,10 @@ class LOCKSTEP_API Lock {
   // -- evaluation
   /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
+  /// K = d(Jh^T lambda)/d(dx, dth) with lambda (one a row of this link) and time fixed; conventions of TangentSum.
+  /// Asked by implicit methods only. Default: central differences of the link's own gather(), good to some 1e-9 of K,
+  /// for links that bring no formula; moves of 6e-6 of the distance between its bodies, turns of 6e-6 rad.
+  virtual void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const;
 
   // -- what the link integrates or remembers
   virtual int n_states() const { return 0; }  ///< in State::s, from first_state()

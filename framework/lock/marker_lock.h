@@ -58,6 +58,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   }
   double row_sign() const override { return side1_ >= 0 ? 1.0 : -1.0; }
   void gather(Group, const Inputs&, RowSpan out) const override;
+  void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
   int n_states() const override { return n_speeds_; }
   void start_states(std::span<double> s) const override;
@@ -75,6 +76,7 @@ class LOCKSTEP_API MarkerLock : public Lock {
   void add_drive(Drive drive);
   double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
   void refuse_when_set_up(const std::string& what) const;
+  Quat imposed_turn(const Inputs&) const;
 
   Marker* p_;
   Marker* s_;

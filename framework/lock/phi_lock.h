@@ -12,6 +12,7 @@
 
 #include <string>
 
+#include "framework/lock/geometric_stiffness.h"
 #include "framework/lock/look.h"
 #include "framework/lock/marker_lock.h"
 #include "framework/math/jet.h"
@@ -105,6 +106,15 @@ class PhiLock : public MarkerLock {
     for (std::size_t i = 0; i < links.size(); ++i) static_cast<const PhiLock&>(*links[i]).fill(in, out.lane(i));
   }
 
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
+    MarkerLock::tangent(in, lambda, out);
+    const double l = lambda[static_cast<std::size_t>(MarkerLock::row_count())];
+    const LockPoint L = look_at(in);
+    const Jet<kN> f = phi_(coords(L, in));
+    add_function_stiffness(in, P_.slot, S_.slot, P_.at(in.t), S_.at(in.t), L, needs_of<Phi>(), l * f.g,
+                           l * second_derivatives(L, in), out);
+  }
+
   /// A triple only beside a phi of the turn alone: any other has columns on v.
   RowLayout layout() const override {
     return needs_of<Phi>() == Needs::rotation && has(rows(), Mask::xyz) ? RowLayout::triple : RowLayout::dense;
@@ -134,6 +144,26 @@ class PhiLock : public MarkerLock {
     LockCoords<Jet<kN>> y{v(0), v(1), v(2), v(3), v(4), v(5), v(6), Jet<kN>(in.t, 1.0, 0.0)};
     if constexpr (counts_turns<Phi>()) y.last_angle = in.z[static_cast<std::size_t>(first_memory())];
     return y;
+  }
+  /// phi'' along y + t yd with time fixed: yd^T phi_yy yd.
+  double bend(const LockPoint& L, const Inputs& in, const Vec7T<double>& yd) const {
+    const auto v = [&](int k) { return Jet<0>(L.y[k], yd[k], 0.0); };
+    LockCoords<Jet<0>> y{v(0), v(1), v(2), v(3), v(4), v(5), v(6), Jet<0>(in.t)};
+    if constexpr (counts_turns<Phi>()) y.last_angle = in.z[static_cast<std::size_t>(first_memory())];
+    return phi_(y).h;
+  }
+  /// phi_yy by its bends along each variable and along each pair of them: exact, and no more than what phi can tell.
+  Eigen::Matrix<double, kN, kN> second_derivatives(const LockPoint& L, const Inputs& in) const {
+    constexpr int kFirst = needs_of<Phi>() == Needs::rotation ? 3 : 0;
+    constexpr int kEnd = needs_of<Phi>() == Needs::translation ? 3 : kN;
+    using Vec = Vec7T<double>;
+    Eigen::Matrix<double, kN, kN> H = Eigen::Matrix<double, kN, kN>::Zero();
+    for (int i = kFirst; i < kEnd; ++i) {
+      H(i, i) = bend(L, in, Vec::Unit(i));
+      for (int j = kFirst; j < i; ++j)
+        H(i, j) = H(j, i) = 0.5 * (bend(L, in, Vec::Unit(i) + Vec::Unit(j)) - H(i, i) - H(j, j));
+    }
+    return H;
   }
   void fill(const Inputs& in, const RowBlock& block) const {
     const LockPoint L = look_at(in);

@@ -34,7 +34,7 @@ struct Method {
   Typed integrator;
   std::string solver, planar;  ///< "": the scene's own
   Stabilization::Kind stabilization = Stabilization::Kind::project;
-  bool dense = false;  ///< put out at the report times; else the steps' ends are sampled
+  bool dense = false;  ///< sampled at the report times; else at the steps' ends
   std::string name;
   IntegratorInfo info{};
   double setting = 0;  ///< step or tolerance
@@ -80,39 +80,49 @@ Motions motions(const System& system, const State& state) {
   return all;
 }
 
-/// Looks at the states that the method is judged by.
+/// Looks at the states that the method is judged by: at the steps' ends, or with `dense` at the report times, as the
+/// method's own dense output has them.
 class Watch final : public Observer {
  public:
-  Watch(Run& run, bool dense, bool reactions) : run_(run), dense_(dense), reactions_(reactions) {}
-  void start(const Sample& s) override { look(s); }
-  void step(const Sample& s) override {
-    if (!dense_) look(s);
-    if (++n_steps_ % 64 == 0) run_.check_time();
+  Watch(Run& run, const Integrator* dense, bool reactions) : run_(run), dense_(dense), reactions_(reactions) {}
+  void start(const Sample& s) override {
+    inside_ = s.state;
+    look(s.system(), s.state);
   }
-  void output(const Sample& s) override {
-    if (dense_) look(s);
+  void step(const Sample& s) override {
+    if (reactions_) s.values();
+    if (dense_)
+      reports_inside(s);
+    else
+      look(s.system(), s.state);
+    if (++n_steps_ % 64 == 0) run_.check_time();
   }
 
  private:
-  void look(const Sample& s) {
-    if (reactions_) s.values();
+  void reports_inside(const Sample& s) {
+    const double length = run_.mechanism.until;
+    for (; n_seen_ <= kReports; ++n_seen_) {
+      const double t = length * n_seen_ / kReports;
+      if (t > s.state.t + 1e-12 * length) return;
+      const bool at_end = t > s.state.t - 1e-12 * length;
+      if (!at_end && !dense_->dense(t, inside_)) throw StepError("no dense output inside the last step", t);
+      look(s.system(), at_end ? s.state : inside_);
+    }
+  }
+  void look(const System& system, const State& state) {
     if (run_.sampled)
-      run_.sample(s.state.t, motions(s.system(), s.state));
+      run_.sample(state.t, motions(system, state));
     else
-      last_ = s.state;
+      last_ = state;
   }
 
   Run& run_;
-  bool dense_, reactions_;
+  const Integrator* dense_;
+  bool reactions_;
   long n_steps_ = 0;
-  State last_;
+  int n_seen_ = 1;  // report times, the start among them
+  State inside_, last_;
 };
-
-std::vector<double> report_times(const Mechanism& m) {
-  std::vector<double> times;
-  for (int i = 0; i <= kReports; ++i) times.push_back(m.until * i / kReports);
-  return times;
-}
 
 void simulate(Run& run, const SceneSource& source, const Registry& registry, const Method& method) {
   lockstep::Mechanism mechanism = build(source.scene(method), registry);
@@ -120,11 +130,10 @@ void simulate(Run& run, const SceneSource& source, const Registry& registry, con
   Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
   if (settings.assemble) assemble(dynamics, start, mechanism.start_speeds);
-  Watch watch(run, method.dense, run.mechanism.kind == Kind::slider_crank);
-  SimulationOptions options{.step = settings.step, .tolerance = settings.tolerance};
-  if (method.dense) options.output_times = report_times(run.mechanism);
-  Simulation simulation(dynamics, make_integrator(settings, registry), options);
+  Simulation simulation(dynamics, make_integrator(settings, registry),
+                        {.step = settings.step, .tolerance = settings.tolerance});
   simulation.set_state(start);
+  Watch watch(run, method.dense ? &simulation.integrator() : nullptr, run.mechanism.kind == Kind::slider_crank);
   simulation.add_observer(watch);
   const WorkCount before = dynamics.work();
   run.start_clock();

@@ -1,0 +1,58 @@
+// generalized_alpha: Chung and Hulbert's method on the Lie group, constraints at position and velocity level
+// (stabilised index 2). One numerical damping for everything that the step does not resolve.
+//
+//   q1 = q0 (+) ( h v0 + h^2 ((1/2 - beta) a0 + beta a1) + u ),   v1 = v0 + h ((1 - gamma) a0 + gamma a1)
+//   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
+//   M v1' + Jh^T lambda = f(q1, v1),   Jh v1 + Ct = 0,   C(q1) = 0
+//
+// The step is the turn of the rotations, by the exponential; u, of the size of the method's own error, brings positions
+// onto C = 0 in the metric of Newton's matrix. a is the method's own, some way off v' at the same instant.
+#pragma once
+
+#include <memory>
+
+#include "framework/dynamics/implicit.h"
+#include "framework/dynamics/integrator.h"
+#include "framework/model/params.h"
+#include "integrators/quintic_output.h"
+
+namespace lockstep {
+
+/// Order 2, fixed step; each Newton iteration gathers once and solves twice, by one factor a step where it converges
+/// fast. rho_infinity: what is left of an infinitely stiff mode after a step, 0 (all damped) ... 1 (nothing damped).
+/// Starts from consistent accelerations; a step of another length than the one before rescales a - v'.
+class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
+ public:
+  static TypeInfo type_info();
+  static std::unique_ptr<Integrator> make(const Params&);
+  explicit GeneralizedAlpha(double rho_infinity = 0.8);
+
+  IntegratorInfo info() const override;
+  void begin(Dynamics&, const State&) override;
+  StepReport step(Dynamics&, State&, double h) override;
+  bool dense(double t, State& out) const override { return output_.at(t, out); }
+  void save(Snapshot& out) const override;
+  void restore(const Snapshot& in) override;
+
+  double rho_infinity() const { return rho_; }
+  const VecX& lambda() const { return lambda_; }  ///< of the end of the last step, one a row; order 2
+
+ private:
+  void prepare(Dynamics&, double h);
+  void solve(Dynamics&, double h);
+  void place(double h);
+  double correct(Dynamics&, double h, bool anew);
+  [[noreturn]] void fail(double h, double size) const;
+
+  double rho_, alpha_m_, alpha_f_, beta_, gamma_, kappa_;
+  NewtonMatrix matrix_;
+  QuinticOutput output_;
+  State start_, end_;
+  VecX vd_, a_, sd_, as_;               // v', a, s' and its own at the beginning of the step
+  VecX vd1_, a1_, sd1_, as1_, sd_now_;  // and at its end
+  VecX lambda_, u_, y_;
+  VecX force_, zero_, rows_, C_, Cd_, du_, al_, mu_;  // of the linear systems
+  double h_ = 0, t_ = 0;                              // length and end of the step before; 0: there was none
+};
+
+}  // namespace lockstep

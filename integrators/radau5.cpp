@@ -1,0 +1,317 @@
+// Sources: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II (1996), IV.5 (method) and IV.8
+// (transformed Newton iteration, its stop rule, error estimate).
+#include "integrators/radau5.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/support/error.h"
+#include "integrators/increments.h"
+#include "integrators/runge_kutta.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr int kFailures = 8;             // tries whose stages cannot be evaluated before the error goes on its way
+constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
+constexpr double kViolation = 1e-3;      // of the scene's length, before projection
+constexpr double kTurn = 2.5;            // rad a step: the rotation vector must stay well away from a full turn
+constexpr double kSqrt6 = 2.4494897427831780982;
+
+constexpr double kC[3] = {(4 - kSqrt6) / 10, (4 + kSqrt6) / 10, 1};
+// T^-1 A^-1 T = (real | alpha, -beta; beta, alpha); Z = T W. Digits by the eigenvectors of A^-1.
+constexpr double kReal = 3.6378342527444957322, kAlpha = 2.6810828736277521339, kBeta = 3.0504301992474105694;
+constexpr double kT[3][3] = {{0.09123239487089294279, -0.14125529502095420843, -0.030029194105147424492},
+                             {0.24171793270710701896, 0.20412935229379993199, 0.38294211275726193779},
+                             {0.96604818261509293619, 1, 0}};
+constexpr double kTi[3][3] = {{4.3255798900631553510, 0.33919925181580986954, 0.54177053993587487119},
+                              {-4.1787185915519047273, -0.32768282076106238708, 0.47662355450055045196},
+                              {-0.50287263494578687595, 2.5719269498556054292, -0.59603920482822492497}};
+constexpr double kEndRate[3] = {-1 + 8 * kSqrt6 / 3, -1 - 8 * kSqrt6 / 3, 5};  // last row of A^-1
+// error = (real/h - f')^-1 (f0 + sum e_i Z_i / h), IV.8 (8.19)
+constexpr double kError[3] = {-(13 + 7 * kSqrt6) / 3, (-13 + 7 * kSqrt6) / 3, -1.0 / 3};
+
+template <class M>
+auto row(const double (&w)[3], const M& columns) {
+  return w[0] * columns.col(0) + w[1] * columns.col(1) + w[2] * columns.col(2);
+}
+
+// Weights of the stages in the polynomial through 0 at x = 0 and the stages at x = c_i.
+void collocation_weights(double x, double (&w)[3]) {
+  for (int i = 0; i < 3; ++i) {
+    w[i] = x / kC[i];
+    for (int j = 0; j < 3; ++j)
+      if (j != i) w[i] *= (x - kC[j]) / (kC[i] - kC[j]);
+  }
+}
+
+bool creeps(double t, double h) { return h < 1e-10 * std::max(std::abs(t), 1e-3); }
+
+}  // namespace
+
+TypeInfo Radau5::type_info() {
+  return {"radau5",
+          "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
+          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+}
+
+std::unique_ptr<Integrator> Radau5::make(const Params& params) {
+  return std::make_unique<Radau5>(params.boolean("fixed"));
+}
+
+IntegratorInfo Radau5::info() const { return {"radau5", 5, true, !fixed_, kStages}; }
+
+void Radau5::begin(Dynamics& dynamics, const State& state) {
+  start_ = stage_ = end_ = landed_ = state;
+  rate0_ = rate_ = difference_ = sized_like(state);
+  const Eigen::Index n = n_increments(state), n_v = state.v.size();
+  for (Columns* c : {&Z_, &W_, &F_, &before_}) c->setZero(n, kStages);
+  for (VecX* v : {&f0_, &r_, &r2_, &y_, &y2_, &error_}) v->setZero(n);
+  end_rate_v_.setZero(n_v), end_rate_s_.setZero(state.s.size());
+  linear_.begin(state);
+  norm_.set_states(dynamics.system().n_steering_states());
+  norm_.scale(state, 1.0);
+  control_.begin();
+  output_.begin(state);
+  h_before_ = 0;
+}
+
+// The estimate goes with h^4, the weights with h (increments) or with 1 (absolute part), the error of a run with h^5:
+// so estimates up to c tol^-2/5 or c tol^-1/5 tolerances are to pass if the error of a run shall follow the tolerance
+// with slope one. The exponent between them serves both.
+void Radau5::set_tolerance(const Tolerance& tolerance) {
+  norm_.set(fixed_ ? Tolerance{1e-8, 1e-10} : tolerance);
+  loose_ = fixed_ ? 1 : std::max(1.0, 0.12 / std::cbrt(tolerance.relative + tolerance.atol_x));
+}
+
+StepReport Radau5::step(Dynamics& dynamics, State& state, double h) {
+  StepReport report;
+  const double smallest = kSmallestStep * std::max(std::abs(state.t), h);
+  int failures = 0;
+  copy_motion(state, start_);
+  start_.z = stage_.z = end_.z = landed_.z = state.z;
+  output_.forget();
+  dynamics.rate(start_, rate0_);
+  y_.setZero();
+  increment_rates(y_, start_, rate0_, f0_);
+  for (;; ++report.rejected) {
+    Try t;
+    try {
+      careful_ = h_before_ == 0 || report.rejected > 0;
+      t = attempt(dynamics, h);
+      if (t.landed && (fixed_ || t.error <= 1)) {
+        report.h = h;
+        report.error = t.error;
+        report.violation = t.violation;
+        report.violation_after = t.violation_after;
+        if (!fixed_) report.h_next = h * control_.accept(h, t.error, t.iterations, report.rejected > 0);
+        break;
+      }
+    } catch (const NonFiniteError&) {
+      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
+    } catch (const SolveError&) {
+      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
+    }
+    if (fixed_)
+      throw StepError(fmt::format("radau5: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s; "
+                                  "take a smaller step (--step), or let the method choose it (\"fixed\": false)",
+                                  h, state.t),
+                      state.t);
+    h *= t.shorter;
+    if (h < smallest || state.t + h == state.t)
+      throw StepError(
+          fmt::format("radau5: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; take another method "
+                      "(--integrator), a wider tolerance, or look for a singular place (lockstep check)",
+                      h, state.t, report.rejected + 1),
+          state.t);
+  }
+  finish(report.h);
+  copy_motion(landed_, state);
+  return report;
+}
+
+Radau5::Try Radau5::attempt(Dynamics& dynamics, double h) {
+  Try t;
+  norm_.scale(start_, rate0_, h, start_);
+  guess(h);
+  linearize(dynamics, h);
+  if (!solve_stages(dynamics, h, t)) return t;
+  displace(start_, Z_.col(2), end_);
+  end_.t = start_.t + h;
+  if (!fixed_) {
+    t.error = estimate(dynamics, h) / loose_;
+    if (!(t.error <= 1)) {
+      t.shorter = control_.reject(t.error, t.iterations);
+      return t;
+    }
+  }
+  copy_motion(end_, landed_);
+  if (fixed_) {
+    const ProjectReport report = land_or_throw(dynamics, landed_, "radau5", start_.t, h);
+    t.violation = report.before, t.violation_after = report.after, t.landed = true;
+    return t;
+  }
+  const bool projected = dynamics.options().stabilization.kind == Stabilization::Kind::project;
+  const ProjectReport report = land(dynamics, landed_);
+  t.violation = report.before, t.violation_after = report.after;
+  t.landed = !projected || (report.converged && report.before <= kViolation * dynamics.system().length());
+  return t;
+}
+
+// Tangents at the second stage, as far as it is known: the middle of what the three see.
+void Radau5::linearize(Dynamics& dynamics, double h) {
+  displace(start_, Z_.col(1), stage_);
+  stage_.t = start_.t + kC[1] * h;
+  dynamics.rate(stage_, rate_);
+  linear_.gather(dynamics);
+  linear_.factor(kReal / h);
+  linear_.factor(LinearizedMotion::Complex(kAlpha, kBeta) / h);
+}
+
+// The stages to begin with: the polynomial of the step before, continued; zeros where there is none, or where the state
+// was moved since.
+void Radau5::guess(double h) {
+  const double moved = std::abs(start_.t - t_before_);
+  if (h_before_ == 0 || h > 4 * h_before_ || moved > 1e-12 * std::max(std::abs(start_.t), h_before_)) {
+    Z_.setZero();
+    W_.setZero();
+    return;
+  }
+  for (int i = 0; i < kStages; ++i) {
+    double w[3];
+    collocation_weights(1 + kC[i] * h / h_before_, w);
+    y_ = row(w, before_);
+    count_from(before_.col(2), start_.v.size(), y_);
+    Z_.col(i) = y_;
+  }
+  for (int i = 0; i < kStages; ++i) W_.col(i) = row(kTi[i], Z_);
+}
+
+// Newton until theta/(1 - theta) |dZ| is small against the tolerance, IV.8 (8.10), (8.11).
+bool Radau5::solve_stages(Dynamics& dynamics, double h, Try& t) {
+  const double goal = newton_goal();
+  double before = 0, theta = 0;
+  for (t.iterations = 1; t.iterations <= PredictiveControl::kMostIterations; ++t.iterations) {
+    for (int i = 0; i < kStages; ++i)
+      if (largest_turn(Z_.col(i), start_.v.size()) > kTurn) return false;
+    evaluate_stages(dynamics, h);
+    const double now = correct(h);
+    if (!std::isfinite(now)) return false;
+    if (now == 0) return true;
+    if (t.iterations > 1) {
+      const double ratio = now / before;
+      theta = t.iterations == 2 ? ratio : std::sqrt(theta * ratio);
+      const double left = PredictiveControl::kMostIterations - t.iterations;
+      if (theta >= 0.99) return now <= 10 * goal;  // round-off, or no end
+      const double remains = theta / (1 - theta) * now;
+      if (remains <= goal) return true;
+      const double expected = remains * std::pow(theta, left);
+      if (expected > goal) {
+        t.shorter = std::clamp(0.8 * std::pow(expected / goal, -1 / (4 + left)), 0.1, 0.8);
+        return false;
+      }
+    } else if (now <= 1e-2 * goal) {
+      return true;
+    }
+    before = now;
+  }
+  return false;
+}
+
+void Radau5::evaluate_stages(Dynamics& dynamics, double h) {
+  for (int i = 0; i < kStages; ++i) {
+    displace(start_, Z_.col(i), stage_);
+    stage_.t = start_.t + kC[i] * h;
+    dynamics.rate(stage_, rate_);
+    increment_rates(Z_.col(i), stage_, rate_, F_.col(i));
+  }
+}
+
+// (Lambda/h - f') dW = T^-1 F - Lambda/h W;  W += dW,  Z = T W; the largest change of a stage.
+double Radau5::correct(double h) {
+  const double g = kReal / h, a = kAlpha / h, b = kBeta / h;
+  r_ = row(kTi[0], F_) - g * W_.col(0);
+  linear_.solve(g, r_, y_);
+  W_.col(0) += y_;
+  r_ = row(kTi[1], F_) - (a * W_.col(1) - b * W_.col(2));
+  r2_ = row(kTi[2], F_) - (b * W_.col(1) + a * W_.col(2));
+  linear_.solve(LinearizedMotion::Complex(a, b), r_, r2_, y_, y2_);
+  W_.col(1) += y_;
+  W_.col(2) += y2_;
+  double most = 0;
+  for (int i = 0; i < kStages; ++i) {
+    y_ = row(kT[i], W_);
+    error_ = y_ - Z_.col(i);
+    most = std::max(most, size_of(error_));
+    Z_.col(i) = y_;
+  }
+  return most;
+}
+
+double Radau5::size_of(const VecX& y) {
+  as_difference(y, start_, difference_);
+  return norm_.of(difference_, start_);
+}
+
+// In tolerances; kappa = sqrt(tolerance) between round-off and 0.03.
+double Radau5::newton_goal() const {
+  const double tolerance = norm_.tolerance().relative + norm_.tolerance().atol_x;
+  if (fixed_) return 1e-3;
+  return loose_ * std::max(1e-15 / tolerance, std::min(0.03, std::sqrt(loose_ * tolerance)));
+}
+
+// A first estimate that is too large is filtered once more where it may be the stiff part alone, IV.8 (8.20).
+double Radau5::estimate(Dynamics& dynamics, double h) {
+  norm_.scale(start_, rate0_, h, end_);
+  r2_ = row(kError, Z_) / h;
+  r_ = f0_ + r2_;
+  linear_.solve(kReal / h, r_, error_);
+  const double e = size_of(error_);
+  if (e <= loose_ || !std::isfinite(e) || !careful_) return e;
+  displace(start_, error_, stage_);
+  stage_.t = start_.t;
+  dynamics.rate(stage_, rate_);
+  increment_rates(error_, stage_, rate_, r_);
+  r_ += r2_;
+  linear_.solve(kReal / h, r_, error_);
+  return size_of(error_);
+}
+
+// The rates at the end are those of the collocation polynomial, h y'(1) = sum (A^-1)_3j Z_j: no stiff term magnifies
+// what Newton left over.
+void Radau5::finish(double h) {
+  r_ = row(kEndRate, Z_) / h;
+  const Eigen::Index n = start_.v.size();
+  end_rate_v_ = r_.segment(n, n);
+  end_rate_s_ = r_.tail(start_.s.size());
+  output_.set(start_, rate0_.v, rate0_.s, end_, end_rate_v_, end_rate_s_);
+  before_ = Z_;
+  h_before_ = h;
+  t_before_ = start_.t + h;
+}
+
+double Radau5::first_step(Dynamics& dynamics, const State& state, double largest) {
+  if (fixed_) return 0;
+  return guess_first_step(dynamics, state, 3, largest, norm_, rate_, difference_, end_);
+}
+
+void Radau5::save(Snapshot& out) const {
+  control_.save(out);
+  out.put(h_before_), out.put(t_before_);
+  for (int i = 0; i < kStages; ++i) out.put_all(before_.col(i));
+}
+
+void Radau5::restore(const Snapshot& in) {
+  control_.restore(in);
+  h_before_ = in.get(), t_before_ = in.get();
+  for (int i = 0; i < kStages; ++i) {
+    in.get_all(y_);
+    before_.col(i) = y_;
+  }
+  output_.forget();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,146 @@
+#include "framework/kkt/block_solver.h"
+
+#include "framework/kkt/dense_solver.h"
+#include "framework/model/params.h"
+#include "framework/support/error.h"
+#include "tests/support/allocations.h"
+#include "tests/support/solver_checks.h"
+
+using namespace lockstep;
+using namespace lockstep::test;
+
+namespace {
+
+/// Chain, comb or hub of n bodies on revolutes.
+enum class Topology { chain, loop, hub };
+KktSystem mechanism(Topology topology, int n) {
+  KktBuilder b(17);
+  for (int i = 0; i < n; ++i) {
+    b.slot();
+    const int before = topology == Topology::hub ? 0 : i - 1;
+    b.link(i == 0 ? std::vector{0} : std::vector{before, i}, rows_of(3, 2));
+  }
+  if (topology == Topology::loop) b.link({n - 1}, rows_of(3, 0));
+  KktSystem out;
+  return b.finish();
+}
+long multiplications(Topology topology, int n) {
+  KktBuilder b(17);
+  BlockSolver solver;
+  KktPattern pattern;
+  for (int i = 0; i < n; ++i) {
+    pattern.width.push_back(6), pattern.first.push_back(pattern.n), pattern.n += 6;
+    KktLink link;
+    link.link = i, link.first_row = pattern.m, link.m = 5, link.n_slots = i == 0 ? 1 : 2;
+    link.slot = {topology == Topology::hub && i > 0 ? 0 : std::max(0, i - 1), i};
+    pattern.links.push_back(link), pattern.m += 5;
+  }
+  if (topology == Topology::loop) {
+    KktLink link;
+    link.link = n, link.first_row = pattern.m, link.m = 3, link.n_slots = 1, link.slot = {n - 1};
+    pattern.links.push_back(link), pattern.m += 3;
+  }
+  solver.analyse(pattern);
+  return solver.multiplications();
+}
+
+}  // namespace
+
+TEST_CASE("block solves regular systems of every shape", "[unit][kkt]") {
+  BlockSolver solver;
+  check_against_truth(solver, false, 1e-10, 1e-9);
+}
+
+TEST_CASE("block takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+  BlockSolver solver;
+  check_against_truth(solver, true, 1e-10, 1e-6);
+}
+
+TEST_CASE("block: redundant rows do not reach a", "[unit][kkt]") {
+  BlockSolver solver;
+  check_redundancy_does_not_reach_a(solver, 1e-11);
+}
+
+TEST_CASE("block: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+  BlockSolver solver;
+  check_axes_do_not_matter(solver, 1e-6);
+}
+
+TEST_CASE("block tells contradictory rows from a singular place", "[unit][kkt]") {
+  BlockSolver solver;
+  check_contradiction(solver);
+  check_singular_place(solver);
+}
+
+TEST_CASE("block meets the rule where rows have no scale", "[unit][kkt]") {
+  BlockSolver solver;
+  check_rows_without_scale(solver);
+}
+
+TEST_CASE("block and dense agree on chains, loops and a hub", "[unit][kkt]") {
+  BlockSolver block;
+  DenseSolver dense;
+  for (const Topology topology : {Topology::chain, Topology::loop, Topology::hub}) {
+    CAPTURE(static_cast<int>(topology));
+    const KktSystem system = mechanism(topology, 30);
+    const Solved one = solve_once(block, system), two = solve_once(dense, system);
+    CHECK(difference(one.a, two.a) <= 1e-9);
+    CHECK(difference(one.lambda, two.lambda) <= 1e-8);
+  }
+}
+
+TEST_CASE("block costs the same for every body of a tree, and of a loop", "[unit][kkt]") {
+  for (const Topology topology : {Topology::chain, Topology::loop, Topology::hub}) {
+    CAPTURE(static_cast<int>(topology));
+    const double hundred = static_cast<double>(multiplications(topology, 100)) / 100;
+    const double thousand = static_cast<double>(multiplications(topology, 1000)) / 1000;
+    CHECK(thousand == Approx(hundred).epsilon(0.02));
+  }
+  // a body: 56 for its triangle, 21 5 for W, 5 6 5 for the link's block; the link 35, 15 6, 6 5 6
+  for (const Topology topology : {Topology::chain, Topology::hub})
+    CHECK(multiplications(topology, 1000) <= 1000 * (56 + 105 + 150 + 35 + 90 + 180));
+}
+
+TEST_CASE("block allocates nothing after analyse", "[unit][kkt]") {
+  if (!allocations_are_counted()) return;
+  BlockSolver solver;
+  const KktSystem system = random_system(1, 4, true);
+  VecX a, lambda;
+  solver.analyse(system.kkt.pattern);
+  solver.factor(system.kkt);
+  solver.solve(system.kkt, system.f, system.c, a, lambda);
+  CHECK(allocations_of([&] {
+          solver.factor(system.kkt);
+          solver.solve(system.kkt, system.f, system.c, a, lambda);
+        }) == 0);
+}
+
+TEST_CASE("block forgets nothing between factors", "[unit][kkt]") {
+  BlockSolver solver;
+  const KktSystem system = random_system(1, 4, true);
+  const Solved first = solve_once(solver, system);
+  KktSystem other = system;
+  for (double& v : other.kkt.J) v *= -0.3;
+  other.kkt.update_scales();
+  VecX a, lambda;
+  solver.factor(other.kkt);
+  solver.solve(other.kkt, other.f, other.c, a, lambda);
+  solver.factor(system.kkt);
+  solver.solve(system.kkt, system.f, system.c, a, lambda);
+  CHECK(a == first.a);
+  CHECK(lambda == first.lambda);
+}
+
+TEST_CASE("block reports a matrix without a pivot", "[unit][kkt]") {
+  BlockSolver solver;
+  KktSystem system = random_system(6, 1, false);
+  std::fill(system.kkt.M.begin(), system.kkt.M.end(), 0.0);
+  solver.analyse(system.kkt.pattern);
+  CHECK_THROWS_AS(solver.factor(system.kkt), SolveError);
+}
+
+TEST_CASE("block is made by name, without keys", "[unit][kkt]") {
+  CHECK(BlockSolver::info().name == "block");
+  CHECK_NOTHROW(check(BlockSolver::info()));
+  CHECK(BlockSolver::make(Params{})->name() == "block");
+}

@@ -1,0 +1,175 @@
+#include "framework/dynamics/implicit.h"
+
+#include "framework/force/spring_damper.h"
+#include "framework/kkt/dense_solver.h"
+#include "framework/links/functions.h"
+#include "framework/links/joints.h"
+#include "tests/support/catch.h"
+#include "tests/support/configuration.h"
+#include "tests/support/mechanism.h"
+
+using namespace lockstep;
+
+namespace {
+
+/// Three bodies and a particle in a loop, ground to ground, redundant, with springs; any state, off the constraints.
+struct Loop {
+  inputs::Mechanism mechanism{5};
+  std::unique_ptr<Dynamics> dynamics;
+  State state;
+  VecX lambda;
+
+  Loop() {
+    System& sys = mechanism.system;
+    for (int k = 0; k < 3; ++k) mechanism.add_body();
+    const int ball = mechanism.add_particle();
+    mechanism.link(0, -1, Mask::xyz | Mask::e1 | Mask::e2);
+    mechanism.link(1, 0, Mask::xyz);
+    mechanism.link(2, 1, Mask::e123 | Mask::x);
+    mechanism.link(2, -1, Mask::xyz | Mask::e1);
+    mechanism.link(ball, 2, Mask::x | Mask::y);
+    spring(sys, "near", 0, 1, 40, 3);
+    spring(sys, "far", 2, ball, 500, 1);
+    dynamics = std::make_unique<Dynamics>(sys, std::make_unique<DenseSolver>());
+    state = sys.start();
+    dynamics->gather(state);
+    lambda = VecX::LinSpaced(dynamics->rows().n_rows, -2, 3);
+  }
+  void spring(System& sys, const std::string& name, int p, int s, double stiffness, double damping) {
+    const auto at = [&](int k) -> Body& { return *mechanism.bodies[static_cast<std::size_t>(k)]; };
+    Marker& P = sys.add_marker(name + ".P", at(p), {Vec3(0.1, 0.2, 0.3), {}});
+    Marker& S = sys.add_marker(name + ".S", at(s));
+    if (at(p).freedoms == Freedoms::particle) P.local = {};
+    sys.add<SpringDamper>(name, P, S, {.stiffness = stiffness, .damping = damping, .free_length = 0.3});
+  }
+};
+
+template <class V>
+void clear_particles(const System& sys, V& x) {
+  for (int k = 0; k < sys.n_slots(); ++k)
+    if (sys.body_of_slot(k).freedoms == Freedoms::particle) x.template segment<3>(6 * k + 3).setZero();
+}
+
+/// |f - (a M + b D + c K) x - J^T l| and |r - J x| by the products, against the right sides.
+double residual(const NewtonMatrix& N, const System& sys, double a, double b, double c, const VecX& f, const VecX& r,
+                const VecX& x, const VecX& l) {
+  VecX y = VecX::Zero(x.size()), z = VecX::Zero(l.size());
+  N.add_M_times(VecX(a * x), y);
+  N.add_D_times(VecX(b * x), y);
+  N.add_K_times(VecX(c * x), y);
+  N.add_Jt_times(l, y);
+  N.add_J_times(x, z);
+  y -= f;
+  clear_particles(sys, y);
+  return std::max(y.lpNorm<Eigen::Infinity>() / f.lpNorm<Eigen::Infinity>(),
+                  (z - r).lpNorm<Eigen::Infinity>() / r.lpNorm<Eigen::Infinity>());
+}
+
+}  // namespace
+
+TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit][dynamics]") {
+  Loop loop;
+  const System& sys = loop.mechanism.system;
+  NewtonMatrix N;
+  N.gather(*loop.dynamics, loop.lambda);
+  const VecX f = VecX::LinSpaced(6 * sys.n_slots(), -1, 2);
+  VecX some = VecX::LinSpaced(6 * sys.n_slots(), 1, -3), r = VecX::Zero(loop.lambda.size()), x, l;
+  clear_particles(sys, some);
+  N.add_J_times(some, r);
+  for (const double h : {1e-4, 1e-2, 0.1}) {
+    CAPTURE(h);
+    N.factor(1.0, h, h * h);
+    const SolveReport report = N.solve(f, r, x, l);
+    CHECK(report.residual <= 1e-12);
+    CHECK(residual(N, sys, 1.0, h, h * h, f, r, x, l) <= 1e-10);
+  }
+}
+
+TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]") {
+  Loop loop;
+  const System& sys = loop.mechanism.system;
+  NewtonMatrix N;
+  N.gather(*loop.dynamics, loop.lambda);
+  using C = NewtonMatrix::Complex;
+  const C a(2.0, 0.7), b(0.01, -0.02), c(1e-4, 3e-4);
+  const VecXc f = VecXc::LinSpaced(6 * sys.n_slots(), C(-1, 0.5), C(2, 1));
+  VecX some = VecX::LinSpaced(6 * sys.n_slots(), 1, -3), J_some = VecX::Zero(loop.lambda.size());
+  clear_particles(sys, some);
+  N.add_J_times(some, J_some);
+  const VecXc r = C(0.3, -1) * J_some;
+  VecXc x, l;
+  N.factor(a, b, c);
+  CHECK(N.solve(f, r, x, l).residual <= 1e-12);
+  VecX Re = VecX::Zero(f.size()), Im = Re, Dr = Re, Di = Re, Kr = Re, Ki = Re, Tr = Re, Ti = Re;
+  N.add_M_times(x.real(), Re), N.add_M_times(x.imag(), Im);
+  N.add_D_times(x.real(), Dr), N.add_D_times(x.imag(), Di);
+  N.add_K_times(x.real(), Kr), N.add_K_times(x.imag(), Ki);
+  N.add_Jt_times(l.real(), Tr), N.add_Jt_times(l.imag(), Ti);
+  const C i(0, 1);
+  VecXc y = a * (Re + i * Im) + b * (Dr + i * Di) + c * (Kr + i * Ki) + (Tr + i * Ti) - f;
+  clear_particles(sys, y);
+  CHECK(y.cwiseAbs().maxCoeff() <= 1e-10);
+}
+
+TEST_CASE("NewtonMatrix without tangents gives the accelerations", "[unit][dynamics]") {
+  Loop loop;
+  const System& sys = loop.mechanism.system;
+  const Evaluated& values = loop.dynamics->evaluate(loop.state);
+  VecX f = loop.dynamics->force(), qhat(values.lambda.size()), x, l;
+  for (const RowEntry& e : values.rows.entries)
+    for (int k = 0; k < e.m; ++k) qhat[e.first_row + k] = values.rows.block(e).Qhat(k);
+  NewtonMatrix N;
+  N.gather(*loop.dynamics, values.lambda);
+  N.factor(1.0, 0.0, 0.0);
+  N.solve(f, qhat, x, l);
+  VecX a = values.a;
+  clear_particles(sys, a);
+  CHECK((x - a).lpNorm<Eigen::Infinity>() <= 1e-9 * a.lpNorm<Eigen::Infinity>());
+}
+
+TEST_CASE("A hanging pendulum has its frequency: the geometric stiffness of the hinge", "[unit][dynamics]") {
+  // (9.27) w = sqrt(m g d / (I + m d^2)): with w^2 = shift, [w^2 M - K] is singular along the hinge
+  System sys({.gravity = {0, -9.81, 0}});
+  const double m = 2, d = 0.7, I = 0.3;
+  Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, I).asDiagonal()}, {Vec3(0, -d, 0), {}});
+  sys.add<Revolute>("hinge", bob, sys.ground(), at(Vec3::Zero()));
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  const Evaluated& values = dynamics.evaluate(sys.start());
+  NewtonMatrix N;
+  N.gather(dynamics, values.lambda);
+  // swing by dth about z: dx = d dth along x (the pivot stays)
+  VecX swing(6), K_swing = VecX::Zero(6), M_swing = VecX::Zero(6);
+  swing << d, 0, 0, 0, 0, 1;
+  N.add_K_times(swing, K_swing);
+  N.add_M_times(swing, M_swing);
+  const double w2 = swing.dot(K_swing) / swing.dot(M_swing);
+  CHECK(std::sqrt(w2) == Approx(3.2756201702883685).epsilon(1e-8));
+  CHECK(std::sqrt(w2) == Approx(std::sqrt(m * 9.81 * d / (I + m * d * d))).epsilon(1e-8));
+}
+
+TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say", "[unit][lock]") {
+  for (int seed = 1; seed <= 4; ++seed)
+    for (const bool grounded : {false, true}) {
+      CAPTURE(seed, grounded);
+      inputs::Mechanism mechanism(static_cast<std::uint64_t>(seed));
+      mechanism.add_body(), mechanism.add_body();
+      if (seed % 2 == 0)
+        mechanism.link(0, grounded ? -1 : 1, Mask::all, oracle::kAllLaws);
+      else
+        mechanism.driven(grounded ? -1 : 0, 1, Mask::xyz | Mask::e1 | Mask::e2, Axis::rz);
+      const Lock& lock = *mechanism.system.links().front();
+      Dynamics dynamics(mechanism.system, std::make_unique<DenseSolver>());
+      dynamics.gather(mechanism.system.start());
+      const std::vector<double> lambda{1.3, -0.4, 0.8, -2.0, 0.7, 1.9};
+      TangentSum exact, differenced;
+      exact.lay_out(2), differenced.lay_out(2);
+      lock.tangent(dynamics.inputs(), lambda, exact);
+      lock.Lock::tangent(dynamics.inputs(), lambda, differenced);
+      REQUIRE(exact.pairs().size() == differenced.pairs().size());
+      for (std::size_t p = 0; p < exact.pairs().size(); ++p)
+        for (std::size_t q = 0; q < exact.pairs().size(); ++q)
+          if (exact.pairs()[p].row == differenced.pairs()[q].row &&
+              exact.pairs()[p].column == differenced.pairs()[q].column)
+            CHECK((exact.K(p) - differenced.K(q)).cwiseAbs().maxCoeff() <= 1e-8);
+    }
+}
