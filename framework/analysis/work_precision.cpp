@@ -18,10 +18,11 @@ constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a r
 constexpr double kSecondTime = 0.45;      // of the budget, after which no second method is tried
 constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
 constexpr double kFirstDecade = 3;        // cost of the second tolerance against the first
-constexpr double kFalls = 0.5;            // an error that falls at all falls below this part of the best so far
-constexpr double kSettled = 1e-7;         // of the motion's size: finer runs that do not fall are at their floor
-constexpr long kManySteps = 10;           // steps an output: then outputs cost nothing beside them
-constexpr double kTooDear = 10;           // times the cheapest that met the target
+constexpr double kFalls = 0.8;  // an error that falls at all falls below this part of the best so far (order 1: half)
+constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
+constexpr long kManySteps = 10;    // steps an output: then outputs cost nothing beside them
+constexpr double kPatience = 4;    // for each place of the form beyond the first that differs from the base's
+constexpr double kTooDear = 10;    // times the cheapest that met the target
 
 double clock_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -34,6 +35,7 @@ struct Lane {
   Formulation formulation;
   Stabilization::Kind kind;
   bool adaptive;
+  double patience;         // how much dearer another combination's next rung may be and still comes later
   std::size_t rung = 0;    // the next
   double expected = 0;     // s by the clock that the next rung takes
   double last_cpu = 0;     // of the rung before
@@ -119,22 +121,37 @@ class Survey {
   }
 
   // -- combinations
+  // The base, then what differs from it in one place, then the others.
   void plan() {
+    const WorkPrecisionOptions& o = options_;
     const auto differs = [](bool a) { return a ? 1 : 0; };
     std::vector<std::pair<int, Lane>> all;
-    for (const MethodChoice& method : options_.integrators)
-      for (const Formulation formulation : options_.formulations)
-        for (const Stabilization::Kind kind : options_.stabilizations)
-          for (const SolverChoice& solver : options_.solvers) {
-            const int n = differs(&method != &options_.integrators.front()) +
-                          differs(formulation != options_.formulations.front()) +
-                          differs(kind != options_.stabilizations.front()) +
-                          differs(&solver != &options_.solvers.front());
-            if (options_.separately && n > 1) continue;
-            all.emplace_back(n, Lane{&method, &solver, formulation, kind, method.make()->info().adaptive});
+    for (const MethodChoice& method : o.integrators) {
+      const std::optional<bool> adaptive = adaptive_of(method);
+      if (!adaptive) continue;
+      for (const Formulation formulation : o.formulations)
+        for (const Stabilization::Kind kind : o.stabilizations)
+          for (const SolverChoice& solver : o.solvers) {
+            const int in_form = differs(formulation != o.formulations.front()) +
+                                differs(kind != o.stabilizations.front()) + differs(&solver != &o.solvers.front());
+            const int n = in_form + differs(&method != &o.integrators.front());
+            if (o.separately && n > 1) continue;
+            const double patience = std::pow(kPatience, std::max(0, in_form - 1));
+            all.emplace_back(n, Lane{&method, &solver, formulation, kind, *adaptive, patience});
           }
+    }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (auto& [n, lane] : all) lanes_.push_back(lane);
+  }
+
+  // Nothing, with the reason said, when the method cannot be made.
+  std::optional<bool> adaptive_of(const MethodChoice& method) {
+    try {
+      return method.make()->info().adaptive;
+    } catch (const Error& error) {
+      result_.unsuited.push_back({method.name, error.what()});
+      return std::nullopt;
+    }
   }
 
   std::size_t n_rungs(const Lane& lane) const {
@@ -142,12 +159,14 @@ class Survey {
   }
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
-  // The open combination whose next rung is cheapest; none when that does not fit.
+  // The open combination whose next rung is cheapest and fits; those near the base before the others.
+  static double weight(const Lane& lane) { return lane.patience * lane.expected; }
   Lane* next() {
+    const double time = left();
     Lane* best = nullptr;
     for (Lane& lane : lanes_)
-      if (!lane.over && (best == nullptr || lane.expected < best->expected)) best = &lane;
-    return best == nullptr || left() <= 0 || best->expected > left() ? nullptr : best;
+      if (!lane.over && lane.expected <= time && (best == nullptr || weight(lane) < weight(*best))) best = &lane;
+    return time > 0 ? best : nullptr;
   }
 
   WorkPrecisionRun run_of(const Lane& lane) const {

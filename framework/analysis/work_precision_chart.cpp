@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <optional>
-#include <set>
 
 #include "framework/support/error.h"
 
@@ -14,7 +13,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kLeast = 1e-16;  // nothing is zero on a logarithmic axis
-constexpr std::size_t kMostRemarks = 8, kMostLetters = 165;
+constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
 
@@ -117,16 +116,31 @@ std::vector<std::string> remarks_of(const WorkPrecision& result,
     lines.push_back(
         shortened(fmt::format("× {} failed at {}: {}", label, range, failed.back()->failure), kMostLetters));
   }
-  std::set<std::string> said;
-  for (const WorkPrecision::Unsuited& u : result.unsuited)
-    if (said.insert(u.why).second)
-      lines.push_back(shortened(fmt::format("left out: {}: {}", u.what, u.why), kMostLetters));
+  for (const std::string& line : unsuited_lines(result)) lines.push_back(shortened("left out: " + line, kMostLetters));
   if (lines.size() > kMostRemarks) {
     const std::size_t n = lines.size() - kMostRemarks + 1;
     lines.resize(kMostRemarks - 1);
     lines.push_back(fmt::format("and {} more; all reasons stand in the CSV file", n));
   }
   return lines;
+}
+
+// The base's, or another that works with more of the values: not every solver takes every formulation.
+std::string common_solver(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by) {
+  if (by == ChartBy::solver) return base.solver;
+  const auto n_values = [&](const std::string& solver) {
+    base.solver = solver;
+    std::vector<std::string> found;
+    for (const WorkPrecisionRun& run : result.runs)
+      if (like(run, base, by) && std::find(found.begin(), found.end(), value_of(run, by)) == found.end())
+        found.push_back(value_of(run, by));
+    return found.size();
+  };
+  std::string best = base.solver;
+  std::size_t most = n_values(best);
+  for (const std::string& solver : values_of(result, ChartBy::solver))
+    if (n_values(solver) > most) most = n_values(solver), best = solver;
+  return best;
 }
 
 std::string cost_label(CostKind by) {
@@ -174,7 +188,7 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
                            CostKind by) {
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
-  chart.strip_label = "failed";
+  chart.strip_label = "grey: failed";
   Curves curves;
   for (const std::string& name : values_of(result, ChartBy::integrator))
     curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
@@ -195,11 +209,14 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
                      const std::vector<std::string>& integrators) {
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
-  chart.strip_label = "failed";
+  chart.strip_label = "grey: failed";
   Curves all;
+  std::string solvers;
   for (const std::string& integrator : integrators) {
     WorkPrecisionRun own = base;
     own.integrator = integrator;
+    own.solver = common_solver(result, own, by);
+    if (solvers.find(own.solver) == std::string::npos) solvers += (solvers.empty() ? "" : ", ") + own.solver;
     Curves curves;
     for (const std::string& value : values_of(result, by))
       curves.emplace_back(value, [value, own, by](const WorkPrecisionRun& run) {
@@ -212,6 +229,7 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
     for (const auto& [label, wanted] : curves) all.emplace_back(integrator + ", " + label, wanted);
   }
   chart.remarks = remarks_of(result, all);
+  if (by != ChartBy::solver) chart.remarks.insert(chart.remarks.begin(), "curves: solver " + solvers);
   return chart;
 }
 

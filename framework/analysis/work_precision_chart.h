@@ -13,6 +13,9 @@ namespace lockstep {
 /// error against CPU time; failures with their reason. Throws FileError.
 LOCKSTEP_API void write_runs(const std::string& file, const WorkPrecision&);
 
+/// "18 combinations, such as rk4, quaternion, project, schur: why", a line a reason.
+LOCKSTEP_API std::vector<std::string> unsuited_lines(const WorkPrecision&);
+
 /// What distinguishes the curves of a picture; in all else they are as its base.
 enum class ChartBy { integrator, formulation, stabilization, solver };
 LOCKSTEP_API std::string to_string(ChartBy);

@@ -48,6 +48,18 @@ std::string label(const WorkPrecisionRun& run) {
                      run.adaptive ? "" : " s", to_string(run.formulation), to_string(run.stabilization), run.solver);
 }
 
+std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
+  std::vector<std::string> lines, reasons;
+  for (const WorkPrecision::Unsuited& u : result.unsuited) {
+    if (std::find(reasons.begin(), reasons.end(), u.why) != reasons.end()) continue;
+    reasons.push_back(u.why);
+    const auto n = std::count_if(result.unsuited.begin(), result.unsuited.end(),
+                                 [&](const WorkPrecision::Unsuited& other) { return other.why == u.why; });
+    lines.push_back((n > 1 ? fmt::format("{} combinations, such as ", n) : "") + u.what + ": " + u.why);
+  }
+  return lines;
+}
+
 void write_runs(const std::string& file, const WorkPrecision& result) {
   std::ofstream out(file);
   out << "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "

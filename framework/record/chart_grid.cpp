@@ -13,7 +13,7 @@ namespace {
 using namespace chart_style;
 
 // Pixels.
-constexpr double kTitle = 44, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
+constexpr double kTitle = 48, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
 /// All labels with what stands for them.
@@ -111,7 +111,7 @@ void strip(Script& out, const GridPanel& panel, const std::string& name) {
                   "solid noborder",
                   panel.strip_from));
   out.line(
-      fmt::format("set label 2 {} at graph 1, graph 1 right offset -0.6,-0.8 noenhanced font ',10' textcolor rgb "
+      fmt::format("set label 2 {} at graph 1, graph 1 right offset 0,0.8 noenhanced font ',10' textcolor rgb "
                   "'#777777'",
                   quoted_text(name)));
 }

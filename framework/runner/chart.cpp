@@ -51,7 +51,7 @@ void print_failures(const WorkPrecision& result, const SceneSurvey& survey) {
   for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
   if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
   for (const std::string& remark : survey.remarks) fmt::print("left out: {}\n", remark);
-  for (const WorkPrecision::Unsuited& u : result.unsuited) fmt::print("left out: {}: {}\n", u.what, u.why);
+  for (const std::string& line : unsuited_lines(result)) fmt::print("left out: {}\n", line);
   if (!result.left_out.empty())
     fmt::print("{} combinations were still climbing when the time was up; give more with --budget\n",
                result.left_out.size());

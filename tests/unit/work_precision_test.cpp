@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/kkt/schur_solver.h"
+#include "framework/kkt/sparse_solver.h"
 #include "framework/links/joints.h"
 #include "framework/support/error.h"
 #include "integrators/dop853.h"
@@ -59,7 +59,7 @@ MethodChoice choice(const std::string& name) {
 
 WorkPrecisionOptions quick_options() {
   WorkPrecisionOptions options;
-  options.solvers = {{"schur", [] { return std::make_unique<SchurSolver>(); }}};
+  options.solvers = {{"sparse", [] { return std::make_unique<SparseSolver>(); }}};
   options.formulations = {Formulation::omega};
   options.stabilizations = {Stabilization::Kind::project};
   options.references = {choice<Dop853>("dop853"), choice<Dopri5>("dopri5")};
