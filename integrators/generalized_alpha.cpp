@@ -17,7 +17,8 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostIterations = 25;
-constexpr double kNewton = 1e-11;  // of the scene's length and the step's move: what Newton may leave of a step
+constexpr double kSmallestStep = 1e-12;  // of max(|t|, 1 ms)
+constexpr double kNewton = 1e-11;        // of the scene's length and the step's move: what Newton may leave of a step
 constexpr double kStalled = 1e-8;  // of the same and of the first change: what shrinks no more is round-off below this
 constexpr double kSlow = 0.2;      // a worse ratio of two changes asks for a fresh matrix
 
@@ -52,17 +53,18 @@ TypeInfo GeneralizedAlpha::type_info() {
             Unit::none,
             "0.8",
             "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
-            {}}}};
+            {}},
+           {"adaptive", Form::boolean, Unit::none, "false", "chooses its steps by the tolerance", {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
   const double rho = params.number("rho_infinity");
   if (!(rho >= 0 && rho <= 1))
     params.refuse("rho_infinity", fmt::format("it is {}; it must lie between 0 (all damped) and 1 (nothing)", rho));
-  return std::make_unique<GeneralizedAlpha>(rho);
+  return std::make_unique<GeneralizedAlpha>(rho, params.boolean("adaptive"));
 }
 
-GeneralizedAlpha::GeneralizedAlpha(double rho_infinity) : rho_(rho_infinity) {
+GeneralizedAlpha::GeneralizedAlpha(double rho_infinity, bool adaptive) : rho_(rho_infinity), adaptive_(adaptive) {
   alpha_m_ = (2 * rho_ - 1) / (1 + rho_);
   alpha_f_ = rho_ / (1 + rho_);
   gamma_ = 0.5 + alpha_f_ - alpha_m_;
@@ -70,32 +72,46 @@ GeneralizedAlpha::GeneralizedAlpha(double rho_infinity) : rho_(rho_infinity) {
   kappa_ = (1 - alpha_f_) / (1 - alpha_m_);
 }
 
-IntegratorInfo GeneralizedAlpha::info() const { return {"generalized_alpha", 2, true, false, 3}; }
+IntegratorInfo GeneralizedAlpha::info() const { return {"generalized_alpha", 2, true, adaptive_, 3}; }
 
-void GeneralizedAlpha::begin(Dynamics&, const State& state) {
+void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
   start_ = end_ = state;
   const Eigen::Index n = state.v.size(), n_s = state.s.size();
-  for (VecX* v : {&vd_, &a_, &vd1_, &a1_, &u_, &force_, &zero_, &du_, &al_}) v->setZero(n);
-  for (VecX* v : {&sd_, &as_, &sd1_, &as1_, &sd_now_}) v->setZero(n_s);
+  for (VecX* v : {&vd_, &a_, &vd1_, &a1_, &a0_, &bend_, &u_, &force_, &zero_, &du_, &al_}) v->setZero(n);
+  for (VecX* v : {&sd_, &as_, &sd1_, &as1_, &as0_, &sd_now_}) v->setZero(n_s);
   y_.setZero(n_increments(state));
+  rate_ = difference_ = sized_like(state);
+  norm_.set_states(dynamics.system().n_steering_states());
+  norm_.scale(state, 1.0);
+  control_.begin();
   output_.begin(state);
+  matrix_.set_residual(1e-6);  // Newton does the rest
   h_ = 0;
 }
 
 StepReport GeneralizedAlpha::step(Dynamics& dynamics, State& state, double h) {
+  StepReport report;
   copy_motion(state, start_);
   start_.z = end_.z = state.z;
   output_.forget();
-  prepare(dynamics, h);
-  solve(dynamics, h);
+  prepare(dynamics);
+  for (;; ++report.rejected) {
+    const bool found = solve(dynamics, h);
+    if (!found && !adaptive_) fail(h);
+    if (found && adaptive_) report.error = estimate(h);
+    if (found && report.error <= 1) break;
+    h *= found ? control_.reject(report.error) : 0.5;
+    if (h < kSmallestStep * std::max(std::abs(state.t), 1e-3)) fail(h);
+  }
+  if (adaptive_) report.h_next = h * control_.accept(report.error, report.rejected > 0);
   dynamics.normalize(end_);
-  StepReport report;
   report.h = h;
   report.violation = report.violation_after = dynamics.violation(end_);
   output_.set(start_, vd_, sd_, end_, vd1_, sd1_);
   if (report.violation > dynamics.options().stabilization.tolerance)
     report.violation_after = land_or_throw(dynamics, end_, "generalized_alpha", state.t, h).after;
-  vd_ = vd1_, a_ = a1_, sd_ = sd1_, as_ = as1_;
+  bend_ = (vd1_ - vd_) / h;
+  vd_ = vd1_, a_ = a1_, sd_ = sd1_, as_ = as1_, lambda_ = lambda1_;
   h_ = h;
   copy_motion(end_, state);
   t_ = state.t;
@@ -103,55 +119,82 @@ StepReport GeneralizedAlpha::step(Dynamics& dynamics, State& state, double h) {
 }
 
 // Consistent accelerations at the start, and wherever the state was moved since the last step (the jump of a law).
-// a0 - v0' is h (alpha_m - alpha_f) v0'' + ...: it goes with the length of the step.
-void GeneralizedAlpha::prepare(Dynamics& dynamics, double h) {
-  if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) {
-    if (h == h_) return;
-    a_ = vd_ + h / h_ * (a_ - vd_);
-    as_ = sd_ + h / h_ * (as_ - sd_);
-    return;
-  }
+void GeneralizedAlpha::prepare(Dynamics& dynamics) {
+  if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) return;
   const Evaluated& values = dynamics.evaluate(start_);
   vd_ = a_ = values.a;
   lambda_ = values.lambda;
   if (start_.s.size() > 0) dynamics.system().state_rates(values, sd_);
   as_ = sd_;
+  h_ = 0;
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());
 }
 
-// Newton until theta/(1 - theta) |change| is small.
-void GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
-  const double length = dynamics.system().length();
+// Newton until theta/(1 - theta) |change| is small. a0 - v0' is h (alpha_m - alpha_f) v0'' + ...: it goes with h.
+bool GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
+  const double length = dynamics.system().length(), stretch = h_ > 0 ? h / h_ : 1;
+  a0_ = vd_ + stretch * (a_ - vd_);
+  as0_ = sd_ + stretch * (as_ - sd_);
   vd1_ = vd_;
   sd1_ = sd_;
+  lambda1_ = lambda_;
   u_.setZero();
   place(h);
   double before = 0, first = 0;
-  bool anew = true, done = false;
-  for (int i = 1; i <= kMostIterations && !done; ++i) {
+  bool anew = true;
+  for (int i = 1; i <= kMostIterations; ++i) {
     const double now = correct(dynamics, h, anew);
     place(h);
     const double theta = i > 1 ? now / before : 0.5;
-    if (!std::isfinite(now) || (i > 8 && theta > 2)) fail(h, now);
+    if (!std::isfinite(now) || (i > 8 && theta > 2)) return false;
     if (i == 1) first = now;
     const double scale = length + y_.head(start_.v.size()).lpNorm<Eigen::Infinity>();
     const double remains = theta < 1 ? std::min(now, theta / (1 - theta) * now) : now;
-    done = remains <= kNewton * scale || (theta > 0.5 && now <= kStalled * std::max(scale, first));
+    if (remains <= kNewton * scale || (theta > 0.5 && now <= kStalled * std::max(scale, first))) return true;
     anew = theta > kSlow && i > 1;
     before = now;
   }
-  if (!done) fail(h, before);
+  return false;
+}
+
+// With d = alpha_m - alpha_f: positions (d/2 + beta - 1/6) h^3 d^3q/dt^3, velocities (1/12 - d^2/2) h^3 d^3v/dt^3, from
+// the differences of v' at the ends of this step and of the one before.
+double GeneralizedAlpha::estimate(double h) {
+  const Eigen::Index n = start_.v.size();
+  const double d = alpha_m_ - alpha_f_, c_q = 0.5 * d + beta_ - 1.0 / 6, c_v = 1.0 / 12 - 0.5 * d * d;
+  rate_.v = vd_;
+  rate_.s = sd_;
+  norm_.scale(start_, rate_, h, end_);
+  du_ = c_q * h * h * (vd1_ - vd_);
+  filter(y_.head(n));
+  if (h_ > 0)
+    du_ = (2 * c_v * h * h / (h + h_)) * ((vd1_ - vd_) - h * bend_);
+  else
+    du_ /= h;
+  filter(y_.segment(n, n));
+  y_.tail(start_.s.size()) = c_q * h * (sd1_ - sd_);
+  as_difference(y_, start_, difference_);
+  return norm_.of(difference_, start_);
+}
+
+// out = A^-1 M du on the constraints: fast modes, which the step does not resolve, carry no error that counts.
+void GeneralizedAlpha::filter(Eigen::Ref<VecX> out) {
+  force_.setZero();
+  matrix_.add_M_times(du_, force_);
+  rows_.setZero();
+  matrix_.solve(force_, rows_, al_, mu_);
+  out = al_;
 }
 
 /// a1 and the state at the end of the step from v1', s1' and u.
 void GeneralizedAlpha::place(double h) {
   const double m = 1 / (1 - alpha_m_);
-  a1_ = m * ((1 - alpha_f_) * vd1_ + alpha_f_ * vd_ - alpha_m_ * a_);
-  as1_ = m * ((1 - alpha_f_) * sd1_ + alpha_f_ * sd_ - alpha_m_ * as_);
+  a1_ = m * ((1 - alpha_f_) * vd1_ + alpha_f_ * vd_ - alpha_m_ * a0_);
+  as1_ = m * ((1 - alpha_f_) * sd1_ + alpha_f_ * sd_ - alpha_m_ * as0_);
   const Eigen::Index n = start_.v.size();
-  y_.head(n) = h * start_.v + h * h * ((0.5 - beta_) * a_ + beta_ * a1_) + u_;
-  y_.segment(n, n) = h * ((1 - gamma_) * a_ + gamma_ * a1_);
-  y_.tail(start_.s.size()) = h * ((1 - gamma_) * as_ + gamma_ * as1_);
+  y_.head(n) = h * start_.v + h * h * ((0.5 - beta_) * a0_ + beta_ * a1_) + u_;
+  y_.segment(n, n) = h * ((1 - gamma_) * a0_ + gamma_ * a1_);
+  y_.tail(start_.s.size()) = h * ((1 - gamma_) * as0_ + gamma_ * as1_);
   displace(start_, y_, end_);
   end_.t = start_.t + h;
 }
@@ -162,14 +205,16 @@ void GeneralizedAlpha::place(double h) {
 double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   dynamics.gather(end_);
   dynamics.residuals(C_, Cd_);
+  ++dynamics.work().evaluations;
   const double gh = gamma_ * h * kappa_, bh2 = beta_ * h * h * kappa_, length = dynamics.system().length();
   if (anew) {
-    matrix_.gather(dynamics, lambda_);
+    matrix_.gather(dynamics, lambda1_);
     matrix_.factor(1, gh, bh2);
+    ++dynamics.work().factors;
   }
   double change = 0;
   if (start_.s.size() > 0) {  // no matrix of its own: repeated until it stands
-    dynamics.system().state_rates({dynamics.inputs(), vd1_, lambda_, dynamics.rows()}, sd_now_);
+    dynamics.system().state_rates({dynamics.inputs(), vd1_, lambda1_, dynamics.rows()}, sd_now_);
     const double scale = 1 + end_.s.lpNorm<Eigen::Infinity>();
     change = gh * (sd_now_ - sd1_).lpNorm<Eigen::Infinity>() / scale * length;
     sd1_ = sd_now_;
@@ -178,7 +223,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   zero_.setZero();
   matrix_.add_M_times(force_, zero_);
   force_ = dynamics.force() + zero_;
-  subtract_reactions(dynamics.rows(), lambda_, force_);
+  subtract_reactions(dynamics.rows(), lambda1_, force_);
 
   rows_ = -C_ + beta_ * h / gamma_ * Cd_;
   zero_.setZero();
@@ -189,30 +234,36 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   matrix_.solve(force_, rows_, al_, mu_);
   u_ += du_;
   vd1_ += al_;
-  lambda_ += mu_;
+  lambda1_ += mu_;
   du_ += bh2 * al_;
   al_ *= gh * h;
   return std::max({change, size_of(du_, length), size_of(al_, length)});
 }
 
-void GeneralizedAlpha::fail(double h, double size) const {
+void GeneralizedAlpha::fail(double h) const {
   throw StepError(
       fmt::format(
-          "generalized_alpha: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s (the last "
-          "change was {:.3g} m); take a smaller step (--step), or a method that chooses its own "
-          "(--integrator radau5)",
-          h, start_.t, size),
+          "generalized_alpha: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s; take {}, "
+          "another method (--integrator radau5), or look for a singular place (lockstep check)",
+          h, start_.t, adaptive_ ? "a wider tolerance" : "a smaller step (--step)"),
       start_.t);
 }
 
+double GeneralizedAlpha::first_step(Dynamics& dynamics, const State& state, double largest) {
+  if (!adaptive_) return 0;
+  return guess_first_step(dynamics, state, 2, largest, norm_, rate_, difference_, end_);
+}
+
 void GeneralizedAlpha::save(Snapshot& out) const {
+  control_.save(out);
   out.put(h_), out.put(t_);
-  for (const VecX* v : {&vd_, &a_, &sd_, &as_, &lambda_}) out.put_all(*v);
+  for (const VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) out.put_all(*v);
 }
 
 void GeneralizedAlpha::restore(const Snapshot& in) {
+  control_.restore(in);
   h_ = in.get(), t_ = in.get();
-  for (VecX* v : {&vd_, &a_, &sd_, &as_, &lambda_}) in.get_all(*v);
+  for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) in.get_all(*v);
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());
   output_.forget();
 }

@@ -15,22 +15,26 @@
 #include "framework/dynamics/integrator.h"
 #include "framework/model/params.h"
 #include "integrators/quintic_output.h"
+#include "integrators/step_control.h"
 
 namespace lockstep {
 
 /// Order 2, fixed step; each Newton iteration gathers once and solves twice, by one factor a step where it converges
 /// fast. rho_infinity: what is left of an infinitely stiff mode after a step, 0 (all damped) ... 1 (nothing damped).
-/// Starts from consistent accelerations; a step of another length than the one before rescales a - v'.
+/// Starts from consistent accelerations; a step of another length than the one before rescales a - v'. `adaptive`: it
+/// chooses its steps, by the leading terms of its own error in positions and velocities.
 class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
-  explicit GeneralizedAlpha(double rho_infinity = 0.8);
+  explicit GeneralizedAlpha(double rho_infinity = 0.8, bool adaptive = false);
 
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   StepReport step(Dynamics&, State&, double h) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
+  void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
+  double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
 
@@ -38,21 +42,28 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
   const VecX& lambda() const { return lambda_; }  ///< of the end of the last step, one a row; order 2
 
  private:
-  void prepare(Dynamics&, double h);
-  void solve(Dynamics&, double h);
+  void prepare(Dynamics&);
+  bool solve(Dynamics&, double h);
   void place(double h);
   double correct(Dynamics&, double h, bool anew);
-  [[noreturn]] void fail(double h, double size) const;
+  double estimate(double h);
+  void filter(Eigen::Ref<VecX> out);
+  [[noreturn]] void fail(double h) const;
 
   double rho_, alpha_m_, alpha_f_, beta_, gamma_, kappa_;
+  bool adaptive_;
+  ErrorNorm norm_;
+  StepControl control_{3};
   NewtonMatrix matrix_;
   QuinticOutput output_;
   State start_, end_;
-  VecX vd_, a_, sd_, as_;               // v', a, s' and its own at the beginning of the step
-  VecX vd1_, a1_, sd1_, as1_, sd_now_;  // and at its end
-  VecX lambda_, u_, y_;
-  VecX force_, zero_, rows_, C_, Cd_, du_, al_, mu_;  // of the linear systems
-  double h_ = 0, t_ = 0;                              // length and end of the step before; 0: there was none
+  VecX vd_, a_, sd_, as_, lambda_;       // v', a, s', its own, multipliers at the beginning of the step
+  VecX vd1_, a1_, sd1_, as1_, lambda1_;  // and at its end
+  VecX a0_, as0_;                        // a_ and as_ for the length of this step
+  VecX bend_;                            // (v1' - v0')/h of the step before
+  VecX u_, y_, sd_now_, force_, zero_, rows_, C_, Cd_, du_, al_, mu_;  // of the linear systems
+  StateRate rate_, difference_;
+  double h_ = 0, t_ = 0;  // length and end of the step before; 0: there was none
 };
 
 }  // namespace lockstep

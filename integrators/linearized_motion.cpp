@@ -6,6 +6,7 @@ void LinearizedMotion::begin(const State& state) {
   const Eigen::Index n = state.v.size();
   for (VecX* v : {&p_, &p_im_, &force_, &force_im_, &al_}) v->setZero(n);
   for (VecXc* v : {&force_c_, &al_c_}) v->setZero(n);
+  matrix_.set_residual(1e-6);  // what the linearisation leaves out is more
 }
 
 void LinearizedMotion::gather(const Dynamics& dynamics) {

@@ -169,6 +169,7 @@ void Radau5::linearize(Dynamics& dynamics, double h) {
   linear_.gather(dynamics);
   linear_.factor(kReal / h);
   linear_.factor(LinearizedMotion::Complex(kAlpha, kBeta) / h);
+  dynamics.work().factors += 2;
 }
 
 // The stages to begin with: the polynomial of the step before, continued; zeros where there is none, or where the state

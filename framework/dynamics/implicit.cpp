@@ -1,62 +1,25 @@
 #include "framework/dynamics/implicit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "framework/support/error.h"
+#include "framework/dynamics/newton_factor.h"
 
 namespace lockstep {
-namespace {
 
-constexpr double kProximal = 1e-8;  // eps, of the row's scale (numerics page, sections 4, 5)
-constexpr int kCorrections = 3;
-
-template <class T>
-using Vec = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-template <class T>
-using Mat = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-
-}  // namespace
-
-struct NewtonMatrix::Work {
-  // what was gathered
+struct NewtonMatrix::Work : NewtonNumbers {
   const System* system = nullptr;
-  TangentSum tangents;
   long description = -1, pattern = -1;  // revisions of the system and of the tangents that were laid out
-  std::vector<int> width, first;        // of each slot: unknowns and the first of them
-  std::vector<RowEntry> entries;        // as laid out
-  std::vector<double> J;                // 6 a slot and row, entry after entry
-  VecX s;                               // scale of each row, for the proximal term
-  int n = 0, m = 0;
-
-  /// One factor and the matrix that it is the factor of.
-  template <class T>
-  struct Factor {
-    Mat<T> A;  // without the proximal term
-    Eigen::PartialPivLU<Mat<T>> lu;
-    Vec<T> b, x, d, residual;
-    VecX size;  // of the terms of each row
-  };
-  Factor<double> real;
-  Factor<Complex> complex;
+  NewtonFactor<double> real;
+  NewtonFactor<Complex> complex;
 
   bool same_links(const RowTable& rows) const;
   void lay_out(const RowTable& rows);
+  void lay_out_plan();
   void copy_rows(const RowTable& rows);
   void add_inertia(const Inputs& in);
   void update_scales();
-  template <class Visit>
-  void for_each_row(Visit&& visit) const;
-  template <class T>
-  void assemble(T a, T b, T c, Factor<T>& half) const;
-  template <class T>
-  void factor(T a, T b, T c, Factor<T>& half) const;
-  template <class T>
-  SolveReport solve(Factor<T>& half, const Vec<T>& f, const Vec<T>& r, Vec<T>& x, Vec<T>& l) const;
-  template <class T>
-  double largest_row_residual(const Factor<T>& half, SolveReport& report) const;
 };
 
 bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
@@ -65,11 +28,15 @@ bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
 }
 
 void NewtonMatrix::Work::lay_out(const RowTable& rows) {
-  width.clear(), first.clear();
+  width.clear(), first.clear(), mass.clear(), inertia.clear();
   n = 0;
   for (int k = 0; k < system->n_slots(); ++k) {
-    width.push_back(system->body_of_slot(k).freedoms == Freedoms::particle ? 3 : 6);
+    const Body& body = system->body_of_slot(k);
+    const bool particle = body.freedoms == Freedoms::particle;
+    width.push_back(particle ? 3 : 6);
     first.push_back(n);
+    mass.push_back(body.mass.mass);
+    inertia.push_back(particle ? Mat3(Mat3::Zero()) : body.mass.J);
     n += width.back();
   }
   entries = rows.entries;
@@ -78,15 +45,33 @@ void NewtonMatrix::Work::lay_out(const RowTable& rows) {
   for (const RowEntry& e : entries) size += static_cast<std::size_t>(6 * e.m * e.slots.n);
   J.assign(size, 0.0);
   s.setZero(m);
+  pattern = -1;
 }
 
-// visit(row, slot, its six numbers)
-template <class Visit>
-void NewtonMatrix::Work::for_each_row(Visit&& visit) const {
-  const double* r = J.data();
-  for (const RowEntry& e : entries)
-    for (int i = 0; i < e.slots.n; ++i)
-      for (int k = 0; k < e.m; ++k, r += 6) visit(e.first_row + k, e.slots[i], r);
+// When the pairs of the tangents are known: who is eliminated when, and where every number goes.
+void NewtonMatrix::Work::lay_out_plan() {
+  pattern = tangents.revision();
+  BlockGraph graph{width, first, static_cast<int>(width.size()), {}};
+  for (const auto& [row, column] : tangents.pairs())
+    if (row < column) graph.edges.emplace_back(row, column);
+  for (const RowEntry& e : entries) {
+    const int node = static_cast<int>(graph.width.size());
+    graph.width.push_back(e.m);
+    graph.first.push_back(n + e.first_row);
+    for (int i = 0; i < e.slots.n; ++i) graph.edges.emplace_back(e.slots[i], node);
+  }
+  plan.lay_out(graph, false);
+
+  pairs.clear(), row_places.clear(), proximal.clear();
+  for (const auto& [row, column] : tangents.pairs()) pairs.push_back(plan.find(row, column));
+  int node = graph.n_slots;
+  for (const RowEntry& e : entries) {
+    for (int i = 0; i < e.slots.n; ++i) row_places.push_back(plan.find_above(node, e.slots[i]));
+    proximal.push_back(plan.find(node, node));
+    ++node;
+  }
+  real.lay_out(*this);
+  complex.lay_out(*this);
 }
 
 void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
@@ -104,24 +89,20 @@ void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
 // (9.16) d(w x J w)/dw = w~ J - (J w)~
 void NewtonMatrix::Work::add_inertia(const Inputs& in) {
   for (int k = 0; k < system->n_slots(); ++k) {
-    Mat3 D = Mat3::Zero();
-    if (width[static_cast<std::size_t>(k)] == 6) {
-      const Mat3& inertia = system->body_of_slot(k).mass.J;
-      const Vec3& w = in.slot(k).w;
-      D = skew(w) * inertia - skew(Vec3(inertia * w));
-    }
-    tangents.add_D(k, Half::turn, k, Half::turn, D);
+    const Mat3& moment = inertia[static_cast<std::size_t>(k)];
+    const Vec3& w = in.slot(k).w;
+    tangents.add_D(k, Half::turn, k, Half::turn, skew(w) * moment - skew(Vec3(moment * w)));
   }
 }
 
 // As Kkt::update_scales(): the mean of the diagonal of J M^-1 J^T over the link's rows of one kind.
 void NewtonMatrix::Work::update_scales() {
   s.setZero();
-  for_each_row([&](int row, int slot, const double* r) {
-    const auto& body = system->body_of_slot(slot).mass;
+  for_each_row(J, [&](int row, int slot, const double* r) {
+    const auto k = static_cast<std::size_t>(slot);
     const Eigen::Map<const Vec3> v(r), w(r + 3);
-    s[row] += v.squaredNorm() / body.mass;
-    if (width[static_cast<std::size_t>(slot)] == 6) s[row] += w.dot(body.J.llt().solve(Vec3(w)));
+    s[row] += v.squaredNorm() / mass[k];
+    if (width[k] == 6) s[row] += w.dot(inertia[k].llt().solve(Vec3(w)));
   });
   for (const RowEntry& e : entries)
     for (const RowKind kind : {RowKind::translation, RowKind::rotation}) {
@@ -134,89 +115,6 @@ void NewtonMatrix::Work::update_scales() {
     }
   for (double& x : s)
     if (!(x > 0)) x = 1;
-}
-
-template <class T>
-void NewtonMatrix::Work::assemble(T a, T b, T c, Factor<T>& half) const {
-  half.A.setZero(n + m, n + m);
-  for (int k = 0; k < system->n_slots(); ++k) {
-    const auto& body = system->body_of_slot(k).mass;
-    const int at = first[static_cast<std::size_t>(k)];
-    half.A.diagonal().segment(at, 3).array() += a * body.mass;
-    if (width[static_cast<std::size_t>(k)] == 6) half.A.template block<3, 3>(at + 3, at + 3) += a * body.J;
-  }
-  for (std::size_t p = 0; p < tangents.pairs().size(); ++p) {
-    const auto row = static_cast<std::size_t>(tangents.pairs()[p].row),
-               column = static_cast<std::size_t>(tangents.pairs()[p].column);
-    const int wr = width[row], wc = width[column];
-    half.A.block(first[row], first[column], wr, wc) +=
-        b * tangents.D(p).topLeftCorner(wr, wc) + c * tangents.K(p).topLeftCorner(wr, wc);
-  }
-  for_each_row([&](int row, int slot, const double* r) {
-    const auto k = static_cast<std::size_t>(slot);
-    for (int j = 0; j < width[k]; ++j) half.A(n + row, first[k] + j) = half.A(first[k] + j, n + row) = r[j];
-  });
-}
-
-template <class T>
-void NewtonMatrix::Work::factor(T a, T b, T c, Factor<T>& half) const {
-  assemble(a, b, c, half);
-  // The Schur complement of the rows is s/a where the mass rules; so is the proximal term.
-  const double size = std::abs(a) > 0 ? std::abs(a) : 1.0;
-  Mat<T> with_E = half.A;
-  with_E.diagonal().tail(m) -= (kProximal / size * s).template cast<T>();
-  half.lu.compute(with_E);
-  if (n + m > 0 && !half.lu.matrixLU().diagonal().allFinite())
-    throw SolveError("the matrix of the implicit step is not finite; make the step smaller");
-}
-
-/// |r - J x| against the row's own terms; a row without terms is measured by the largest of its kind.
-template <class T>
-double NewtonMatrix::Work::largest_row_residual(const Factor<T>& half, SolveReport& report) const {
-  double largest_size[3] = {0, 0, 0}, worst = 0;
-  for (const RowEntry& e : entries)
-    for (int k = 0; k < e.m; ++k) {
-      double& size = largest_size[static_cast<int>(e.kind[static_cast<std::size_t>(k)])];
-      size = std::max(size, half.size[e.first_row + k]);
-    }
-  for (const RowEntry& e : entries)
-    for (int k = 0; k < e.m; ++k) {
-      const int row = e.first_row + k;
-      const double scale =
-          std::max(half.size[row], 1e-3 * largest_size[static_cast<int>(e.kind[static_cast<std::size_t>(k)])]);
-      const double x = scale > 0 ? std::abs(half.residual[n + row]) / scale : 0.0;
-      if (x > worst || std::isnan(x)) worst = x, report.worst_row = row;
-    }
-  return worst;
-}
-
-template <class T>
-SolveReport NewtonMatrix::Work::solve(Factor<T>& half, const Vec<T>& f, const Vec<T>& r, Vec<T>& x, Vec<T>& l) const {
-  SolveReport report;
-  half.b.resize(n + m);
-  for (std::size_t k = 0; k < width.size(); ++k)
-    half.b.segment(first[k], width[k]) = f.segment(6 * static_cast<int>(k), width[k]);
-  half.b.tail(m) = r;
-  half.x.setZero(n + m);
-  half.residual = half.b;
-  double before = std::numeric_limits<double>::infinity();
-  for (int round = 0;; ++round) {
-    half.d = half.lu.solve(half.residual);
-    half.x += half.d;
-    half.residual = half.b - half.A * half.x;
-    half.size = half.b.tail(m).cwiseAbs() + half.A.bottomLeftCorner(m, n).cwiseAbs() * half.x.head(n).cwiseAbs();
-    report.residual = largest_row_residual(half, report);
-    report.corrections = round;
-    const bool stalled = report.residual > 0.5 * before;
-    if (report.residual <= 1e-12 || round == kCorrections || stalled) break;
-    before = report.residual;
-  }
-  report.contradictory = report.residual > 1e-2;
-  x.setZero(6 * static_cast<int>(width.size()));
-  for (std::size_t k = 0; k < width.size(); ++k)
-    x.segment(6 * static_cast<int>(k), width[k]) = half.x.segment(first[k], width[k]);
-  l = half.x.tail(m);
-  return report;
 }
 
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
@@ -241,23 +139,25 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
     system.links()[static_cast<std::size_t>(e.link)]->tangent(
         in, {lambda.data() + e.first_row, static_cast<std::size_t>(e.m)}, w.tangents);
   for (const auto& force : system.forces()) force->tangent(in, w.tangents);
-  w.pattern = w.tangents.revision();
+  if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 
-void NewtonMatrix::factor(double a, double b, double c) { work_->factor(a, b, c, work_->real); }
-void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->factor(a, b, c, work_->complex); }
+void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
+void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->complex.factor(*work_, a, b, c); }
+void NewtonMatrix::set_residual(double enough) { work_->enough = enough; }
 SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) {
-  return work_->solve(work_->real, f, r, x, l);
+  return work_->real.solve(*work_, f, r, x, l);
 }
 SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l) {
-  return work_->solve(work_->complex, f, r, x, l);
+  return work_->complex.solve(*work_, f, r, x, l);
 }
+long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
-  for (int k = 0; k < work_->system->n_slots(); ++k) {
-    const auto& body = work_->system->body_of_slot(k).mass;
-    y.segment<3>(6 * k) += body.mass * x.segment<3>(6 * k);
-    if (work_->width[static_cast<std::size_t>(k)] == 6) y.segment<3>(6 * k + 3) += body.J * x.segment<3>(6 * k + 3);
+  for (std::size_t k = 0; k < work_->width.size(); ++k) {
+    const int at = 6 * static_cast<int>(k);
+    y.segment<3>(at) += work_->mass[k] * x.segment<3>(at);
+    y.segment<3>(at + 3) += work_->inertia[k] * x.segment<3>(at + 3);
   }
 }
 void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const {
@@ -271,12 +171,14 @@ void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const {
     y.segment<6>(6 * sum.pairs()[p].row) += sum.K(p) * x.segment<6>(6 * sum.pairs()[p].column);
 }
 void NewtonMatrix::add_J_times(const VecX& x, VecX& y) const {
-  work_->for_each_row(
-      [&](int row, int slot, const double* r) { y[row] += Eigen::Map<const Vec6>(r).dot(x.segment<6>(6 * slot)); });
+  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
+    y[row] += Eigen::Map<const Vec6>(r).dot(x.segment<6>(6 * slot));
+  });
 }
 void NewtonMatrix::add_Jt_times(const VecX& l, VecX& y) const {
-  work_->for_each_row(
-      [&](int row, int slot, const double* r) { y.segment<6>(6 * slot) += l[row] * Eigen::Map<const Vec6>(r); });
+  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
+    y.segment<6>(6 * slot) += l[row] * Eigen::Map<const Vec6>(r);
+  });
 }
 const TangentSum& NewtonMatrix::tangents() const { return work_->tangents; }
 

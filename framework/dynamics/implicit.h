@@ -36,6 +36,14 @@ class LOCKSTEP_API NewtonMatrix {
   SolveReport solve(const VecX& f, const VecX& r, VecX& x, VecX& l);
   SolveReport solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l);
 
+  /// Residuals that solve() lets stand, relative to the terms of their equation: Newton's method needs few digits of a
+  /// correction. At first 1e-13.
+  void set_residual(double enough);
+
+  /// How often a body's own block had no pivot, so that the block factorisation gave way to a dense one (which
+  /// allocates): statics and singular poses.
+  long n_dense() const;
+
   // -- products with what was gathered last: y += M x, D x, K x, J x, J^T l
   void add_M_times(const VecX& x, VecX& y) const;
   void add_D_times(const VecX& x, VecX& y) const;

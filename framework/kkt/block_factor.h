@@ -25,6 +25,7 @@ inline double times(double a, double b) { return a * b; }
 inline std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
+inline std::complex<double> times(double a, const std::complex<double>& b) { return {a * b.real(), a * b.imag()}; }
 inline double size_of(double a) { return std::abs(a); }
 inline double size_of(const std::complex<double>& a) { return std::abs(a.real()) + std::abs(a.imag()); }
 

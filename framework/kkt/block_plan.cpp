@@ -147,6 +147,17 @@ void BlockPlan::lay_out(const BlockGraph& graph, bool is_symmetric) {
 }
 
 BlockPlan::Place BlockPlan::find(int row, int column) const {
+  Place place = find_above(row, column);
+  if (place.transposed && !symmetric) {
+    const auto size_of = [&](int node) {
+      return nodes[static_cast<std::size_t>(place_of_node[static_cast<std::size_t>(node)])].width;
+    };
+    place.at += static_cast<std::size_t>(size_of(row) * size_of(column));
+  }
+  return place;
+}
+
+BlockPlan::Place BlockPlan::find_above(int row, int column) const {
   int a = place_of_node[static_cast<std::size_t>(row)], b = place_of_node[static_cast<std::size_t>(column)];
   if (a == b) return {nodes[static_cast<std::size_t>(a)].D, false};
   const bool below = a > b;
@@ -156,8 +167,7 @@ BlockPlan::Place BlockPlan::find(int row, int column) const {
   const Later* end = begin + pivot.n_later;
   const Later* at = std::lower_bound(begin, end, b, [](const Later& s, int place) { return s.place < place; });
   assert(at != end && at->place == b);
-  const auto behind = static_cast<std::size_t>(below && !symmetric ? pivot.width * at->width : 0);
-  return {at->U + behind, below};
+  return {at->U, below};
 }
 
 }  // namespace lockstep

@@ -58,6 +58,8 @@ struct LOCKSTEP_API BlockPlan {
   void lay_out(const BlockGraph&, bool is_symmetric);
   /// Nodes that are coupled in the graph, or one with itself. A symmetric plan keeps one of the two.
   Place find(int row, int column) const;
+  /// The one above the diagonal of A(row, column) and A(column, row); `transposed`: it is that of A(column, row).
+  Place find_above(int row, int column) const;
 };
 
 }  // namespace lockstep

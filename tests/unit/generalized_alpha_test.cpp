@@ -4,6 +4,7 @@
 
 #include "framework/force/spring_damper.h"
 #include "framework/support/error.h"
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
@@ -153,4 +154,61 @@ TEST_CASE("a step of generalized_alpha that Newton cannot make is an error that 
     CHECK(s.q == before.q);
     CHECK(s.t == before.t);
   }
+}
+
+TEST_CASE("the error of an adaptive generalized_alpha follows the tolerance", "[unit][integrators]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  const auto error_at = [&](double tolerance) {
+    GeneralizedAlpha method(0.8, true);
+    method.set_tolerance({tolerance, 1e-2 * tolerance});
+    State s = pendulum.system.start();
+    method.begin(dynamics, s);
+    double h = method.first_step(dynamics, s, 1.0), worst = 0;
+    REQUIRE(h > 0);
+    while (s.t < 2) {
+      h = method.step(dynamics, s, std::min(h, 2 - s.t)).h_next;
+      worst = std::max(worst, pendulum.error(s));
+    }
+    return worst;
+  };
+  const double loose = error_at(1e-3), tight = error_at(1e-5), slope = std::log10(loose / tight) / 2;
+  CAPTURE(loose, tight, slope);
+  CHECK(slope == Approx(1).margin(0.25));
+  CHECK(loose < 20e-3);
+}
+
+TEST_CASE("rejected steps of an adaptive generalized_alpha leave no trace", "[unit][integrators]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  GeneralizedAlpha eager(0.8, true), calm(0.8, true);
+  State a = pendulum.system.start(), b = a;
+  eager.begin(dynamics, a);
+  const StepReport tried = eager.step(dynamics, a, 3.0);
+  REQUIRE(tried.rejected > 1);
+  calm.begin(dynamics, b);
+  REQUIRE(calm.step(dynamics, b, tried.h).rejected == 0);
+  CHECK(a.q == b.q);
+  CHECK(a.v == b.v);
+  const StepReport next_a = eager.step(dynamics, a, 1e-3), next_b = calm.step(dynamics, b, 1e-3);
+  CHECK(next_a.h_next == next_b.h_next);
+  CHECK(a.q == b.q);
+}
+
+TEST_CASE("a step of generalized_alpha allocates nothing, nor does its dense output", "[unit][integrators]") {
+  if (!allocations_are_counted()) return;
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  GeneralizedAlpha method;
+  State s = pendulum.system.start(), inside = s;
+  method.begin(dynamics, s);
+  const auto run = [&] {
+    for (int i = 0; i < 10; ++i) {
+      const double t = s.t;
+      method.step(dynamics, s, 0.0123456789);
+      method.dense(0.5 * (t + s.t), inside);
+    }
+  };
+  run();
+  CHECK(allocations_of(run) == 0);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "framework/support/error.h"
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
@@ -157,4 +158,22 @@ TEST_CASE("a step of radau5 that shrinks to nothing is an error that names the t
     CHECK(std::string(e.what()).find("--integrator") != std::string::npos);
     CHECK(s.t == e.t);
   }
+}
+
+TEST_CASE("a step of radau5 allocates nothing, nor does its dense output", "[unit][integrators]") {
+  if (!allocations_are_counted()) return;
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  Radau5 method;
+  State s = pendulum.system.start(), inside = s;
+  method.begin(dynamics, s);
+  const auto run = [&] {
+    for (int i = 0; i < 10; ++i) {
+      const double t = s.t;
+      method.step(dynamics, s, 0.0123456789);
+      method.dense(0.5 * (t + s.t), inside);
+    }
+  };
+  run();
+  CHECK(allocations_of(run) == 0);
 }

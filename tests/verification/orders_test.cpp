@@ -109,3 +109,22 @@ TEST_CASE("implicit methods keep their orders on a chain and on a redundant loop
   CHECK(std::log2(e_q[0] / e_q[1]) == Approx(radau ? 5 : 2).margin(0.15));
   CHECK(std::log2(e_v[0] / e_v[1]) == Approx(radau ? 5 : 2).margin(0.15));
 }
+
+TEST_CASE("the error of radau5 follows the tolerance down to 1e-9 with slope one", "[verification][integrators]") {
+  const std::string scene = GENERATE("chain_10", "double_pendulum");
+  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + scene + ".csv");
+  const auto error_at = [&](double tolerance) {
+    const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + scene + ".json", [&](RunSettings& s) {
+      s.integrator = {"radau5"};
+      s.tolerance = {tolerance, 1e-2 * tolerance};
+    });
+    double worst = 0;  // angles of all rods; a rod's end is off by as much, times its length of 1 m
+    for (const ColumnError& e : compare(run.table, truth))
+      if (e.name.starts_with("q") && e.name.find('_') == std::string::npos) worst = std::max(worst, e.error);
+    return worst;
+  };
+  const double loose = error_at(1e-5), tight = error_at(1e-9), slope = std::log10(loose / tight) / 4;
+  CAPTURE(scene, loose, tight, slope);
+  CHECK(slope == Approx(1).margin(0.15));
+  CHECK(tight < 1e-9);
+}
