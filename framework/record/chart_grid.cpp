@@ -16,6 +16,8 @@ using namespace chart_style;
 constexpr double kTitle = 48, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
+constexpr std::size_t kOneLine = 98;  // letters of a title
+
 /// All labels with what stands for them.
 struct Legend {
   std::vector<std::string> labels;
@@ -54,7 +56,7 @@ Legend legend_of(const GridSpec& spec) {
 
 struct Layout {
   std::size_t n_columns, n_rows;
-  double width, height, top, plot_width, plot_height;  // pixels
+  double width, height, title, top, plot_width, plot_height;  // pixels
 };
 
 Layout layout_of(const GridSpec& spec, const Legend& legend) {
@@ -62,7 +64,8 @@ Layout layout_of(const GridSpec& spec, const Legend& legend) {
   all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.panels.size());
   all.n_rows = (spec.panels.size() + all.n_columns - 1) / all.n_columns;
   all.width = spec.width;
-  all.top = kTitle + kLegendRow * static_cast<double>(legend.n_rows);
+  all.title = kTitle + (spec.title.size() > kOneLine ? kLegendRow : 0);
+  all.top = all.title + kLegendRow * static_cast<double>(legend.n_rows);
   all.plot_height = spec.panel_height - kAbove - kBelow;
   const auto n = static_cast<double>(all.n_columns);
   all.plot_width = (spec.width - kLeft - kRight - kBetween * (n - 1)) / n;
@@ -77,7 +80,7 @@ void add_legend(Script& out, const Layout& all, const Legend& legend) {
   out.line("unset border\nunset tics\nunset xlabel\nunset ylabel\nset xrange [0:1]\nset yrange [0:1]");
   out.line("set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1");
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
-                       kLeft / all.width, 1 - (kTitle - 6) / all.height, legend.n_columns, legend.width));
+                       kLeft / all.width, 1 - (all.title - 6) / all.height, legend.n_columns, legend.width));
   std::string clauses = "plot 2 notitle";
   for (std::size_t i = 0; i < legend.labels.size(); ++i) {
     std::string clause = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);

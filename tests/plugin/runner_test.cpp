@@ -292,7 +292,7 @@ TEST_CASE("check lists the channels, describe says what stands under a key", "[r
   CHECK(contains(call("describe event").text, "list of texts"));
   const std::string all = call("list").text;
   CHECK(contains(all, "dopri5 (default)"));
-  CHECK(contains(all, "sparse (default)"));
+  CHECK(contains(all, "schur (default)"));
   CHECK_FALSE(contains(all, "dense (default)"));
 }
 
