@@ -354,7 +354,7 @@ void simulate(Run& run, const Method& method) {
 int main(int argc, char** argv) {
   Bench bench("bullet", argc, argv);
   for (const Mechanism& m : all_mechanisms()) {
-    if (!peers_have(m) || !bench.wants(m)) continue;
+    if (!is_described(m) || !bench.wants(m)) continue;
     const auto sweep = [&](const std::string& name, const Method& method) {
       bench.sweep(m, name, step_ladder(m), [=](double h) {
         return [=](Run& run) {

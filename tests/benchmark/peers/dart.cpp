@@ -180,7 +180,7 @@ void simulate(Run& run, const Method& method) {
 int main(int argc, char** argv) {
   Bench bench("dart", argc, argv);
   for (const Mechanism& m : all_mechanisms()) {
-    if (!peers_have(m) || !bench.wants(m)) continue;
+    if (!is_described(m) || !bench.wants(m)) continue;
     // larger steps end in an assertion of its own
     const double largest = m.kind == Kind::heavy_top ? 1e-3 : m.name == "nfourbar-40" ? 0.01 : 1e9;
     const auto sweep = [&](const std::string& name, const Method& method) {

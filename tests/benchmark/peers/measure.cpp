@@ -82,7 +82,7 @@ Positions Run::between(double t, double t_now, const Motions& now) const {
 
 void Run::watch(const Motions& now) {
   for (const BodyMotion& b : now) broken |= !b.x.allFinite() || !b.v.allFinite();
-  if (!peers_have(mechanism)) return;
+  if (!is_described(mechanism)) return;
   const double T = kinetic_energy(mechanism, now), E = T + potential_energy(mechanism, now);
   if (last_.empty()) start_energy_ = E;
   largest_kinetic_ = std::max(largest_kinetic_, T);
@@ -192,7 +192,7 @@ Bench::Result Bench::measure(const Mechanism& m, const Simulate& simulate) {
     r.error = largest_distance(run.history, truth);
     r.error_end = largest_distance(run.history.back(), truth.back());
   }
-  if (peers_have(m) && m.kind != Kind::slider_crank) r.drift = run.energy_drift;
+  if (is_described(m) && m.kind != Kind::slider_crank) r.drift = run.energy_drift;
   r.violation = run.violation;
   r.done = !run.broken && r.error < 1e3;
   std::string status = run.broken ? "NaN" : !std::isfinite(r.error) ? "incomplete" : r.done ? "ok" : "blown-up";
@@ -258,7 +258,8 @@ Bench::Result Bench::measure_apart(const Mechanism& m, const std::string& method
 }
 
 // Coarser until the error passes 0.1 m or the run fails; then finer until the error stops falling (or is below 1e-12 m,
-// round-off), three in a row failed, or the next would exceed the budget.
+// round-off), the next would exceed the budget, or three in a row failed (twelve, where none was good before: a stiff
+// mechanism).
 void Bench::sweep(const Mechanism& m, const std::string& method, const Ladder& setting,
                   const std::function<Simulate(double)>& make, double growth) {
   if (!wants(m, method)) return;
@@ -273,7 +274,7 @@ void Bench::sweep(const Mechanism& m, const std::string& method, const Ladder& s
   if (start.slow) return;
   double best = start.done ? start.error : 1e9, cost = start.cost;
   int stalled = 0, failed = 0;
-  for (int rung = 1; setting(rung) > 0 && best > 1e-12 && stalled < 2 && failed < 3; ++rung) {
+  for (int rung = 1; setting(rung) > 0 && best > 1e-12 && stalled < 2 && failed < (best < 1e9 ? 3 : 12); ++rung) {
     if (out_of_time() || cost * std::pow(setting(rung - 1) / setting(rung), growth) > budget_) break;
     r = run(rung);
     if (r.slow) break;

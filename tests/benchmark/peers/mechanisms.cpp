@@ -89,12 +89,13 @@ const std::vector<Mechanism>& all_mechanisms() {
   return all;
 }
 
-bool peers_have(const Mechanism& m) {
+bool is_described(const Mechanism& m) {
   return m.kind != Kind::andrews && m.kind != Kind::bricard && m.kind != Kind::flyball;
 }
 
 bool has_loops(const Mechanism& m) {
-  return m.kind != Kind::chain && m.kind != Kind::spatial_chain && m.kind != Kind::heavy_top;
+  return m.kind == Kind::four_bars || m.kind == Kind::slider_crank || m.kind == Kind::andrews ||
+         m.kind == Kind::bricard;
 }
 
 int n_bodies(const Mechanism& m) {

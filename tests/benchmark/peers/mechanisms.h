@@ -49,8 +49,8 @@ Mechanism slider_crank();
 Mechanism heavy_top();
 /// All that are measured, in the order of the tables.
 const std::vector<Mechanism>& all_mechanisms();
-/// Whether peers have a model of it; the others are run by lockstep alone.
-bool peers_have(const Mechanism&);
+/// Whether its start, masses and joints are here; the others are in assemblies.h and have a scene of their own.
+bool is_described(const Mechanism&);
 /// Whether it has loops.
 bool has_loops(const Mechanism&);
 
@@ -60,7 +60,7 @@ bool turns_about_y(const Mechanism&, int k);
 Mass mass_of(const Mechanism&, int body);
 /// From the mass centre to either end of a rod, along its x axis.
 double half_length(const Mechanism&, int body);
-/// The start. Only for mechanisms that peers have, as are the next two.
+/// The start. Only for described mechanisms, as are the next three.
 Motions start_of(const Mechanism&);
 double kinetic_energy(const Mechanism&, const Motions&);
 double potential_energy(const Mechanism&, const Motions&);

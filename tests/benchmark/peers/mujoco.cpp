@@ -1,12 +1,15 @@
 // MuJoCo: reduced coordinates from an MJCF text, loops closed by its soft equality "connect", contacts off.
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/benchmark/peers/assemblies.h"
 #include "tests/benchmark/peers/measure.h"
 
 using namespace lockstep::peers;
@@ -62,20 +65,21 @@ class Document {
     if (mechanism_.kind == Kind::four_bars) write_four_bars();
     if (mechanism_.kind == Kind::slider_crank) write_slider_crank();
     if (mechanism_.kind == Kind::heavy_top)
-      write("<body name='b0'>" + inertial(0, {0, 1, 0}) + "<joint type='ball'/></body>");
+      write("<body name='b0'>" + inertial(mass_of(mechanism_, 0), {0, 1, 0}) + "<joint type='ball'/></body>");
+    if (!is_described(mechanism_)) write_assembly(assembly_of(mechanism_));
     write("</worldbody>");
     if (!equalities_.empty()) write("<equality>" + equalities_ + "</equality>");
+    if (!tendons_.empty()) write("<tendon>" + tendons_ + "</tendon>");
     if (!actuators_.empty()) write("<actuator>" + actuators_ + "</actuator>");
     write("</mujoco>");
   }
 
-  std::string inertial(int body, const Vec3& centre) const {
-    const Mass m = mass_of(mechanism_, body);
+  static std::string inertial(const Mass& m, const Vec3& centre) {
     return "<inertial pos='" + numbers(centre) + "' mass='" + number(m.mass) + "' diaginertia='" + numbers(m.J) + "'/>";
   }
   std::string begin_body(int body, const std::string& place) const {
     return "<body name='b" + std::to_string(body) + "' " + place + ">" +
-           inertial(body, {half_length(mechanism_, body), 0, 0});
+           inertial(mass_of(mechanism_, body), {half_length(mechanism_, body), 0, 0});
   }
   std::string hinge(const std::string& axis = "0 0 1") const { return "<joint type='hinge' axis='" + axis + "'/>"; }
 
@@ -109,15 +113,64 @@ class Document {
 
   void write_slider_crank() {
     const std::string top = "pos='" + number(kCrank) + " 0 0'";
-    write("<body name='b0'>" + inertial(0, {kCrank / 2, 0, 0}) + "<joint name='crank' type='hinge' axis='0 0 1'/>" +
-          begin_body(1, top) + hinge() + "</body></body>");
+    write("<body name='b0'>" + inertial(mass_of(mechanism_, 0), {kCrank / 2, 0, 0}) +
+          "<joint name='crank' type='hinge' axis='0 0 1'/>" + begin_body(1, top) + hinge() + "</body></body>");
     write(begin_body(2, "pos='" + number(kCrank + kRod) + " 0 0'") + "<joint type='slide' axis='1 0 0'/></body>");
     connect(1, 2, number(kRod) + " 0 0");
     actuators_ = "<velocity joint='crank' kv='1e7'/>";
   }
 
+  // A body's frame is at its mass centre, turned as at the start; its children stand inside its element.
+  void write_assembly(const Assembly& assembly) {
+    for (const TreeJoint& j : assembly.tree)
+      if (j.parent == kGroundBody) write_branch(assembly, j);
+    for (std::size_t i = 0; i < assembly.springs.size(); ++i) {
+      const Spring& s = assembly.springs[i];
+      if (s.b == kGroundBody) write(site(assembly, s, i, 'b'));
+      tendons_ += "<spatial stiffness='" + number(s.stiffness) + "' damping='" + number(s.damping) +
+                  "' springlength='" + number(s.free_length) + "'><site site='s" + std::to_string(i) +
+                  "a'/><site site='s" + std::to_string(i) + "b'/></spatial>";
+    }
+    for (const ClosingJoint& j : assembly.loops)
+      for (const double side : {0.3, -0.3})
+        if (!j.planar || side > 0) {
+          const Vec3 anchor = to_local(assembly, j.a, j.planar ? j.at : Vec3(j.at + side * j.axis));
+          connect(j.a, j.b, numbers(anchor));
+        }
+  }
+
+  static Vec3 to_local(const Assembly& assembly, int body, const Vec3& x) {
+    if (body == kGroundBody) return x;
+    const AssemblyBody& b = assembly.bodies[static_cast<std::size_t>(body)];
+    return b.R.transpose() * (x - b.x);
+  }
+  static std::string site(const Assembly& assembly, const Spring& s, std::size_t i, char end) {
+    return "<site name='s" + std::to_string(i) + end + "' pos='" +
+           numbers(end == 'a' ? to_local(assembly, s.a, s.at_a) : to_local(assembly, s.b, s.at_b)) + "'/>";
+  }
+
+  void write_branch(const Assembly& assembly, const TreeJoint& joint) {
+    const AssemblyBody& body = assembly.bodies[static_cast<std::size_t>(joint.child)];
+    const Mat3 R_parent = joint.parent == kGroundBody ? Mat3(Mat3::Identity())
+                                                      : assembly.bodies[static_cast<std::size_t>(joint.parent)].R;
+    const Eigen::Quaterniond q(Mat3(R_parent.transpose() * body.R));
+    write("<body name='b" + std::to_string(joint.child) + "' pos='" +
+          numbers(to_local(assembly, joint.parent, body.x)) + "' quat='" + number(q.w()) + ' ' + numbers(q.vec()) +
+          "'>" + inertial(body.mass, Vec3::Zero()) + "<joint type='" + (joint.slides ? "slide" : "hinge") + "' pos='" +
+          numbers(to_local(assembly, joint.child, joint.at)) + "' axis='" + numbers(body.R.transpose() * joint.axis) +
+          "'/>");
+    for (std::size_t i = 0; i < assembly.springs.size(); ++i) {
+      if (assembly.springs[i].a == joint.child) write(site(assembly, assembly.springs[i], i, 'a'));
+      if (assembly.springs[i].b == joint.child) write(site(assembly, assembly.springs[i], i, 'b'));
+    }
+    for (const TreeJoint& j : assembly.tree)
+      if (j.parent == joint.child) write_branch(assembly, j);
+    write("</body>");
+  }
+
   void connect(int a, int b, const std::string& anchor) {
-    equalities_ += "<connect body1='b" + std::to_string(a) + "' body2='b" + std::to_string(b) + "' anchor='" + anchor;
+    equalities_ += "<connect body1='b" + std::to_string(a) + "' body2='" +
+                   (b == kGroundBody ? "world" : "b" + std::to_string(b)) + "' anchor='" + anchor;
     if (method_.stiffness != Stiffness::standard) equalities_ += "' solimp='0.9999 0.9999 0.001 0.5 2";
     if (method_.stiffness == Stiffness::stiffest) equalities_ += "' solref='" + number(2 * method_.step) + " 1";
     equalities_ += "'/>";
@@ -126,7 +179,7 @@ class Document {
   const Mechanism& mechanism_;
   const Method& method_;
   std::vector<std::string> pieces_;
-  std::string equalities_, actuators_;
+  std::string equalities_, actuators_, tendons_;
 };
 
 class Model {
@@ -138,6 +191,11 @@ class Model {
     if (m.kind == Kind::slider_crank) {
       data->qvel[velocity_of(0)] = data->ctrl[0] = kCrankSpeed;
       data->qvel[velocity_of(1)] = -kCrankSpeed * kCrank / kRod - kCrankSpeed;
+    }
+    if (!is_described(m)) {
+      const Assembly assembly = assembly_of(m);
+      for (const TreeJoint& j : assembly.tree) data->qvel[velocity_of(j.child)] = j.speed;
+      if (assembly.torque != 0) data->qfrc_applied[velocity_of(0)] = assembly.torque;
     }
     if (m.kind == Kind::heavy_top)
       for (int i = 0; i < 3; ++i) data->qvel[i] = kTopSpin[i];
@@ -231,9 +289,9 @@ std::vector<Stiffness> stiffnesses(const Mechanism& m) {
 
 int main(int argc, char** argv) {
   Bench bench("mujoco", argc, argv);
-  mju_user_warning = [](const char* text) { std::fprintf(stderr, "mujoco: %s\n", text); };
+  mju_user_warning = [](const char*) {};  // a run that it begins anew is told by its counters
   for (const Mechanism& m : all_mechanisms()) {
-    if (!peers_have(m) || !bench.wants(m)) continue;
+    if (!bench.wants(m)) continue;
     for (const std::string integrator : {"RK4", "Euler", "implicit"}) {
       if (integrator == "implicit" && m.n > 10) continue;
       for (const Stiffness stiffness : stiffnesses(m))

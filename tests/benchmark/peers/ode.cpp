@@ -161,7 +161,7 @@ int main(int argc, char** argv) {
   Bench bench("ode", argc, argv);
   dInitODE2(0);
   for (const Mechanism& m : all_mechanisms()) {
-    if (!peers_have(m) || !bench.wants(m)) continue;
+    if (!is_described(m) || !bench.wants(m)) continue;
     const auto sweep = [&](const std::string& name, const Method& method) {
       bench.sweep(m, name, step_ladder(m), [=](double h) {
         return [=](Run& run) { simulate(run, {method.iterations, method.reduction, h}); };

@@ -125,7 +125,7 @@ std::string scene_name(const Mechanism& m) {
   return name;
 }
 
-bool is_generated(const Mechanism& m) { return peers_have(m); }
+bool is_generated(const Mechanism& m) { return is_described(m); }
 
 std::string scene_text(const Mechanism& m) {
   switch (m.kind) {

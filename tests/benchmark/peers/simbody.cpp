@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "tests/benchmark/peers/assemblies.h"
 #include "tests/benchmark/peers/measure.h"
 
 using namespace lockstep::peers;
@@ -43,7 +44,7 @@ class Model {
         build_heavy_top();
         break;
       default:
-        throw std::runtime_error("no model of " + m.name);
+        build(assembly_of(m));
     }
   }
 
@@ -121,6 +122,61 @@ class Model {
     start = system.realizeTopology();
     top.setU(start, vec(kTopSpin));
     bodies_ = {top};
+  }
+
+  // Every joint's coordinate is zero at the start: its frames are where it stands then.
+  void build(const Assembly& assembly) {
+    bodies_.resize(assembly.bodies.size());
+    const auto body = [&](int k) -> MobilizedBody& {
+      return k == kGroundBody ? matter.updGround() : bodies_[static_cast<std::size_t>(k)];
+    };
+    const auto place = [&](int k) { return k == kGroundBody ? Transform() : pose(assembly.bodies[std::size_t(k)]); };
+    for (const TreeJoint& j : assembly.tree) {
+      const SimTK::CoordinateAxis along(j.slides ? 0 : 2);
+      const Transform world(SimTK::Rotation(SimTK::UnitVec3(vec(j.axis)), along), vec(j.at));
+      const Mass& m = assembly.bodies[std::size_t(j.child)].mass;
+      const SimTK::Body::Rigid solid(
+          SimTK::MassProperties(m.mass, SimTK::Vec3(0), SimTK::Inertia(m.J[0], m.J[1], m.J[2])));
+      const Transform on_parent = ~place(j.parent) * world, on_child = ~place(j.child) * world;
+      if (j.slides)
+        body(j.child) = MobilizedBody::Slider(body(j.parent), on_parent, solid, on_child);
+      else
+        body(j.child) = MobilizedBody::Pin(body(j.parent), on_parent, solid, on_child);
+    }
+    for (const ClosingJoint& j : assembly.loops) close(j, body(j.a), body(j.b), ~place(j.a), ~place(j.b));
+    for (const Spring& s : assembly.springs) {
+      const SimTK::Vec3 at_a = ~place(s.a) * vec(s.at_a), at_b = ~place(s.b) * vec(s.at_b);
+      SimTK::Force::TwoPointLinearSpring(forces_, body(s.a), at_a, body(s.b), at_b, s.stiffness, s.free_length);
+      if (s.damping > 0) SimTK::Force::TwoPointLinearDamper(forces_, body(s.a), at_a, body(s.b), at_b, s.damping);
+    }
+    if (assembly.torque != 0) SimTK::Force::ConstantTorque(forces_, body(0), SimTK::Vec3(0, 0, assembly.torque));
+    start = system.realizeTopology();
+    for (const TreeJoint& j : assembly.tree) body(j.child).setOneU(start, 0, j.speed);
+  }
+
+  static Transform pose(const AssemblyBody& b) {
+    SimTK::Mat33 R;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) R(i, j) = b.R(i, j);
+    return Transform(SimTK::Rotation(R), vec(b.x));
+  }
+
+  // In the plane two rows; in space a ball, and the axis upright on one other direction (on both: one row too many).
+  void close(const ClosingJoint& j, MobilizedBody& a, MobilizedBody& b, const Transform& to_a, const Transform& to_b) {
+    using namespace SimTK;
+    const SimTK::Vec3 at_a = to_a * vec(j.at), at_b = to_b * vec(j.at);
+    if (j.planar) {
+      // the planes stand still in body b, and the rows need not be the world's x and y
+      Constraint::PointInPlane(b, UnitVec3(XAxis), at_b[0], a, at_a);
+      Constraint::PointInPlane(b, UnitVec3(YAxis), at_b[1], a, at_a);
+      return;
+    }
+    Constraint::Ball(a, at_a, b, at_b);
+    const UnitVec3 axis(vec(j.axis)), first = axis.perp();
+    const UnitVec3 second(SimTK::cross(axis, first));
+    const UnitVec3 on_a(to_a.R() * axis);
+    Constraint::ConstantAngle(a, on_a, b, UnitVec3(to_b.R() * first), kQuarter);
+    if (closure_ == Closure::full) Constraint::ConstantAngle(a, on_a, b, UnitVec3(to_b.R() * second), kQuarter);
   }
 
   void close(MobilizedBody& a, const SimTK::Vec3& at_a, MobilizedBody& b, const SimTK::Vec3& at_b) {
@@ -231,9 +287,12 @@ std::vector<std::string> integrators_for(const Mechanism& m) {
 int main(int argc, char** argv) {
   Bench bench("simbody", argc, argv);
   for (const Mechanism& m : all_mechanisms()) {
-    if (!peers_have(m) || !bench.wants(m)) continue;
-    const std::string tag = m.kind == Kind::four_bars ? "+planes" : m.kind == Kind::slider_crank ? "+steady" : "";
+    if (!bench.wants(m)) continue;
+    const std::string tag = m.kind == Kind::four_bars || m.kind == Kind::andrews ? "+planes"
+                            : m.kind == Kind::bricard                            ? "+ball+angle"
+                            : m.kind == Kind::slider_crank                       ? "+steady"
+                                                                                 : "";
     for (const std::string& integrator : integrators_for(m)) sweep(bench, m, integrator, Closure::planes, tag);
-    if (m.name == "nfourbar-2") sweep(bench, m, "RKMerson", Closure::full, "+redundant");
+    if (m.name == "nfourbar-2" || m.kind == Kind::bricard) sweep(bench, m, "RKMerson", Closure::full, "+redundant");
   }
 }
