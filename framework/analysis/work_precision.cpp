@@ -17,8 +17,10 @@ namespace {
 constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
 constexpr double kSecondTime = 0.45;      // of the budget, after which no second method is tried
 constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
-constexpr double kFirstDecade = 3;        // cost of the second tolerance against the first
-constexpr double kFalls = 0.8;  // an error that falls at all falls below this part of the best so far (order 1: half)
+constexpr double kFirstDecade = 1.5;      // cost of the second tolerance against the first
+constexpr double kFirstTurn = 0.25;  // of its equal share of the time, that a combination gets to show what it takes
+constexpr double kFalls = 0.8;   // an error that falls at all falls below this part of the best so far (order 1: half)
+constexpr double kWrong = 1e-2;  // of the motion's size
 constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
 constexpr long kManySteps = 10;    // steps an output: then outputs cost nothing beside them
 constexpr double kPatience = 4;    // for each place of the form beyond the first that differs from the base's
@@ -43,6 +45,7 @@ struct Lane {
   int n_stuck = 0;         // rungs since it fell
   bool met = false;        // the target, by the rung before
   bool over = false;
+  std::optional<WorkPrecisionRun> given_up{};  // the next rung, when it took too long for its turn
 };
 
 class Survey {
@@ -57,6 +60,8 @@ class Survey {
     make_references();
     plan();
     while (Lane* lane = next()) climb(*lane);
+    for (const Lane& lane : lanes_)
+      if (lane.given_up) keep(*lane.given_up);
     for (const Lane& lane : lanes_)
       if (!lane.over) result_.left_out.push_back(label(run_of(lane)));
     sort_runs();
@@ -181,16 +186,27 @@ class Survey {
   void climb(Lane& lane) {
     WorkPrecisionRun run = run_of(lane);
     tell(label(run));
-    const double share = left() / static_cast<double>(n_open());
-    const Outcome last = measure(lane, run, std::min(left(), std::max(4 * lane.expected, share)));
+    const double share = left() / static_cast<double>(n_open()), begin = clocks_.clock();
+    const Outcome last = measure(lane, run, std::min(left(), std::max(4 * lane.expected, kFirstTurn * share)));
     if (last.unsuited) {
       result_.unsuited.push_back({way(run), run.failure});
       lane.over = true;
       return;
     }
+    const double spent = clocks_.clock() - begin;
+    if (last.given_up) {  // once more when the others have had their turn, with more time
+      lane.expected = 2 * spent;
+      lane.given_up = run;
+      return;
+    }
+    lane.given_up.reset();
+    keep(run);
+    advance(lane, run, spent);
+  }
+
+  void keep(const WorkPrecisionRun& run) {
     result_.runs.push_back(run);
     if (options_.measured) options_.measured(run);
-    advance(lane, run, last.given_up);
   }
 
   Outcome measure(const Lane& lane, WorkPrecisionRun& run, double limit) {
@@ -226,16 +242,15 @@ class Survey {
   }
 
   // Whether this combination goes on, and what its next rung will take.
-  void advance(Lane& lane, const WorkPrecisionRun& run, bool given_up) {
+  void advance(Lane& lane, const WorkPrecisionRun& run, double spent) {
     double growth =
         lane.adaptive ? (lane.last_cpu > 0 ? std::clamp(run.cpu / lane.last_cpu, 1.1, 5.0) : kFirstDecade) : 2;
     if (!lane.adaptive && lane.rung + 1 < n_rungs(lane))
       growth = static_cast<double>(options_.steps[lane.rung + 1]) / options_.steps[lane.rung];
-    const double one = growth * run.cpu;
-    lane.expected = one * (one > options_.quick ? 1 : 1 + std::max(1, options_.repeats));
+    lane.expected = growth * spent;
     lane.last_cpu = run.cpu;
     ++lane.rung;
-    lane.over = given_up || lane.rung >= n_rungs(lane);
+    lane.over = lane.rung >= n_rungs(lane);
     if (!run.done()) return;
     const double e = relative(run.error);
     lane.n_stuck = e < kFalls * lane.best ? 0 : lane.n_stuck + 1;
@@ -262,6 +277,7 @@ class Survey {
   }
 
   bool hopeless(const WorkPrecisionRun& run) const {
+    if (relative(run.error) > kWrong) return false;  // to be as wrong as that is cheap
     return std::any_of(result_.runs.begin(), result_.runs.end(), [&](const WorkPrecisionRun& other) {
       return other.done() && relative(other.error) <= relative(run.error) && run.cpu > options_.hopeless * other.cpu;
     });

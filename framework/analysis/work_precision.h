@@ -85,7 +85,7 @@ struct WorkPrecisionOptions {
   double reference_tolerance = 1e-13;    ///< up to 1000 times wider where it cannot be met
   double budget = 60;                    ///< s by the clock; what would not fit is left out and says so
   int repeats = 3;                       ///< of runs below `quick`; the least time counts
-  double quick = 0.1;                    ///< s
+  double quick = 0.02;                   ///< s
   double hopeless = 100;  ///< a combination ends where it costs so many times what another took for the same error
 
   ErrorKind target_kind = ErrorKind::position;
