@@ -30,6 +30,7 @@
 #include "integrators/dopri5.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau5.h"
+#include "integrators/rattle.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"
 #include "motionlaws/constant.h"

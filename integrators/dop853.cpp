@@ -65,21 +65,23 @@ constexpr double kDense[4][kAll] = {
    -37.45832313645163, 104.0996495089623, 29.8402934266605, -43.53345659001114, 96.32455395918828, -39.17726167561544,
    -149.72683625798564}};
 // clang-format on
-constexpr EmbeddedScheme kScheme{"dop853", {8, kStages, kAll, 15, kA[0], kB, kC}, 12, kError5, kError3, 4, kDense[0]};
+constexpr EmbeddedScheme kScheme{"dop853", {8, kStages, kAll, 15, kA[0], kB, kC}, 12, 11, 6.1, kError5, kError3, 4,
+                                 kDense[0]};
 
 }  // namespace
 
 TypeInfo Dop853::type_info() {
-  return {"dop853",
-          "Runge-Kutta of order 8 with error control and dense output: the accurate choice",
-          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+  return {"dop853", "Runge-Kutta of order 8 with error control and dense output: the accurate choice",
+          EmbeddedOptions::keys()};
 }
 
 std::unique_ptr<Integrator> Dop853::make(const Params& params) {
-  return std::make_unique<Dop853>(params.boolean("fixed"));
+  return std::make_unique<Dop853>(EmbeddedOptions::from(params));
 }
 
-Dop853::Dop853(bool fixed) : EmbeddedRungeKutta(kScheme, fixed) {}
+Dop853::Dop853(EmbeddedOptions options) : EmbeddedRungeKutta(kScheme, options) {}
+
+Dop853::Dop853(bool fixed) : Dop853(EmbeddedOptions{fixed}) {}
 
 IntegratorInfo Dop853::info() const { return {"dop853", 8, false, !fixed(), kStages}; }
 

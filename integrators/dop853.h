@@ -15,6 +15,7 @@ class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
+  explicit Dop853(EmbeddedOptions options);
   explicit Dop853(bool fixed = false);
 
   IntegratorInfo info() const override;

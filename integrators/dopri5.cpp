@@ -22,21 +22,22 @@ constexpr double kDense[kStages] = {-12715105075.0 / 11282082432,  0,
                                     87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
                                     701980252875.0 / 199316789632, -1453857185.0 / 822651844,
                                     69997945.0 / 29380423};
-constexpr EmbeddedScheme kScheme{"dopri5", {5, kStages, kStages, 6, kA[0], kB, kC}, 6, kError, nullptr, 1, kDense};
+constexpr EmbeddedScheme kScheme{"dopri5", {5, kStages, kStages, 6, kA[0], kB, kC}, 6, 5, 3.25, kError, nullptr, 1,
+                                 kDense};
 
 }  // namespace
 
 TypeInfo Dopri5::type_info() {
-  return {"dopri5",
-          "Runge-Kutta of order 5 with error control and dense output: the default",
-          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+  return {"dopri5", "Runge-Kutta of order 5 with error control and dense output: the default", EmbeddedOptions::keys()};
 }
 
 std::unique_ptr<Integrator> Dopri5::make(const Params& params) {
-  return std::make_unique<Dopri5>(params.boolean("fixed"));
+  return std::make_unique<Dopri5>(EmbeddedOptions::from(params));
 }
 
-Dopri5::Dopri5(bool fixed) : EmbeddedRungeKutta(kScheme, fixed) {}
+Dopri5::Dopri5(EmbeddedOptions options) : EmbeddedRungeKutta(kScheme, options) {}
+
+Dopri5::Dopri5(bool fixed) : Dopri5(EmbeddedOptions{fixed}) {}
 
 IntegratorInfo Dopri5::info() const { return {"dopri5", 5, false, !fixed(), kStages}; }
 

@@ -13,6 +13,7 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
+  explicit Dopri5(EmbeddedOptions options);
   explicit Dopri5(bool fixed = false);
 
   IntegratorInfo info() const override;

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "framework/dynamics/integrator.h"
+#include "framework/model/params.h"
 #include "integrators/runge_kutta.h"
 #include "integrators/step_control.h"
+#include "integrators/stiffness.h"
 
 namespace lockstep {
 
@@ -15,16 +17,31 @@ struct EmbeddedScheme {
   const char* name = "";
   Tableau tableau;  ///< its stage `end_stage` is the rate at the end of the step
   int end_stage = 0;
+  int late_stage = 0;              ///< another one at c = 1
+  double stability = 0;            ///< h |lambda| at the end of its interval of stability on the negative axis
   const double* error = nullptr;   ///< error = h sum e_i k_i
   const double* second = nullptr;  ///< a second, coarser one, or null: then error e5^2 / sqrt(e5^2 + 0.01 e3^2)
   int n_dense = 0;                 ///< polynomials of the dense output beyond the cubic ones: h sum d_i k_i
   const double* d = nullptr;       ///< n_dense rows of tableau.n_all
 };
 
+/// Where the stages are evaluated: as they are, on the constraints (see StagesOn), or on the constraints while a stage
+/// is near a singular position: when the detector of a solve (SolveReport) falls under 1e-2, until it is above 3e-2.
+enum class StagesWhen { plain, manifold, automatic };
+
+/// How an embedded method is asked to work; what its keys say in a scene.
+struct EmbeddedOptions {
+  bool fixed = false;  ///< steps as told, without error control
+  StagesWhen stages = StagesWhen::plain;
+
+  static Keys keys();
+  static EmbeddedOptions from(const Params&);
+};
+
 /// Steps that violate the constraints by more than 1e-3 of the scene's length before projection are rejected as well.
 /// The projection moves the end of a step, so its last stage is no first stage of the next one: every stage is
 /// evaluated. A stage that cannot be evaluated (NonFiniteError, SolveError) rejects the step a few times; then the
-/// error goes on its way.
+/// error goes on its way. With the stages on the constraints a chosen step turns no body by more than 0.5 rad.
 class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
  public:
   void begin(Dynamics&, const State&) override;
@@ -34,32 +51,47 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
   double first_step(Dynamics&, const State&, double largest) override;
-  void save(Snapshot& out) const override { control_.save(out); }
-  void restore(const Snapshot& in) override { control_.restore(in), h_ = 0; }
+  void save(Snapshot&) const override;
+  void restore(const Snapshot&) override;
 
  protected:
-  EmbeddedRungeKutta(const EmbeddedScheme& scheme, bool fixed)
-      : scheme_(scheme), fixed_(fixed), control_(scheme.tableau.order) {}
-  bool fixed() const { return fixed_; }
+  EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options)
+      : scheme_(scheme), options_(options), control_(scheme.tableau.order), watch_(scheme.stability) {}
+  bool fixed() const { return options_.fixed; }
 
  private:
   struct Try {
     double error = 0, violation = 0, violation_after = 0;
-    bool landed = false;  ///< projected, and near enough before
+    bool landed = false;    ///< projected, and near enough before
+    bool singular = false;  ///< to be made again with the stages on the constraints
   };
-  Try attempt(Dynamics&, double h);
+  void start_step(Dynamics&, const State&);
+  Try attempt(Dynamics&, double h, double limit);
+  void finish_step(const Try&, double h, int shifts, State&, StepReport&);
   double estimate(double h);
-  double shorter(const Try&) const;
+  bool misplaced(const Try&) const;
+  double detector() const;
+  bool blind(int stage) const;
+  double longest(double h) const;
+  void watch_stiffness(const Dynamics&, double h);
+  std::string blame(double h, double t, int rejected) const;
   void prepare_dense() const;
 
   const EmbeddedScheme& scheme_;
-  bool fixed_;
+  EmbeddedOptions options_;
   ErrorNorm norm_;
   StepControl control_;
+  StiffnessWatch watch_;
+  Weights error_w_, second_w_, gap_w_;
+  std::vector<Weights> dense_w_;
   Dynamics* dynamics_ = nullptr;
   State start_, end_, landed_;  // of the step: where it began, its end before and after normalisation and projection
-  StateRate error_;
-  double h_ = 0;  // of the last step; 0: there is none
+  StateRate error_, gap_;       // gap_: end of the last step less its late stage
+  StagesOn on_ = StagesOn::plain;
+  double h_ = 0;             // of the last step; 0: there is none
+  double landed_t_ = 0;      // its end
+  bool singular_ = false;    // automatic: the next step begins with its stages on the constraints
+  bool first_done_ = false;  // the first stage of the present step stands
 
   mutable Stages stages_;  // dense() adds its stages when it is called first
   mutable bool dense_ready_ = false;

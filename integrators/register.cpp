@@ -5,6 +5,7 @@
 #include "integrators/dopri5.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau5.h"
+#include "integrators/rattle.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"
 
@@ -18,6 +19,8 @@ void register_integrators(Registry& registry) {
   registry.integrators.add(Dop853::type_info(), &Dop853::make);
   registry.integrators.add(GeneralizedAlpha::type_info(), &GeneralizedAlpha::make);
   registry.integrators.add(Radau5::type_info(), &Radau5::make);
+  for (const int order : {2, 4})
+    registry.integrators.add(Rattle::type_info(order), [order](const Params&) { return Rattle::make(order); });
 }
 
 }  // namespace lockstep

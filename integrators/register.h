@@ -7,7 +7,8 @@ namespace lockstep {
 
 class Registry;
 
-/// Puts semi_implicit_euler, rk4, dopri5 and dop853 on the registry's shelf.
+/// Puts semi_implicit_euler, rk4, dopri5, dop853, generalized_alpha, radau5, rattle2 and rattle4 on the registry's
+/// shelf.
 LOCKSTEP_API void register_integrators(Registry&);
 
 }  // namespace lockstep

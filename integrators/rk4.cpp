@@ -22,11 +22,11 @@ void Rk4::begin(Dynamics&, const State& state) {
 }
 
 StepReport Rk4::step(Dynamics& dynamics, State& state, double h) {
-  end_.z = state.z;
+  if (state.z.size() > 0) end_.z = state.z;
   stages_.evaluate(dynamics, state, h, 0, 4);
-  stages_.combine(state, h, kB, 4, end_);
+  stages_.end(state, h, end_);
   const ProjectReport landed = land_or_throw(dynamics, end_, "rk4", state.t, h);
-  copy_motion(end_, state);
+  take_motion(end_, state);
   StepReport report;
   report.h = h;
   report.violation = landed.before;

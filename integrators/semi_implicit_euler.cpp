@@ -26,7 +26,7 @@ StepReport SemiImplicitEuler::step(Dynamics& dynamics, State& state, double h) {
   dynamics.advance(end_, h, end_.v);
   end_.t = state.t + h;
   const ProjectReport landed = land_or_throw(dynamics, end_, "semi_implicit_euler", state.t, h);
-  copy_motion(end_, state);
+  take_motion(end_, state);
   StepReport report;
   report.h = h;
   report.violation = landed.before;

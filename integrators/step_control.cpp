@@ -11,56 +11,82 @@ namespace {
 
 constexpr double kTiny = 1e-300;  // nothing moves and no absolute tolerance: 0/0 is 0
 
-Quat quat_of(const VecX& q, int slot) { return Quat::from(q.segment<4>(7 * slot + 3)); }
-
-// Largest length of the 3 numbers at `first` of every slot's 6.
-double largest(const VecX& v, int first) {
-  double most = 0;
-  for (Eigen::Index i = first; i < v.size(); i += 6) most = std::max(most, v.segment<3>(i).squaredNorm());
-  return std::sqrt(most);
+double squared(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+double squared_difference(const double* a, const double* b) {
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return x * x + y * y + z * z;
 }
+// |vec(conj(a) b)|^2.
+double squared_turn(const double* a, const double* b) {
+  const double x = a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2];
+  const double y = a[0] * b[2] - a[2] * b[0] - a[3] * b[1] + a[1] * b[3];
+  const double z = a[0] * b[3] - a[3] * b[0] - a[1] * b[2] + a[2] * b[1];
+  return x * x + y * y + z * z;
+}
+
+// Largest squares of the first and of the last three of every slot's 6; `sum` collects them all, so that what is not
+// finite shows.
+struct Largest {
+  double linear = 0, angular = 0, sum = 0;
+  explicit Largest(const VecX& v) {
+    const double* p = v.data();
+    for (const double* end = p + v.size(); p != end; p += 6) {
+      const double x = squared(p), w = squared(p + 3);
+      linear = std::max(linear, x), angular = std::max(angular, w);
+      sum += x + w;
+    }
+  }
+};
 
 }  // namespace
 
 void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
-  const int n = static_cast<int>(y0.v.size() / 6);
+  const Eigen::Index n = y0.v.size() / 6;
+  const double *q0 = y0.q.data(), *q1 = y1.q.data(), *v0 = y0.v.data(), *v1 = y1.v.data();
   double x = 0, r = 0, v = 0, w = 0;
-  for (int i = 0; i < n; ++i) {
-    x = std::max(x, (y1.q.segment<3>(7 * i) - y0.q.segment<3>(7 * i)).squaredNorm());
-    r = std::max(r, (conjugate(quat_of(y0.q, i)) * quat_of(y1.q, i)).vec().squaredNorm());
-    v = std::max(v, (y1.v.segment<3>(6 * i) - y0.v.segment<3>(6 * i)).squaredNorm());
-    w = std::max(w, (y1.v.segment<3>(6 * i + 3) - y0.v.segment<3>(6 * i + 3)).squaredNorm());
+  for (Eigen::Index i = 0; i < n; ++i, q0 += 7, q1 += 7, v0 += 6, v1 += 6) {
+    x = std::max(x, squared_difference(q1, q0));
+    r = std::max(r, squared_turn(q0 + 3, q1 + 3));
+    v = std::max(v, squared_difference(v1, v0));
+    w = std::max(w, squared_difference(v1 + 3, v0 + 3));
   }
-  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
-  x_ = atol + rtol * std::max(std::sqrt(x), h * largest(y0.v, 0));
-  r_ = atol + rtol * std::max(2 * std::sqrt(r), h * largest(y0.v, 3));
-  v_ = atol + rtol * std::max(std::sqrt(v), h * largest(k0.v, 0));
-  w_ = atol + rtol * std::max(std::sqrt(w), h * largest(k0.v, 3));
-  const int n_s = n_s_;
-  s_ = (atol + rtol * (y1.s.head(n_s) - y0.s.head(n_s)).array().abs().max(h * k0.s.head(n_s).array().abs())).matrix();
+  const Largest speed(y0.v), acceleration(k0.v);
+  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative, h2 = h * h;
+  x_ = atol + rtol * std::sqrt(std::max(x, h2 * speed.linear));
+  r_ = atol + rtol * std::sqrt(std::max(4 * r, h2 * speed.angular));
+  v_ = atol + rtol * std::sqrt(std::max(v, h2 * acceleration.linear));
+  w_ = atol + rtol * std::sqrt(std::max(w, h2 * acceleration.angular));
+  s_.resize(n_s_);
+  for (Eigen::Index i = 0; i < n_s_; ++i)
+    s_[i] = atol + rtol * std::max(std::abs(y1.s[i] - y0.s[i]), h * std::abs(k0.s[i]));
 }
 
 void ErrorNorm::scale(const State& y0, double length) {
+  const Largest speed(y0.v);
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
   x_ = atol + rtol * length;
   r_ = atol + rtol;
-  v_ = atol + rtol * largest(y0.v, 0);
-  w_ = atol + rtol * largest(y0.v, 3);
+  v_ = atol + rtol * std::sqrt(speed.linear);
+  w_ = atol + rtol * std::sqrt(speed.angular);
   s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
 }
 
 // Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; what lengthens e is normalised away.
 double ErrorNorm::of(const StateRate& error, const State& y1) const {
-  const int n = static_cast<int>(y1.v.size() / 6);
-  double x = 0, r = 0;
-  for (int i = 0; i < n; ++i) {
-    x = std::max(x, error.q.segment<3>(7 * i).squaredNorm());
-    r = std::max(r, (conjugate(quat_of(y1.q, i)) * quat_of(error.q, i)).vec().squaredNorm());
+  const Eigen::Index n = y1.v.size() / 6;
+  const double *d = error.q.data(), *q = y1.q.data();
+  double x = 0, r = 0, sum = 0;
+  for (Eigen::Index i = 0; i < n; ++i, d += 7, q += 7) {
+    const double xx = squared(d), rr = squared_turn(q + 3, d + 3);
+    x = std::max(x, xx), r = std::max(r, rr);
+    sum += xx + rr;
   }
+  const Largest v(error.v);
   double worst =
-      std::max({std::sqrt(x) / x_, 2 * std::sqrt(r) / r_, largest(error.v, 0) / v_, largest(error.v, 3) / w_});
+      std::max({std::sqrt(x) / x_, 2 * std::sqrt(r) / r_, std::sqrt(v.linear) / v_, std::sqrt(v.angular) / w_});
   for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
-  return error.q.allFinite() && error.v.allFinite() && error.s.allFinite() ? worst : HUGE_VAL;
+  for (Eigen::Index i = 0; i < error.s.size(); ++i) sum += std::abs(error.s[i]);
+  return std::isfinite(sum + v.sum) ? worst : HUGE_VAL;
 }
 
 double StepControl::accept(double error, bool after_rejection) {

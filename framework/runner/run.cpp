@@ -1,6 +1,7 @@
 // The verbs that move something: run and assemble.
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -106,6 +107,14 @@ void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, 
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
   fmt::print("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
              counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
+  if (r.manifold_steps > 0)
+    fmt::print("  stages     on the constraints in {} of {}, as singular positions ask for\n", r.manifold_steps,
+               counted(r.steps, "step", "steps"));
+  if (std::isfinite(r.stiff_since))
+    fmt::print(
+        "  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
+        "cheaper (--integrator radau5 or generalized_alpha)\n",
+        r.stiff_since);
   if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
   fmt::print("{}", summary.text());
   if (!sim.system().links().empty())

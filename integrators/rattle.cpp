@@ -1,0 +1,220 @@
+// Sources: H. C. Andersen, J. Comput. Phys. 52 (1983) 24; A. Dullweber, B. Leimkuhler & R. McLachlan, J. Chem. Phys.
+// 107 (1997) 5840; M. Suzuki, Phys. Lett. A 146 (1990) 319; Hairer, Lubich & Wanner, Geometric Numerical Integration
+// (2006), VII.1 and II.4.
+#include "integrators/rattle.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/support/error.h"
+#include "integrators/runge_kutta.h"
+
+namespace lockstep {
+
+struct RattleScheme {
+  const char* name;
+  const char* help;
+  int order, n;
+  std::array<double, 5> part;  // of the step, one a substep
+};
+
+namespace {
+
+constexpr double kSuzuki = 0.41449077179437573714;  // 1/(4 - 4^(1/3))
+constexpr RattleScheme kSchemes[] = {
+    {"rattle2", "symplectic, order 2, fixed step: energy over long runs, no dampers", 2, 1, {1, 0, 0, 0, 0}},
+    {"rattle4",
+     "symplectic, order 4, fixed step: energy over long runs, no dampers",
+     4,
+     5,
+     {kSuzuki, kSuzuki, 1 - 4 * kSuzuki, kSuzuki, kSuzuki}}};
+constexpr int kRounds = 50;  // of the multipliers; a handful is usual
+
+const RattleScheme& scheme_of(int order) { return kSchemes[order == 4 ? 1 : 0]; }
+
+// Numbers that are no motion in particular.
+VecX any_velocities(Eigen::Index n, double sign) {
+  VecX v(n);
+  for (Eigen::Index i = 0; i < n; ++i) v[i] = sign * (0.3 + 0.7 * std::cos(1.7 * static_cast<double>(i)));
+  return v;
+}
+
+VecX pushed_by(const Force& force, const Inputs& in, Eigen::Index n) {
+  VecX f = VecX::Zero(n);
+  WrenchSum sum(in.motions, f);
+  force.apply(in, sum);
+  return f;
+}
+
+}  // namespace
+
+TypeInfo Rattle::type_info(int order) { return {scheme_of(order).name, scheme_of(order).help, {}}; }
+
+std::unique_ptr<Integrator> Rattle::make(int order) { return std::make_unique<Rattle>(order); }
+
+Rattle::Rattle(int order) : scheme_(scheme_of(order)) {}
+
+IntegratorInfo Rattle::info() const { return {scheme_.name, scheme_.order, false, false, scheme_.n}; }
+
+void Rattle::begin(Dynamics& dynamics, const State& state) {
+  now_ = next_ = state;
+  refuse_unsuited(dynamics, state);
+  const System& system = dynamics.system();
+  turning_.clear();
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (system.body_of_slot(k).freedoms == Freedoms::spatial)
+      turning_.push_back({k, FreeRotation(system.body_of_slot(k).mass.J)});
+  dynamics.gather(state);
+  const Eigen::Index n = state.v.size(), m = dynamics.rows().n_rows;
+  v_half_ = guess_ = f_ = d_ = VecX::Zero(n);
+  C_ = Cd_ = lambda_ = VecX::Zero(m);
+  rate0_ = rate1_ = sized_like(state);
+  ready_ = false;
+}
+
+void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
+  const System& system = dynamics.system();
+  const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
+  if (system.n_steering_states() > 0) {
+    std::string who;
+    for (const auto& link : system.links())
+      if (link->n_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
+    for (const auto& auxiliary : system.auxiliaries())
+      if (auxiliary->steers() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+    throw ModelError(
+        fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
+  }
+  State moving = state;
+  for (const double sign : {1.0, -1.0})
+    for (const auto& force : system.forces()) {
+      moving.v.setZero();
+      dynamics.gather(moving);
+      const VecX still = pushed_by(*force, dynamics.inputs(), state.v.size());
+      moving.v = any_velocities(state.v.size(), sign);
+      dynamics.gather(moving);
+      const VecX change = pushed_by(*force, dynamics.inputs(), state.v.size()) - still;
+      if (change.norm() > 1e-9 * still.norm())
+        throw ModelError(
+            fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method keeps the "
+                        "energy{}",
+                        scheme_.name, force->name(), force->type(),
+                        scheme_.n > 1 ? " and goes back in time inside a step" : "") +
+            advice);
+    }
+}
+
+StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
+  const bool quadratures = state.s.size() > 0;
+  if (quadratures) dynamics.rate(state, rate0_);
+  if (!matrix_stands(dynamics, state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
+    ready_ = false;
+    copy_motion(state, next_);
+    if (state.z.size() > 0) next_.z = state.z;
+    look(dynamics);
+    kick(dynamics, 2.0);
+  }
+  copy_motion(state, now_);
+  if (state.z.size() > 0) now_.z = next_.z = state.z;
+  for (int i = 0; i < scheme_.n; ++i) substep(dynamics, scheme_.part[static_cast<std::size_t>(i)] * h);
+  StepReport report;
+  report.h = h;
+  report.violation = report.violation_after = dynamics.norm(C_);
+  now_.t = state.t + h;
+  dynamics.normalize(now_);
+  if (quadratures) {
+    dynamics.rate(now_, rate1_);
+    now_.s += 0.5 * h * (rate0_.s + rate1_.s);
+  }
+  copy_motion(now_, state);
+  ready_ = true;
+  return report;
+}
+
+// Observers may have evaluated other states meanwhile, an event may have changed this one.
+bool Rattle::matrix_stands(Dynamics& dynamics, const State& state) const {
+  return ready_ && factors_ == dynamics.work().factors && state.t == now_.t && state.q == now_.q && state.v == now_.v;
+}
+
+// From now_, whose matrix is factored, to now_ a time h later, with the matrix there.
+void Rattle::substep(Dynamics& dynamics, double h) {
+  v_half_ = now_.v + 0.5 * h * guess_;
+  const double left = find_multipliers(dynamics, h, now_.t + h);
+  if (!(left <= dynamics.options().stabilization.tolerance)) {
+    ready_ = false;
+    blame(h, left);
+  }
+  kick(dynamics, h);
+  next_.v += 0.5 * h * guess_;
+  now_.q.swap(next_.q), now_.v.swap(next_.v), now_.t = next_.t;
+}
+
+// mu by C(q1) = 0, its matrix that of q0: J(q0) d = -C(q1)/h, M d = -J(q0)^T mu. To round-off, for what is left is no
+// longer symplectic. What remains, m.
+double Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
+  const double ulp = std::numeric_limits<double>::epsilon();
+  double before = HUGE_VAL;
+  for (int round = 0;; ++round) {
+    drift(h);
+    next_.t = t;
+    look(dynamics);
+    const double left = dynamics.norm(C_);
+    const double floor = 1e-14 * dynamics.system().length() + 4 * ulp * next_.q.lpNorm<Eigen::Infinity>();
+    const bool rests = round > 1 && left > 0.5 * before && left <= 100 * floor;
+    if (left <= floor || rests || round == kRounds || !std::isfinite(left)) return left;
+    before = left;
+    C_ /= -h;
+    f_.setZero();
+    dynamics.keep_factor();
+    dynamics.solve(f_, C_, d_, lambda_);
+    v_half_ += d_;
+  }
+}
+
+// q1 and v of the drift from q0 with v_half_.
+void Rattle::drift(double h) {
+  next_.q = now_.q;
+  next_.v = v_half_;
+  for (Eigen::Index k = 0; k < next_.v.size() / 6; ++k) next_.q.segment<3>(7 * k) += h * next_.v.segment<3>(6 * k);
+  for (const Turning& body : turning_) {
+    Quat e = Quat::from(next_.q.segment<4>(7 * body.slot + 3));
+    Vec3 w = next_.v.segment<3>(6 * body.slot + 3);
+    body.rotation.turn(h, e, w);
+    next_.q.segment<4>(7 * body.slot + 3) = e.coefficients();
+    next_.v.segment<3>(6 * body.slot + 3) = w;
+  }
+}
+
+// C and J v + Ct at next_.
+void Rattle::look(Dynamics& dynamics) {
+  dynamics.gather(next_);
+  dynamics.residuals(C_, Cd_);
+  ++dynamics.work().evaluations;
+}
+
+// The second kick at next_, which was looked at last: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
+void Rattle::kick(Dynamics& dynamics, double h) {
+  f_ = dynamics.force();
+  for (const Turning& body : turning_) {  // the drift has -w x J w in it
+    const Vec3 w = next_.v.segment<3>(6 * body.slot + 3);
+    f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(dynamics.system().body_of_slot(body.slot).mass.J * w));
+  }
+  f_ *= 0.5 * h;
+  Cd_ = -Cd_;
+  dynamics.solve(f_, Cd_, d_, lambda_);
+  guess_ = (2 / h) * d_;
+  factors_ = dynamics.work().factors;
+}
+
+void Rattle::blame(double h, double left) const {
+  throw StepError(
+      fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s were not found ({:.3g} m of the "
+                  "constraints remain); take a smaller step (--step), or, where the mechanism passes a singular "
+                  "position, dop853 with \"stages\": \"manifold\"",
+                  scheme_.name, h, now_.t, left),
+      now_.t);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,60 @@
+// rattle2, rattle4: symplectic and reversible on the constraints, for the energy of long runs (Andersen 1983).
+//
+//   p' = p + h/2 f(q0) - J(q0)^T mu,   q1 = drift(h, q0, p') with C(q1) = 0
+//   p1 = p' + h/2 f(q1) - J(q1)^T nu   with J(q1) M^-1 p1 = -Ct
+//
+// Order 2; order 4 composed of five (Suzuki 1990). Bodies turn freely in the drift (FreeRotation).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "framework/dynamics/integrator.h"
+#include "framework/model/params.h"
+#include "integrators/free_rotation.h"
+
+namespace lockstep {
+
+struct RattleScheme;
+
+/// Fixed step; a substep costs one factor and 3 to 5 looks at the constraints. The energy swings about its start and
+/// does not drift. Forces must not depend on velocities, and nothing that is integrated beside the mechanism may steer
+/// it: ModelError from begin(), with the name. Its multipliers are not found through singular positions: StepError.
+/// Mere quadratures (State::s) go by the trapezoidal rule, order 2. No error estimate, no dense output.
+class LOCKSTEP_API Rattle final : public Integrator {
+ public:
+  static TypeInfo type_info(int order);
+  static std::unique_ptr<Integrator> make(int order);
+  /// 2 or 4.
+  explicit Rattle(int order);
+
+  IntegratorInfo info() const override;
+  void begin(Dynamics&, const State&) override;
+  StepReport step(Dynamics&, State&, double h) override;
+  void restore(const Snapshot&) override { ready_ = false; }
+
+ private:
+  struct Turning {
+    int slot;
+    FreeRotation rotation;
+  };
+  void refuse_unsuited(Dynamics&, const State&) const;
+  void substep(Dynamics&, double h);
+  double find_multipliers(Dynamics&, double h, double t);
+  void drift(double h);
+  void look(Dynamics&);
+  void kick(Dynamics&, double h);
+  bool matrix_stands(Dynamics&, const State&) const;
+  [[noreturn]] void blame(double h, double left) const;
+
+  const RattleScheme& scheme_;
+  std::vector<Turning> turning_;
+  State now_, next_;     // before and after a drift; next_ is where things were looked at last
+  VecX v_half_, guess_;  // velocities of the drift; what the last kick of 1 s brought
+  VecX C_, Cd_, f_, d_, lambda_;
+  StateRate rate0_, rate1_;
+  bool ready_ = false;  // now_ is the state that comes next, and its matrix is factored,
+  long factors_ = 0;    // if nobody factored since
+};
+
+}  // namespace lockstep

@@ -1,0 +1,99 @@
+#include "integrators/rattle.h"
+
+#include "framework/lockstep.h"
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/motions.h"
+
+using namespace lockstep;
+
+TEST_CASE("rattle converges with its order", "[unit][integrators]") {
+  const int order = GENERATE(2, 4);
+  Rattle method(order);
+  ThrownTop top;
+  CHECK(measured_order(top, method, 1.0, 50) == Approx(order).margin(0.05));
+  RodPendulum pendulum;
+  CHECK(measured_order(pendulum, method, 1.0, 50) == Approx(order).margin(0.05));
+}
+
+TEST_CASE("rattle ends on the constraints, positions and velocities", "[unit][integrators]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  Rattle method(4);
+  const State s = stepped(dynamics, method, 1.0, 40);
+  CHECK(dynamics.violation(s) < 1e-13);
+  CHECK(dynamics.violation_v(s) < 1e-12);
+  CHECK(s.q.segment<4>(3).norm() == Approx(1).epsilon(1e-15));
+}
+
+// Reversible: the same steps back lead to the start, though each of them is wrong by its order.
+TEST_CASE("rattle goes back the way it came", "[unit][integrators]") {
+  const int order = GENERATE(2, 4);
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  Rattle method(order);
+  const State start = pendulum.system.start();
+  State s = start;
+  method.begin(dynamics, s);
+  for (int i = 0; i < 20; ++i) method.step(dynamics, s, 0.05);
+  REQUIRE((s.q - start.q).norm() > 0.3);
+  for (int i = 0; i < 20; ++i) method.step(dynamics, s, -0.05);
+  CHECK((s.q - start.q).norm() < 1e-11);
+  CHECK((s.v - start.v).norm() < 1e-11);
+}
+
+TEST_CASE("what others evaluate between two steps of rattle changes nothing", "[unit][integrators]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  Rattle method(2);
+  State calm = pendulum.system.start(), disturbed = calm;
+  method.begin(dynamics, calm);
+  for (int i = 0; i < 5; ++i) method.step(dynamics, calm, 0.05);
+  method.begin(dynamics, disturbed);
+  for (int i = 0; i < 5; ++i) {
+    method.step(dynamics, disturbed, 0.05);
+    dynamics.evaluate(pendulum.system.start());
+  }
+  CHECK((calm.q - disturbed.q).norm() < 1e-13);
+}
+
+TEST_CASE("rattle refuses a damper by its name", "[unit][integrators]") {
+  const int order = GENERATE(2, 4);
+  RodPendulum pendulum;
+  Marker& hook = pendulum.system.add_marker("hook", pendulum.system.body("rod"));
+  Marker& anchor = pendulum.system.add_marker("anchor", pendulum.system.ground(), {{1, 0, 0}, {}});
+  pendulum.system.add<SpringDamper>("spring", hook, anchor, SpringDamper::Options{.stiffness = 10, .free_length = 0.5});
+  const auto begin = [&] {
+    Dynamics dynamics = dynamics_of(pendulum.system);
+    Rattle(order).begin(dynamics, pendulum.system.start());
+  };
+  CHECK_NOTHROW(begin());
+  pendulum.system.add<SpringDamper>("dashpot", hook, anchor,
+                                    SpringDamper::Options{.stiffness = 10, .damping = 0.1, .free_length = 0.5});
+  testing::check_words(testing::message_of<ModelError>(begin),
+                       {order == 2 ? "rattle2" : "rattle4", "force 'dashpot'", "depends on velocities", "dopri5"});
+}
+
+TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrators]") {
+  RodPendulum pendulum;
+  Body& disc = pendulum.system.add_body("disc", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  pendulum.system.add<Revolute>("motor", disc, pendulum.system.ground(), at(Vec3::Zero(), Vec3(0, 0, 1)))
+      .drive_speed(Axis::rz, constant(2.0));
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  testing::check_words(testing::message_of<ModelError>([&] { Rattle(2).begin(dynamics, pendulum.system.start()); }),
+                       {"rattle2", "link 'motor'", "dopri5"});
+}
+
+TEST_CASE("a step of rattle allocates nothing", "[unit][integrators]") {
+  if (!allocations_are_counted()) return;
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  Rattle method(4);
+  State s = pendulum.system.start();
+  method.begin(dynamics, s);
+  for (int i = 0; i < 3; ++i) method.step(dynamics, s, 0.01);
+  CHECK(allocations_of([&] {
+          for (int i = 0; i < 20; ++i) method.step(dynamics, s, 0.0123456789);
+        }) == 0);
+}

@@ -1,0 +1,57 @@
+#include "integrators/stiffness.h"
+
+#include <cmath>
+
+#include "framework/lockstep.h"
+#include "tests/support/catch.h"
+
+using namespace lockstep;
+
+namespace {
+
+/// A mass of 1 kg on a slide, stiffness and damping to the ground, let go 0.1 m off; what the method says of 0.5 s.
+SimulationReport pulled(const char* method, double stiffness, double damping, double tolerance) {
+  System sys;
+  Body& mass = sys.add_body("mass", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()}, {{0, 0, 0.1}, {}});
+  Marker& P = sys.add_marker("P", mass);
+  Marker& S = sys.add_marker("S", sys.ground());
+  Marker& anchor = sys.add_marker("anchor", sys.ground(), {{0, 0, -1}, {}});
+  sys.add<Prismatic>("slide", P, S);
+  sys.add<SpringDamper>("spring", P, anchor,
+                        SpringDamper::Options{.stiffness = stiffness, .damping = damping, .free_length = 1});
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  Simulation run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
+                 {.tolerance = {tolerance, 1e-2 * tolerance}});
+  return run.run_until(0.5);
+}
+
+}  // namespace
+
+TEST_CASE("damped modes at the limit of stability are stiff, undamped ones and those below it are not",
+          "[unit][integrators]") {
+  const auto look = [](double h_rate, double damped, int steps) {
+    StiffnessWatch watch(3.3);
+    for (int i = 0; i < steps; ++i) watch.look(0.1, 4.0, 4.0 * 100 * h_rate * h_rate, -4.0 * 10 * damped * h_rate);
+    return watch.stiff();
+  };
+  CHECK(look(3.3, 1, 15));
+  CHECK_FALSE(look(3.3, 1, 14));
+  CHECK_FALSE(look(3.3, 0, 15));
+  CHECK_FALSE(look(3.3, -1, 15));  // grows
+  CHECK_FALSE(look(1.5, 1, 15));
+}
+
+TEST_CASE("a stiff spring is called stiff", "[unit][integrators]") {
+  const char* method = GENERATE("dopri5", "dop853");
+  const double tolerance = GENERATE(1e-3, 1e-5);
+  CAPTURE(method, tolerance);
+  CHECK(pulled(method, 4e4, 4e4, tolerance).stiff_since < 0.1);  // overdamped, fast mode 4e4 1/s
+}
+
+TEST_CASE("an undamped fast oscillation is not called stiff", "[unit][integrators]") {
+  const char* method = GENERATE("dopri5", "dop853");
+  const double tolerance = GENERATE(1e-2, 1e-4, 1e-7);
+  CAPTURE(method, tolerance);
+  CHECK(std::isinf(pulled(method, 1e6, 0, tolerance).stiff_since));  // 1000 rad/s
+  CHECK(std::isinf(pulled(method, 1e6, 5, tolerance).stiff_since));  // damped by a 400th
+}

@@ -1,0 +1,85 @@
+// Parallelograms in a row, through ten flat positions in ten seconds. In space every joint is redundant; where all lies
+// flat, more ranks are lost and other motions branch off.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_scene.h"
+
+using namespace lockstep;
+
+namespace {
+
+struct Passage {
+  double error = 0, energy = 0;  ///< largest of the first upright's top, m, and of the energy, J
+  SimulationReport report;
+};
+
+Passage pass(const std::string& scene, const std::string& method, const std::string& stages, double tolerance,
+             double until = 10) {
+  const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + scene + ".json", [&](RunSettings& s) {
+    s.integrator = {method};
+    s.integrator.keys = Value::object({{"stages", stages.c_str()}});
+    s.tolerance = {tolerance, 1e-2 * tolerance};
+    s.until = until;
+  });
+  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + scene + ".csv");
+  Passage p;
+  p.report = run.report;
+  REQUIRE(run.table.n_rows() == static_cast<std::size_t>(std::lround(until / 0.1)) + 1);
+  for (std::size_t i = 0; i < run.table.n_rows(); ++i) {
+    p.error =
+        std::max(p.error, std::hypot(run.table["B0x"][i] - truth["B0x"][i], run.table["B0y"][i] - truth["B0y"][i]));
+    p.energy = std::max(p.energy, std::abs(run.table["energy"][i] - truth["energy"][i]));
+  }
+  return p;
+}
+
+/// Of log error over log tolerance, by least squares.
+double slope_of(const std::vector<double>& tolerance, const std::vector<double>& error) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  const double n = static_cast<double>(error.size());
+  for (std::size_t i = 0; i < error.size(); ++i) {
+    const double a = std::log(tolerance[i]), b = std::log(error[i]);
+    x += a, y += b, xx += a * a, xy += a * b;
+  }
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+}  // namespace
+
+TEST_CASE("through ten flat positions the error follows the tolerance to 1e-9 m", "[verification][integrators]") {
+  struct Way {
+    std::string method, stages;
+    std::vector<double> tolerances;
+    double at_most;  ///< m, of the tolerance
+  };
+  const auto w = GENERATE(Way{"dop853", "manifold", {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11}, 50},
+                          Way{"dop853", "auto", {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11}, 50},
+                          Way{"dopri5", "manifold", {1e-6, 1e-7, 1e-8, 1e-9}, 50},
+                          Way{"dopri5", "auto", {1e-6, 1e-7, 1e-8, 1e-9}, 50});
+  std::vector<double> errors;
+  for (const double tolerance : w.tolerances) {
+    const Passage p = pass("nfourbar_2", w.method, w.stages, tolerance);
+    CAPTURE(w.method, w.stages, tolerance, p.error, p.energy, p.report.steps);
+    CHECK(p.error <= w.at_most * tolerance);
+    CHECK(p.report.manifold_steps > 0);
+    CHECK((p.report.manifold_steps == p.report.steps) == (w.stages == "manifold"));
+    errors.push_back(p.error);
+  }
+  CAPTURE(w.method, w.stages, errors);
+  CHECK(errors.back() < 5e-9);
+  CHECK(slope_of(w.tolerances, errors) == Approx(1).margin(0.3));
+}
+
+TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][integrators]") {
+  const std::string stages = GENERATE("manifold", "auto");
+  for (const double tolerance : {1e-5, 1e-10}) {
+    const Passage p = pass("nfourbar_40", "dop853", stages, tolerance);
+    CAPTURE(stages, tolerance, p.error, p.energy);
+    CHECK(p.error <= 50 * tolerance);
+  }
+}
