@@ -87,7 +87,7 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 }
 
 TEST_CASE("every verb has help with an example", "[runner]") {
-  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart"}) {
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise"}) {
     const Result r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);
@@ -292,7 +292,7 @@ TEST_CASE("check lists the channels, describe says what stands under a key", "[r
   CHECK(contains(call("describe event").text, "list of texts"));
   const std::string all = call("list").text;
   CHECK(contains(all, "dopri5 (default)"));
-  CHECK(contains(all, "sparse (default)"));
+  CHECK(contains(all, "schur (default)"));
   CHECK_FALSE(contains(all, "dense (default)"));
 }
 

@@ -15,19 +15,24 @@ namespace lockstep::peers {
 
 namespace {
 
-/// What is tried on every mechanism as far as the registry has it: name, and its keys as JSON.
-const std::vector<std::string> kIntegrators = {R"(dop853)",
-                                               R"(dopri5)",
+/// What is tried as far as the registry has it, the likeliest first: name, and its keys as JSON.
+const std::vector<std::string> kIntegrators = {"dop853",
                                                R"(dop853{"fixed": true})",
+                                               "dopri5",
                                                R"(dopri5{"fixed": true})",
-                                               R"(rk4)",
-                                               R"(semi_implicit_euler)",
-                                               R"(dop853{"stages": "manifold"})",
-                                               R"(dopri5{"stages": "manifold"})",
-                                               R"(rattle)",
-                                               R"(rattle{"order": 4})",
-                                               R"(generalized_alpha)",
-                                               R"(radau5)"};
+                                               "rk4",
+                                               "rattle2",
+                                               "rattle4",
+                                               "radau5",
+                                               "generalized_alpha",
+                                               "semi_implicit_euler"};
+/// On loops before all others: they may have singular positions.
+const std::vector<std::string> kOnLoops = {
+    R"(dop853{"stages": "auto"})",
+    R"(dopri5{"stages": "auto"})",
+    R"(dop853{"stages": "manifold"})",
+    R"(dop853{"fixed": true, "stages": "manifold"})",
+};
 
 /// One way to run a mechanism.
 struct Method {
@@ -190,7 +195,7 @@ class Ours {
   Ours(int argc, char** argv) : bench_("lockstep", argc, argv), registry_(builtin_registry()) {
     folder_ = bench_.word("--scenes");
     for (const std::string& plugin : bench_.all_words("--plugin")) load_plugin(registry_, plugin);
-    integrators_ = or_else(bench_.all_words("--integrator"), kIntegrators);
+    integrators_ = bench_.all_words("--integrator");
     solvers_ = or_else(bench_.all_words("--solver"), {""});
     planar_ = or_else(bench_.all_words("--planar"), {""});
   }
@@ -200,13 +205,20 @@ class Ours {
       if (!bench_.wants(m)) continue;
       for (const std::string& planar : planar_)
         for (const std::string& solver : solvers_)
-          for (const std::string& integrator : integrators_) try_method(m, integrator, solver, planar);
+          for (const std::string& integrator : integrators_for(m)) try_method(m, integrator, solver, planar);
     }
   }
 
  private:
   static std::vector<std::string> or_else(std::vector<std::string> given, const std::vector<std::string>& standard) {
     return given.empty() ? standard : given;
+  }
+
+  std::vector<std::string> integrators_for(const Mechanism& m) const {
+    if (!integrators_.empty()) return integrators_;
+    std::vector<std::string> names = has_loops(m) ? kOnLoops : std::vector<std::string>();
+    names.insert(names.end(), kIntegrators.begin(), kIntegrators.end());
+    return names;
   }
 
   void try_method(const Mechanism& m, const std::string& integrator, const std::string& solver,
