@@ -28,7 +28,7 @@ bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
 }
 
 void NewtonMatrix::Work::lay_out(const RowTable& rows) {
-  width.clear(), first.clear(), mass.clear(), inertia.clear();
+  width.clear(), first.clear(), mass.clear(), inertia.clear(), inverse_inertia.clear();
   n = 0;
   for (int k = 0; k < system->n_slots(); ++k) {
     const Body& body = system->body_of_slot(k);
@@ -37,6 +37,7 @@ void NewtonMatrix::Work::lay_out(const RowTable& rows) {
     first.push_back(n);
     mass.push_back(body.mass.mass);
     inertia.push_back(particle ? Mat3(Mat3::Zero()) : body.mass.J);
+    inverse_inertia.push_back(particle ? Mat3(Mat3::Zero()) : Mat3(body.mass.J.llt().solve(Mat3::Identity())));
     n += width.back();
   }
   entries = rows.entries;
@@ -102,7 +103,7 @@ void NewtonMatrix::Work::update_scales() {
     const auto k = static_cast<std::size_t>(slot);
     const Eigen::Map<const Vec3> v(r), w(r + 3);
     s[row] += v.squaredNorm() / mass[k];
-    if (width[k] == 6) s[row] += w.dot(inertia[k].llt().solve(Vec3(w)));
+    if (width[k] == 6) s[row] += w.dot(inverse_inertia[k] * w);
   });
   for (const RowEntry& e : entries)
     for (const RowKind kind : {RowKind::translation, RowKind::rotation}) {

@@ -37,7 +37,7 @@ class LOCKSTEP_API NewtonMatrix {
   SolveReport solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l);
 
   /// Residuals that solve() lets stand, relative to the terms of their equation: Newton's method needs few digits of a
-  /// correction. At first 1e-13.
+  /// correction. At first 1e-12.
   void set_residual(double enough);
 
   /// How often a body's own block had no pivot, so that the block factorisation gave way to a dense one (which

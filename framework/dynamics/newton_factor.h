@@ -18,13 +18,13 @@ namespace lockstep {
 /// What the factors are made of: the mechanism's shape and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
-  std::vector<double> mass;       // of each slot
-  std::vector<Mat3> inertia;      // of each slot
-  std::vector<int> width, first;  // of each slot: unknowns and the first of them
-  std::vector<RowEntry> entries;  // as laid out
-  std::vector<double> J;          // 6 a slot and row, entry after entry
-  VecX s;                         // scale of each row, for the proximal term
-  double enough = 1e-13;          // residuals, of the terms of their equation, that need no correction
+  std::vector<double> mass;                    // of each slot
+  std::vector<Mat3> inertia, inverse_inertia;  // of each slot
+  std::vector<int> width, first;               // of each slot: unknowns and the first of them
+  std::vector<RowEntry> entries;               // as laid out
+  std::vector<double> J;                       // 6 a slot and row, entry after entry
+  VecX s;                                      // scale of each row, for the proximal term
+  double enough = 1e-12;                       // residuals, of the terms of their equation, that need no correction
   int n = 0, m = 0;
   BlockPlan plan;
   std::vector<BlockPlan::Place> pairs, row_places,
@@ -74,7 +74,7 @@ class NewtonFactor {
   bool is_dense_ = false;
   long n_dense_ = 0;
   Vec b_, x_, d_;
-  VecX size_;  // of the terms of each equation
+  VecX size_, size_x_;  // of the terms of each equation; of each unknown
 };
 
 template <class T>
@@ -84,7 +84,7 @@ void NewtonFactor<T>::lay_out(const NewtonNumbers& N) {
   E_.setZero(N.m);
   blocks_.lay_out(N.plan);
   for (Vec* v : {&b_, &x_, &d_}) v->setZero(N.n + N.m);
-  size_.setZero(N.n + N.m);
+  for (VecX* v : {&size_, &size_x_}) v->setZero(N.n + N.m);
 }
 
 template <class T>
@@ -100,8 +100,7 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
   }
   J_ = N.J;
   // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (numerics page, section 5).
-  constexpr double kEps = 1e-8;
-  E_ = kEps / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
+  E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
   fill(N);
   is_dense_ = !blocks_.factor(N.plan, [](const BlockPlan::Node&, double ratio) { return ratio == 0; });
@@ -191,34 +190,41 @@ void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
 template <class T>
 typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
   constexpr double kFloor = 1e-3;
-  using block_detail::size_of;
+  using block_detail::size_of, block_detail::times;
   std::array<double, 5> most{};
   for_each_unknown(N, [&](int i, unsigned unit) { most[unit] = std::max(most[unit], size_of(x_[i])); });
+  for_each_unknown(N, [&](int i, unsigned unit) { size_x_[i] = std::max(size_of(x_[i]), kFloor * most[unit]); });
   d_ = b_;
   size_ = b_.cwiseAbs();
-  const auto take = [&](int i, const auto& factor, int j, unsigned unit) {
-    const T product = block_detail::times(factor, x_[j]);
-    d_[i] -= product;
-    size_[i] += std::max(size_of(product), kFloor * size_of(factor) * most[unit]);
-  };
   for (std::size_t p = 0; p < A_.size(); ++p) {
     const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
                column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
-    for (int i = 0; i < N.width[row]; ++i)
-      for (int j = 0; j < N.width[column]; ++j)
-        take(N.first[row] + i, A_[p](i, j), N.first[column] + j, j < 3 ? 0u : 1u);
-  }
-  const double* r = J_.data();
-  for (const RowEntry& e : N.entries)
-    for (int i = 0; i < e.slots.n; ++i)
-      for (int k = 0; k < e.m; ++k, r += 6) {
-        const auto slot = static_cast<std::size_t>(e.slots[i]);
-        const int row = N.n + e.first_row + k;
-        for (int j = 0; j < N.width[slot]; ++j) {
-          take(row, r[j], N.first[slot] + j, j < 3 ? 0u : 1u);
-          take(N.first[slot] + j, r[j], row, 2u + static_cast<unsigned>(e.kind[static_cast<std::size_t>(k)]));
-        }
+    const int i = N.first[row], j = N.first[column];
+    block_detail::with_width(N.width[row], [&](auto width) {
+      constexpr int kI = decltype(width)::value;
+      T sum[kI] = {};
+      double sizes[kI] = {};
+      for (int c = 0; c < N.width[column]; ++c) {
+        const T* A = A_[p].data() + 6 * c;
+        for (int r = 0; r < kI; ++r) sum[r] += times(A[r], x_[j + c]), sizes[r] += size_of(A[r]) * size_x_[j + c];
       }
+      for (int r = 0; r < kI; ++r) d_[i + r] -= sum[r], size_[i + r] += sizes[r];
+    });
+  }
+  N.for_each_row(J_, [&](int row, int slot, const double* r) {
+    const auto k = static_cast<std::size_t>(slot);
+    const int i = N.n + row, j = N.first[k];
+    const T l = x_[i];
+    const double size_l = size_x_[i];
+    T sum(0);
+    double sizes = 0;
+    for (int c = 0; c < N.width[k]; ++c) {
+      const double size = std::abs(r[c]);
+      sum += times(r[c], x_[j + c]), sizes += size * size_x_[j + c];
+      d_[j + c] -= times(r[c], l), size_[j + c] += size * size_l;
+    }
+    d_[i] -= sum, size_[i] += sizes;
+  });
 
   Residual worst;
   double worst_row = 0;

@@ -241,9 +241,8 @@ class BlockFactor {
     for (int l = 0; l < pivot.n_later; ++l) {
       const int n_s = s[l].width;
       const T* Z = at(s[l].U) + (plan.symmetric ? 0 : n * n_s);
-      T* b_s = b + s[l].first;
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n_s; ++j) b_s[j] -= block_detail::times(Z[i * n_s + j], y[i]);
+      block_detail::with_width(
+          n_s, [&](auto width) { block_detail::subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1); });
     }
   }
 
@@ -255,11 +254,14 @@ class BlockFactor {
     for (int l = 0; l < pivot.n_later; ++l) {
       const T* W = at(s[l].U);
       const T* x_s = b + s[l].first;
-      for (int i = 0; i < n; ++i) {
-        T sum(0);
-        for (int j = 0; j < s[l].width; ++j) sum += block_detail::times(W[i * s[l].width + j], x_s[j]);
-        x[i] -= plan.symmetric ? pivot.sign * sum : sum;
-      }
+      block_detail::with_width(s[l].width, [&](auto width) {
+        constexpr int kJ = decltype(width)::value;
+        for (int i = 0; i < n; ++i) {
+          T sum(0);
+          for (int j = 0; j < kJ; ++j) sum += block_detail::times(W[i * kJ + j], x_s[j]);
+          x[i] -= plan.symmetric ? pivot.sign * sum : sum;
+        }
+      });
     }
     const T* D = at(pivot.D);  // R: above the diagonal, or L^T below it
     for (int i = n - 1; i >= 0; --i) {

@@ -31,11 +31,12 @@ class UsageError : public Error {
 
 /// What the command line says about a scene and how to run it. Empty: not said.
 struct Words {
-  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
-  std::vector<std::string> plugins;
-  bool full = false;   ///< every economy off
+  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out, error,
+      of = "position", tolerances, steps;
   std::string planar;  ///< as the scene's key
-  bool quiet = false, json = false, channels = false;
+  std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
+  bool quiet = false, json = false, channels = false, separately = false, certify = false;
+  bool full = false;  ///< every economy off
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -53,6 +54,7 @@ Loaded load(const Words&);
 int run_command(const Words&);
 int check_command(const Words&);
 int chart_command(const Words&);
+int advise_command(const Words&);
 int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);

@@ -87,7 +87,7 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 }
 
 TEST_CASE("every verb has help with an example", "[runner]") {
-  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart"}) {
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise"}) {
     const Result r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);
