@@ -31,13 +31,13 @@ void NewtonMatrix::Work::lay_out(const RowTable& rows) {
   width.clear(), first.clear(), mass.clear(), inertia.clear(), inverse_inertia.clear();
   n = 0;
   for (int k = 0; k < system->n_slots(); ++k) {
-    const Body& body = system->body_of_slot(k);
+    const Slot& body = system->slot(k);
     const bool particle = body.freedoms == Freedoms::particle;
     width.push_back(particle ? 3 : 6);
     first.push_back(n);
-    mass.push_back(body.mass.mass);
-    inertia.push_back(particle ? Mat3(Mat3::Zero()) : body.mass.J);
-    inverse_inertia.push_back(particle ? Mat3(Mat3::Zero()) : Mat3(body.mass.J.llt().solve(Mat3::Identity())));
+    mass.push_back(body.mass);
+    inertia.push_back(particle ? Mat3(Mat3::Zero()) : body.J);
+    inverse_inertia.push_back(particle ? Mat3(Mat3::Zero()) : Mat3(body.J.llt().solve(Mat3::Identity())));
     n += width.back();
   }
   entries = rows.entries;
@@ -136,21 +136,36 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
   w.tangents.clear();
   const Inputs& in = dynamics.inputs();
   w.add_inertia(in);
-  for (const RowEntry& e : rows.entries)
-    system.links()[static_cast<std::size_t>(e.link)]->tangent(
-        in, {lambda.data() + e.first_row, static_cast<std::size_t>(e.m)}, w.tangents);
+  for (const RowEntry& e : rows.entries) {  // rows that the plane leaves out have no multiplier
+    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    std::array<double, kMaxRows> own{};
+    for (int k = 0; k < e.m; ++k)
+      own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
+    link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
+  }
   for (const auto& force : system.forces()) force->tangent(in, w.tangents);
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
+}
+
+// No row holds a planar mechanism in its plane: rounding must not move it out.
+template <class Vector>
+static void stay_in_plane(Plane plane, Vector& x) {
+  if (!plane) return;
+  for (Eigen::Index k = 0; k < x.size(); k += 6) x[k + plane.n] = x[k + 3 + plane.i()] = x[k + 3 + plane.j()] = 0;
 }
 
 void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
 void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->complex.factor(*work_, a, b, c); }
 void NewtonMatrix::set_residual(double enough) { work_->enough = enough; }
 SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) {
-  return work_->real.solve(*work_, f, r, x, l);
+  const SolveReport report = work_->real.solve(*work_, f, r, x, l);
+  stay_in_plane(work_->system->plane(), x);
+  return report;
 }
 SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l) {
-  return work_->complex.solve(*work_, f, r, x, l);
+  const SolveReport report = work_->complex.solve(*work_, f, r, x, l);
+  stay_in_plane(work_->system->plane(), x);
+  return report;
 }
 long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
