@@ -1,0 +1,111 @@
+#include "framework/analysis/reference.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "framework/support/error.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
+constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
+constexpr double kSecondTime = 0.45;      // of the budget, after which no better pair is looked for
+constexpr double kAgreed = 1e-8;  // of the system's length: references that differ by less are not tried for better
+
+class Search {
+ public:
+  Search(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks)
+      : course_(course), options_(options), clocks_(clocks), begin_(clocks.clock()) {}
+
+  Reference make() {
+    const Subject subject = course_.make();
+    result_.length = subject.system->length();
+    double r = options_.reference_tolerance;
+    for (int k = 0; k < 4 && found_.size() < 2; ++k, r *= 10)
+      for (const MethodChoice& method : options_.references)
+        if (!settled() && !known(method) && time_for_another()) find(method, r);
+    if (found_.empty())
+      throw StepError("no reference can be made at a tolerance of " +
+                          fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why_ +
+                          "; chart a shorter run (--until), or give a larger budget (--budget)",
+                      0);
+    if (pair_.second == pair_.first) {
+      find(*found_.front().method, 100 * options_.reference_tolerance);
+      pair_ = {0, found_.size() - 1};
+      result_.agreement = difference(found_.back().history, found_.front().history, result_.length);
+    }
+    result_.name = found_[pair_.first].name;
+    result_.second = pair_.second > 0 ? found_[pair_.second].name : "itself alone (no second run came to its end)";
+    result_.truth = std::move(found_[pair_.first].history);
+    return std::move(result_);
+  }
+
+ private:
+  struct Found {
+    const MethodChoice* method;
+    std::string name;
+    History history;
+  };
+
+  std::optional<History> history_of(const MethodChoice& method, double tolerance) {
+    if (options_.progress) options_.progress(fmt::format("reference: {} at {:g}", method.name, tolerance));
+    Stabilization tight = options_.gains;
+    tight.kind = Stabilization::Kind::project;
+    tight.tolerance = std::min(tight.tolerance, 1e-12);
+    const Recipe recipe{&method,
+                        &options_.solvers.front(),
+                        {Formulation::omega, tight},
+                        {tolerance, 1e-2 * tolerance},
+                        options_.largest_step};
+    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, clocks_, TrialKind::truth);
+    if (out.failure.empty()) return std::move(out.history);
+    why_ = method.name + ": " + out.failure;
+    return std::nullopt;
+  }
+
+  // Another history, and with it perhaps a better pair.
+  void find(const MethodChoice& method, double tolerance) {
+    std::optional<History> history = history_of(method, tolerance);
+    if (!history) return;
+    found_.push_back({&method, fmt::format("{} at {:.0e}", method.name, tolerance), std::move(*history)});
+    const std::size_t last = found_.size() - 1;
+    for (std::size_t i = 0; i < last; ++i) {
+      if (kind_of(*found_[i].method) == kind_of(method)) continue;
+      const HistoryError e = difference(found_[last].history, found_[i].history, result_.length);
+      if (pair_.first != pair_.second && !(e.position < result_.agreement.position)) continue;
+      pair_ = {i, last};
+      result_.agreement = e;
+    }
+  }
+
+  bool settled() const { return pair_.first != pair_.second && result_.agreement.position <= kAgreed * result_.length; }
+  bool time_for_another() const {
+    return clocks_.clock() - begin_ < (found_.size() < 2 ? kReferenceTime : kSecondTime) * options_.budget;
+  }
+  // "dopri5" of "dopri5:stages=manifold".
+  static std::string kind_of(const MethodChoice& method) { return method.name.substr(0, method.name.find(':')); }
+  bool known(const MethodChoice& method) const {
+    return std::any_of(found_.begin(), found_.end(), [&](const Found& f) { return f.method == &method; });
+  }
+
+  const Course& course_;
+  const WorkPrecisionOptions& options_;
+  const Clocks& clocks_;
+  double begin_;
+  std::vector<Found> found_;
+  std::pair<std::size_t, std::size_t> pair_{0, 0};  // those of them that agree best; equal: none do yet
+  std::string why_ = "no adaptive method was offered";
+  Reference result_;
+};
+
+}  // namespace
+
+Reference make_reference(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks) {
+  return Search(course, options, clocks).make();
+}
+
+}  // namespace lockstep
