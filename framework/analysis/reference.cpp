@@ -11,9 +11,9 @@
 namespace lockstep {
 namespace {
 
-constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
-constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
-constexpr double kSecondTime = 0.45;      // of the budget, after which no better pair is looked for
+constexpr double kReferenceShare = 0.1;  // of the budget, that one try for a reference may take
+constexpr double kReferenceTime = 0.6;   // of the budget, after which no wider reference is tried
+constexpr double kSecondTime = 0.45;     // of the budget, after which no better pair is looked for
 constexpr double kAgreed = 1e-8;  // of the system's length: references that differ by less are not tried for better
 
 class Search {
@@ -24,10 +24,13 @@ class Search {
   Reference make() {
     const Subject subject = course_.make();
     result_.length = subject.system->length();
-    double r = options_.reference_tolerance;
-    for (int k = 0; k < 4 && found_.size() < 2; ++k, r *= 10)
-      for (const MethodChoice& method : options_.references)
-        if (!settled() && !known(method) && time_for_another()) find(method, r);
+    // The tightest runs; where those disagree, other choices of keys with more room above round-off; then all with
+    // more.
+    const double r = options_.reference_tolerance;
+    try_all(r, true, false);
+    try_all(100 * r, false, true);
+    try_all(100 * r, true, false);
+    try_all(1000 * r, true, true);
     if (found_.empty())
       throw StepError("no reference can be made at a tolerance of " +
                           fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why_ +
@@ -67,6 +70,16 @@ class Search {
     return std::nullopt;
   }
 
+  // The first method of each kind is the usual one.
+  void try_all(double tolerance, bool usual, bool others) {
+    std::vector<std::string> kinds;
+    for (const MethodChoice& method : options_.references) {
+      const bool first = std::find(kinds.begin(), kinds.end(), kind_of(method)) == kinds.end();
+      if (first) kinds.push_back(kind_of(method));
+      if ((first ? usual : others) && !settled() && time_for_another()) find(method, tolerance);
+    }
+  }
+
   // Another history, and with it perhaps a better pair.
   void find(const MethodChoice& method, double tolerance) {
     std::optional<History> history = history_of(method, tolerance);
@@ -88,9 +101,6 @@ class Search {
   }
   // "dopri5" of "dopri5:stages=manifold".
   static std::string kind_of(const MethodChoice& method) { return method.name.substr(0, method.name.find(':')); }
-  bool known(const MethodChoice& method) const {
-    return std::any_of(found_.begin(), found_.end(), [&](const Found& f) { return f.method == &method; });
-  }
 
   const Course& course_;
   const WorkPrecisionOptions& options_;

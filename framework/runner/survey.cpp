@@ -173,7 +173,7 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
   };
   const std::vector<TypeInfo> types = types_of(registry.integrators);
   for (const TypeInfo& type : types) add(with_known_keys(type, run.integrator.keys), true);
-  for (const Typed& way : all_ways(run.integrator, types)) add(way, way.keys.object()->empty());
+  for (const Typed& way : all_ways(run.integrator, types)) add(way, spelled(way) == way.type);
   std::stable_sort(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
     const bool a_like = a.info.implicit == implicit, b_like = b.info.implicit == implicit;
     if (a.usual != b.usual) return a.usual;
