@@ -12,6 +12,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kReferenceShare = 0.1;  // of the budget, that one try for a reference may take
+constexpr double kLastShare = 0.5;       // the same, when none came to its end before
 constexpr double kReferenceTime = 0.6;   // of the budget, after which no wider reference is tried
 constexpr double kSecondTime = 0.45;     // of the budget, after which no better pair is looked for
 constexpr double kAgreed = 1e-8;  // of the system's length: references that differ by less are not tried for better
@@ -19,7 +20,11 @@ constexpr double kAgreed = 1e-8;  // of the system's length: references that dif
 class Search {
  public:
   Search(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks)
-      : course_(course), options_(options), clocks_(clocks), begin_(clocks.clock()) {}
+      : course_(course),
+        options_(options),
+        clocks_(clocks),
+        begin_(clocks.clock()),
+        limit_(kReferenceShare * options.budget) {}
 
   Reference make() {
     const Subject subject = course_.make();
@@ -31,13 +36,18 @@ class Search {
     try_all(100 * r, false, true);
     try_all(100 * r, true, false);
     try_all(1000 * r, true, true);
+    if (found_.empty()) {  // little time: nearly all of it for one
+      limit_ = kLastShare * options_.budget;
+      for (const MethodChoice& method : options_.references)
+        if (found_.empty() && left() > 0) find(method, 1000 * r);
+    }
     if (found_.empty())
       throw StepError("no reference can be made at a tolerance of " +
                           fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why_ +
                           "; chart a shorter run (--until), or give a larger budget (--budget)",
                       0);
     if (pair_.second == pair_.first) {
-      find(*found_.front().method, 100 * options_.reference_tolerance);
+      find(*found_.front().method, 100 * found_.front().tolerance);
       pair_ = {0, found_.size() - 1};
       result_.agreement = difference(found_.back().history, found_.front().history, result_.length);
     }
@@ -50,6 +60,7 @@ class Search {
  private:
   struct Found {
     const MethodChoice* method;
+    double tolerance;
     std::string name;
     History history;
   };
@@ -64,7 +75,7 @@ class Search {
                         {Formulation::omega, tight},
                         {tolerance, 1e-2 * tolerance},
                         options_.largest_step};
-    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, clocks_, TrialKind::truth);
+    Outcome out = try_run(course_, recipe, limit_, clocks_, TrialKind::truth);
     if (out.failure.empty()) return std::move(out.history);
     why_ = method.name + ": " + out.failure;
     return std::nullopt;
@@ -84,7 +95,7 @@ class Search {
   void find(const MethodChoice& method, double tolerance) {
     std::optional<History> history = history_of(method, tolerance);
     if (!history) return;
-    found_.push_back({&method, fmt::format("{} at {:.0e}", method.name, tolerance), std::move(*history)});
+    found_.push_back({&method, tolerance, fmt::format("{} at {:.0e}", method.name, tolerance), std::move(*history)});
     const std::size_t last = found_.size() - 1;
     for (std::size_t i = 0; i < last; ++i) {
       if (kind_of(*found_[i].method) == kind_of(method)) continue;
@@ -96,6 +107,7 @@ class Search {
   }
 
   bool settled() const { return pair_.first != pair_.second && result_.agreement.position <= kAgreed * result_.length; }
+  double left() const { return options_.budget - (clocks_.clock() - begin_); }
   bool time_for_another() const {
     return clocks_.clock() - begin_ < (found_.size() < 2 ? kReferenceTime : kSecondTime) * options_.budget;
   }
@@ -106,6 +118,7 @@ class Search {
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;
   double begin_;
+  double limit_;  // s by the clock, of one try
   std::vector<Found> found_;
   std::pair<std::size_t, std::size_t> pair_{0, 0};  // those of them that agree best; equal: none do yet
   std::string why_ = "no adaptive method was offered";

@@ -14,7 +14,7 @@ namespace {
 using namespace chart_style;
 
 // Pixels.
-constexpr double kTitle = 48, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
+constexpr double kTitle = 54, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
 // Those of chart_style and five more, still apart for most eyes; marks and dashes tell the rest.
