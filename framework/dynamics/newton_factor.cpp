@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "framework/kkt/block_kernels.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -33,7 +34,7 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
   E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
   fill(N);
-  is_dense_ = !blocks_.factor(N.plan, [](const BlockPlan::Node&, double ratio) { return ratio == 0; });
+  is_dense_ = !blocks_.factor(N.plan);
   if (is_dense_) factor_dense(N);
 }
 

@@ -105,7 +105,7 @@ inline bool cholesky(double* D, int n, double sign, double* pivots) {
 }
 
 /// L R = D with rows exchanged, row k with row order[k] >= k; returns the smallest pivot against the largest number of
-/// its row in D, 0 where it fails.
+/// D, 0 where it fails.
 template <class T>
 inline double lu(T* D, int n, unsigned char* order) {
   double smallest = HUGE_VAL, size = 0;
