@@ -23,13 +23,21 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
   if (A_.size() != N.tangents.pairs().size() || J_.size() != N.J.size() || E_.size() != N.m) lay_out(N);
   for (std::size_t p = 0; p < A_.size(); ++p) {
     const auto [row, column] = N.tangents.pairs()[p];
-    A_[p] = b * N.tangents.D(p) + c * N.tangents.K(p);
-    if (row != column) continue;
-    const auto k = static_cast<std::size_t>(row);
-    A_[p].diagonal().template head<3>().array() += a * N.mass[k];
-    A_[p].template bottomRightCorner<3, 3>() += a * N.inertia[k];
+    Mat6T A = b * N.tangents.D(p) + c * N.tangents.K(p);
+    if (row == column) {
+      const auto k = static_cast<std::size_t>(row);
+      A.diagonal().template head<3>().array() += a * N.mass[k];
+      A.template bottomRightCorner<3, 3>() += a * N.inertia[k];
+    }
+    for (int i = 0; i < N.width[static_cast<std::size_t>(row)]; ++i)
+      for (int j = 0; j < N.width[static_cast<std::size_t>(column)]; ++j)
+        A_[p](i, j) = A(N.velocity[static_cast<std::size_t>(i)], N.velocity[static_cast<std::size_t>(j)]);
   }
-  J_ = N.J;
+  double* J = J_.data();
+  N.for_each_row(N.J, [&](int, int slot, const double* r) {
+    for (int j = 0; j < N.width[static_cast<std::size_t>(slot)]; ++j) J[j] = r[N.velocity[static_cast<std::size_t>(j)]];
+    J += 6;
+  });
   // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (numerics page, section 5).
   E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
@@ -109,7 +117,7 @@ void NewtonFactor<T>::add_correction(const NewtonNumbers& N) {
 template <class Visit>
 void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
   for (std::size_t k = 0; k < N.width.size(); ++k)
-    for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, j < 3 ? 0u : 1u);
+    for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, N.velocity[static_cast<std::size_t>(j)] < 3 ? 0u : 1u);
   for (const RowEntry& e : N.entries)
     for (int k = 0; k < e.m; ++k)
       visit(N.n + e.first_row + k, 2u + static_cast<unsigned>(e.kind[static_cast<std::size_t>(k)]));
@@ -171,8 +179,12 @@ template <class T>
 SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
   constexpr int kCorrections = 3;
   SolveReport report;
-  for (std::size_t k = 0; k < N.width.size(); ++k)
-    b_.segment(N.first[k], N.width[k]) = f.segment(6 * static_cast<int>(k), N.width[k]);
+  const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its place among six a slot)
+    for (std::size_t k = 0; k < N.width.size(); ++k)
+      for (int j = 0; j < N.width[k]; ++j)
+        visit(N.first[k] + j, 6 * static_cast<int>(k) + N.velocity[static_cast<std::size_t>(j)]);
+  };
+  for_each_velocity([&](int i, int at) { b_[i] = f[at]; });
   b_.tail(N.m) = r;
   x_.setZero();
   d_ = b_;
@@ -186,8 +198,7 @@ SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const V
   }
   report.contradictory = report.residual > 1e-2;
   x.setZero(6 * static_cast<int>(N.width.size()));
-  for (std::size_t k = 0; k < N.width.size(); ++k)
-    x.segment(6 * static_cast<int>(k), N.width[k]) = x_.segment(N.first[k], N.width[k]);
+  for_each_velocity([&](int i, int at) { x[at] = x_[i]; });
   l = x_.tail(N.m);
   return report;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <array>
 #include <complex>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct NewtonNumbers {
   std::vector<double> J;                       // 6 a slot and row, entry after entry
   VecX s;                                      // scale of each row, for the proximal term
   double enough = 1e-12;                       // residuals, of the terms of their equation, that need no correction
+  std::array<int, 6> velocity{};               // which of a slot's six each unknown is: in a plane there are three
   int n = 0, m = 0;
   BlockPlan plan;
   std::vector<BlockPlan::Place> pairs, row_places,
@@ -61,7 +63,8 @@ class NewtonFactor {
   void add_correction(const NewtonNumbers&);
   Residual measure(const NewtonNumbers&);
 
-  // The matrix that was factored: a M + b D + c K by pairs, J, and the proximal term
+  // The matrix that was factored: a M + b D + c K by pairs, J, and the proximal term; of the six rows and columns the
+  // unknown ones stand first
   std::vector<Mat6T> A_;
   std::vector<double> J_;
   VecX E_;

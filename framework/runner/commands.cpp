@@ -23,6 +23,10 @@ void add_plugins(CLI::App& verb, Words& w) {
 void add_scene(CLI::App& verb, Words& w) {
   verb.add_option("scene", w.scene, "the scene file (JSON)")->required()->type_name("SCENE");
   add_plugins(verb, w);
+  verb.add_option("--planar", w.planar, "motion in a plane, by its normal; auto: where that is exact")
+      ->check(CLI::IsMember({"off", "auto", "x", "y", "z"}))
+      ->type_name("AXIS");
+  verb.add_flag("--full", w.full, "leave nothing out: neither planar motion nor merged bodies");
 }
 
 CLI::App& add_run(CLI::App& app, Words& w) {

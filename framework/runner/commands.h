@@ -33,8 +33,10 @@ class UsageError : public Error {
 struct Words {
   std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out, error,
       of = "position", tolerances, steps;
+  std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, channels = false, separately = false, certify = false;
+  bool full = false;  ///< every economy off
 };
 
 /// A scene with the plugins that it and the command line ask for.

@@ -83,6 +83,14 @@ void put_over(RunSettings& run, const Words& w, const Registry& registry) {
   if (w.stabilization == "none") run.stabilization.kind = Stabilization::Kind::none;
 }
 
+// Planar motion and merged bodies, as the command line wants them.
+void put_economies(Scene& scene, const Words& w) {
+  if (w.full) scene.root = scene.root.without({"planar", "merge"});
+  if (w.planar.empty()) return;
+  scene.root = scene.root.without({"planar"});
+  scene.root.object()->push_back({"planar", Value(w.planar), scene.root.where});
+}
+
 }  // namespace
 
 Registry make_registry(const std::vector<std::string>& plugins) {
@@ -99,6 +107,7 @@ Loaded load(const Words& w) {
   std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
   plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
   Registry registry = make_registry(plugins);
+  put_economies(scene, w);
   put_over(scene.run, w, registry);
   refuse_missing_step(scene.run, w, registry);
   return {std::move(registry), std::move(scene)};

@@ -9,6 +9,7 @@
 #include "framework/analysis/work_precision.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/links/joints.h"
+#include "framework/record/chart.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "samples/shared/output.h"

@@ -5,6 +5,7 @@
 
 #include "framework/analysis/assembly.h"
 #include "framework/analysis/work_precision.h"
+#include "framework/record/chart.h"
 #include "framework/record/recorder.h"
 #include "integrators/rk4.h"
 #include "samples/shared/output.h"
