@@ -72,85 +72,105 @@ void check_body(const Body& b, const Slot& s, Plane plane) {
                      " kg m^2), so it would not stay in the plane without moments of its links; take \"planar\" out");
 }
 
-}  // namespace
+// What links and forces show in the poses looked at: by link and row, by force.
+struct Look {
+  std::vector<std::vector<Shares>> rows;
+  std::vector<Shares> forces;
+};
 
-void System::setup_plane() {
-  const std::string words = in_plane_words(plane_);
-  for (const Slot& s : slots_)
-    for (const Body* b : s.bodies) check_body(*b, s, plane_);
-  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
-    throw ModelError(words + ", and gravity has " + brief(g) + " m/s^2 along it; take \"planar\" out");
+void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
+  RowTable table;
+  const Lock* const one = &link;
+  const RowShape shape{link.row_count(), link.slots().n, link.layout(), link.row_sign(), {}};
+  link.gather(Group(&one, 1), in, table.spatial_span(shape));
+  const RowBlock block = table.spatial(shape);
+  rows.resize(static_cast<std::size_t>(shape.m));
+  for (int row = 0; row < shape.m; ++row) {
+    Shares& s = rows[static_cast<std::size_t>(row)];
+    s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
+    for (int i = 0; i < shape.n; ++i) {
+      const auto J = block.J(i, row);
+      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], system.plane(), 1.0 / system.length());
+    }
+  }
+}
 
-  ready_ = true;  // for start(): all but the plane is there
-  const State start = this->start();
-  std::vector<std::vector<Shares>> shares(links_.size());
-  for (std::size_t l = 0; l < links_.size(); ++l) shares[l].resize(static_cast<std::size_t>(links_[l]->row_count()));
-  std::vector<Shares> pushes(forces_.size());
-
+Look look_in_plane(const System& system) {
+  Look look;
+  look.rows.resize(system.links().size());
+  look.forces.resize(system.forces().size());
+  const State start = system.start();
+  std::vector<Motion> motions;
+  VecX f(6 * system.n_slots());
   for (int k = 0; k < kPoses; ++k) {
-    const State state = planar_state(*this, start, k);
-    std::vector<Motion> motions;
-    this->motions(state, motions);
+    const State state = planar_state(system, start, k);
+    system.motions(state, motions);
     Inputs in;
     in.t = state.t, in.motions = motions;
     in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
     in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-    RowTable table;
-    for (std::size_t l = 0; l < links_.size(); ++l) {
-      if (merged_[l]) continue;
-      const Lock* link = links_[l].get();
-      const RowShape shape{link->row_count(), link->slots().n, link->layout(), link->row_sign(), {}};
-      link->gather(Group(&link, 1), in, table.spatial_span(shape));
-      const RowBlock block = table.spatial(shape);
-      for (int row = 0; row < shape.m; ++row) {
-        Shares& s = shares[l][static_cast<std::size_t>(row)];
-        s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
-        for (int i = 0; i < shape.n; ++i) {
-          const auto J = block.J(i, row);
-          for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], plane_, 1.0 / length_);
-        }
-      }
-    }
-    VecX f(6 * n_slots());
-    for (std::size_t l = 0; l < forces_.size(); ++l) {
+    for (std::size_t l = 0; l < look.rows.size(); ++l)
+      if (!system.merged(*system.links()[l])) look_at_link(system, *system.links()[l], in, look.rows[l]);
+    for (std::size_t l = 0; l < look.forces.size(); ++l) {
       f.setZero();
       WrenchSum sum(in.motions, f);
-      forces_[l]->apply(in, sum);
-      for (int i = 0; i < f.size(); ++i) pushes[l].add(i % 6, f[i], plane_, length_);
+      system.forces()[l]->apply(in, sum);
+      for (int i = 0; i < f.size(); ++i) look.forces[l].add(i % 6, f[i], system.plane(), system.length());
     }
   }
+  return look;
+}
+
+void check_force(const Force& force, const Shares& s, Plane plane) {
+  if (s.leaves())
+    throw ModelError("force '" + force.name() + "': " + in_plane_words(plane) + ", and it pushes out of the plane (" +
+                     brief(s.out) + " N); turn it into the plane, or take \"planar\" out");
+}
+
+// Whether a row lies in the plane. Refuses one that lies neither in it nor normal to it, and one that asks for a motion
+// out of it.
+bool lies_in_plane(const Lock& link, int row, const Shares& s, Plane plane, double length) {
+  const std::string what =
+      "link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(plane) + ", and the row ";
+  if (s.lies_in() && s.leaves())
+    throw ModelError(what +
+                     "holds a direction that is neither in the plane nor normal to it; turn the link's axes into "
+                     "the plane, or take \"planar\" out");
+  if (s.lies_in()) return true;
+  if (s.free > kTolerance * std::max(1.0, length))
+    throw ModelError(what + "asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
+                     "); take \"planar\" out, or keep its law in the plane");
+  return false;
+}
+
+}  // namespace
+
+void System::setup_plane() {
+  for (const Slot& s : slots_)
+    for (const Body* b : s.bodies) check_body(*b, s, plane_);
+  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
+    throw ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; take \"planar\" out");
+  ready_ = true;  // all but the plane is there: the start may be asked for
+  const Look look = look_in_plane(*this);
+  ready_ = false;
 
   offsets_ = false;
   for (std::size_t l = 0; l < forces_.size(); ++l) {
-    if (pushes[l].leaves())
-      throw ModelError("force '" + forces_[l]->name() + "': " + words + ", and it pushes out of the plane (" +
-                       brief(pushes[l].out) + " N); turn it into the plane, or take \"planar\" out");
-    offsets_ = offsets_ || pushes[l].has_arm();
+    check_force(*forces_[l], look.forces[l], plane_);
+    offsets_ = offsets_ || look.forces[l].has_arm();
   }
   planar_rows_.assign(links_.size(), {});
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (merged_[l]) continue;
-    Lock& link = *links_[l];
     PlanarRows& rows = planar_rows_[l];
-    for (int row = 0; row < link.row_count(); ++row) {
-      const Shares& s = shares[l][static_cast<std::size_t>(row)];
-      const std::string what =
-          "link '" + link.name() + "', row " + link.row_name(row) + ": " + words + ", and the row ";
-      if (s.lies_in() && s.leaves())
-        throw ModelError(what +
-                         "holds a direction that is neither in the plane nor normal to it; turn the link's axes "
-                         "into the plane, or take \"planar\" out");
-      if (s.lies_in()) {
-        rows.own[static_cast<std::size_t>(rows.m++)] = row;
-        offsets_ = offsets_ || s.has_arm();
-      } else if (s.free > kTolerance * std::max(1.0, length_)) {
-        throw ModelError(what + "asks for a motion out of the plane (a law, or markers that do not meet: " +
-                         brief(s.free) + "); take \"planar\" out, or keep its law in the plane");
-      }
+    for (int row = 0; row < links_[l]->row_count(); ++row) {
+      const Shares& s = look.rows[l][static_cast<std::size_t>(row)];
+      if (!lies_in_plane(*links_[l], row, s, plane_, length_)) continue;
+      rows.own[static_cast<std::size_t>(rows.m++)] = row;
+      offsets_ = offsets_ || s.has_arm();
     }
-    rows.by_link = link.setup_plane(plane_);
+    rows.by_link = links_[l]->setup_plane(plane_);
   }
-  ready_ = false;
 }
 
 Plane find_plane(System& system) {
