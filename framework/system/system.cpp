@@ -61,6 +61,7 @@ Pose at(const Vec3& x, const Vec3& z) {
 System::System(Options options) : options_(options) {
   Body& g = bodies_.emplace_back();
   g.name = "ground";
+  names_.emplace(g.name, "body");
   g.fixed = true;
   ground_ = &g;
 }
@@ -74,10 +75,8 @@ void System::check_new_name(const std::string& kind, const std::string& name) co
     throw ModelError(kind + " '" + name + "': this name is taken by a " + by +
                      " already; names are unique in a system, so that a channel means one thing: choose another");
   };
-  if (find_in(bodies_, name) != bodies_.end()) taken("body");
-  if (find_in(markers_, name) != markers_.end()) taken("marker");
-  if (find_in(links_, name) != links_.end()) taken("link");
-  if (find_in(forces_, name) != forces_.end()) taken("force");
+  const auto found = names_.find(name);
+  if (found != names_.end()) taken(found->second);
 }
 
 Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
@@ -87,6 +86,7 @@ Body& System::add_body(const std::string& name, const MassProperties& mass, cons
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass = mass, b.home = home;
+  names_.emplace(name, "body");
   return b;
 }
 
@@ -98,6 +98,7 @@ Body& System::add_particle(const std::string& name, double mass, const Vec3& x) 
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass.mass = mass, b.home.x = x, b.freedoms = Freedoms::particle;
+  names_.emplace(name, "body");
   return b;
 }
 
@@ -107,6 +108,7 @@ Body& System::add_fixed(const std::string& name, const Pose& home) {
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.home = home, b.fixed = true;
+  names_.emplace(name, "body");
   return b;
 }
 
@@ -114,6 +116,7 @@ Marker& System::add_marker(const std::string& name, Body& body, const Pose& loca
   check_new_name("marker", name);
   check_pose("marker '" + name + "'", local);
   ready_ = false;
+  names_.emplace(name, "marker");
   return markers_.emplace_back(Marker{name, &body, local});
 }
 
@@ -126,6 +129,7 @@ Lock& System::add(std::unique_ptr<Lock> link) {
   if (!link) throw ModelError("add: no link was given; make one first");
   check_new_name("link", link->name());
   ready_ = false;
+  names_.emplace(link->name(), "link");
   return *links_.emplace_back(std::move(link));
 }
 
@@ -133,6 +137,7 @@ Force& System::add(std::unique_ptr<Force> force) {
   if (!force) throw ModelError("add: no force was given; make one first");
   check_new_name("force", force->name());
   ready_ = false;
+  names_.emplace(force->name(), "force");
   return *forces_.emplace_back(std::move(force));
 }
 
@@ -212,116 +217,6 @@ void System::setup_length() {
       length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
 }
 
-// One slot a body, or one for all that are bolted together.
-void System::setup_slots() {
-  slots_.clear();
-  n_velocities_ = 0;
-  setup_merge();
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    Body& b = bodies_[k];
-    if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
-      throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
-                       brief(b.start.w.norm()) +
-                       " rad/s; a particle does not turn: leave it out, or give the body an inertia");
-    if (b.fixed) {
-      b.slot = kGround;
-      b.in_slot = b.home;
-    } else if (part_of_[k] == k) {
-      b.slot = n_slots();
-      slots_.emplace_back().bodies = {&b};
-    } else {  // its first body stands before it; a fixed one takes it along
-      b.slot = bodies_[part_of_[k]].slot;
-      if (b.slot == kGround)
-        b.in_slot = b.home;
-      else
-        slots_[static_cast<std::size_t>(b.slot)].bodies.push_back(&b);
-    }
-  }
-  for (Slot& slot : slots_) {
-    fill_slot(slot);
-    const bool particle = slot.freedoms == Freedoms::particle;
-    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
-  }
-}
-
-// Mass, centre, inertia and place of a slot. Its origin is the mass centre; its axes are those of the first body, in a
-// planar mechanism the world's at the start, so that every slot turns about the same one.
-void System::fill_slot(Slot& s) {
-  const Body& first = *s.bodies.front();
-  s.freedoms = s.bodies.size() == 1 ? first.freedoms : Freedoms::spatial;
-  s.home.q = plane_ ? Quat{} : first.home.q;
-  s.home.x.setZero();
-  for (const Body* b : s.bodies) {
-    s.mass += b->mass.mass;
-    s.home.x += b->mass.mass * (b->home.x + rotation(b->home.q) * b->mass.center);
-  }
-  s.home.x /= s.mass;
-  if (s.bodies.size() == 1) s.home.x = first.home.x + rotation(first.home.q) * first.mass.center;
-  const Mat3 to_slot = rotation(conjugate(s.home.q));
-  for (Body* b : s.bodies) {
-    const bool own_axes = !plane_ && b == &first;
-    const Mat3 A = own_axes ? Mat3(Mat3::Identity()) : Mat3(to_slot * rotation(b->home.q));
-    const Vec3 r = to_slot * (b->home.x - s.home.x) + A * b->mass.center;  // mass centre of the body in the slot
-    b->in_slot = {Vec3(to_slot * (b->home.x - s.home.x)), own_axes ? Quat{} : conjugate(s.home.q) * b->home.q};
-    if (s.bodies.size() == 1) b->in_slot.x = A * -b->mass.center;
-    s.J += A * b->mass.J * A.transpose();
-    if (s.bodies.size() > 1) s.J += b->mass.mass * (r.dot(r) * Mat3::Identity() - r * r.transpose());  // Steiner
-  }
-}
-
-std::size_t System::index_of(const Lock& link) const {
-  const auto it = std::find_if(links_.begin(), links_.end(), [&](const auto& l) { return l.get() == &link; });
-  return static_cast<std::size_t>(it - links_.begin());
-}
-
-// Who is bolted to whom: part_of_ names the first body of each part, a fixed one before all others.
-void System::setup_merge() {
-  part_of_.resize(bodies_.size());
-  for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = k;
-  merged_.assign(links_.size(), false);
-  if (!merge_) return;
-  const auto number_of = [&](const Body* body) {
-    return static_cast<std::size_t>(
-        std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return &b == body; }) - bodies_.begin());
-  };
-  const auto join = [&](std::size_t a, std::size_t b) {
-    std::size_t first = std::min(part_of_[a], part_of_[b]), second = std::max(part_of_[a], part_of_[b]);
-    if (bodies_[second].fixed && !bodies_[first].fixed) std::swap(first, second);
-    for (std::size_t& p : part_of_)
-      if (p == second) p = first;
-  };
-  const auto meet = [](const Marker& p, const Marker& s) {  // in place at the start, and moving as one
-    const Pose P = p.body->home * p.local, S = s.body->home * s.local;
-    if ((P.x - S.x).norm() > 1e-9 || !rotation(P.q).isApprox(rotation(S.q), 1e-9)) return false;
-    const auto v_of = [](const Body& b, const Vec3& x) {
-      return Vec3(b.start.v + cross(Vec3(rotation(b.home.q) * b.start.w), Vec3(x - b.home.x)));
-    };
-    return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
-           (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
-  };
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    const Lock& link = *links_[l];
-    const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end()) continue;
-    const auto [p, s] = link.pairs().front();
-    if (particle(p) || particle(s) || !meet(*p, *s)) continue;
-    merged_[l] = true;
-    join(number_of(p->body), number_of(s->body));
-  }
-  // A part in which another link works is left as it is: its rows would be those of one rigid body.
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    if (merged_[l]) continue;
-    for (const auto& [p, s] : links_[l]->pairs()) {
-      const std::size_t part = part_of_[number_of(p->body)];
-      if (part != part_of_[number_of(s->body)] || p->body->fixed || s->body->fixed) continue;
-      for (std::size_t k = 0; k < links_.size(); ++k)
-        if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;
-      for (std::size_t k = 0; k < part_of_.size(); ++k)
-        if (part_of_[k] == part) part_of_[k] = k;
-    }
-  }
-}
-
 void System::setup_links() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     auto& link = links_[l];
@@ -336,9 +231,9 @@ void System::setup_links() {
   using Kind = std::tuple<std::type_index, unsigned, int, int>;
   std::map<Kind, std::vector<const Lock*>> members;
   std::vector<Kind> order;
-  for (const auto& link : links_) {
-    const Lock& l = *link;
-    if (merged_[index_of(l)]) continue;
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Lock& l = *links_[k];
+    if (merged_[k]) continue;
     const Kind kind{typeid(l), l.pattern(), l.row_count(), l.slots().n};
     auto& group = members[kind];
     if (group.empty()) order.push_back(kind);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -161,6 +162,7 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
   Body* ground_ = nullptr;
+  std::unordered_map<std::string, std::string> names_;  // taken, and by what
 
   bool ready_ = false;
   Plane plane_;
