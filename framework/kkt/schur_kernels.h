@@ -64,6 +64,24 @@ LOCKSTEP_KERNEL Pack<N> ones(int first, int last) {
 
 // ------------------------------------------------------------------------------------------------- rows -> S
 
+/// Diagonal of J M^-1 J^T over the hubs that a link touches: not in its block, but part of its scale.
+template <class X, int M, bool kTriple>
+void add_hub_diagonal(const Plan& plan, const Node& node, const Numbers& z, double* diagonal) {
+  constexpr int ld = pack_size(M);
+  for (int s = 0; s < node.n_sides; ++s) {
+    const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
+    if (!side.hub) continue;
+    const double *J = z.rows + side.J, *I = z.inverse + X::inverse * side.slot;
+    for (int i = 0; i < M; ++i) {
+      if (kTriple && i < X::nv) diagonal[i] += I[0];
+      for (int c = 0; !kTriple && c < X::nv; ++c) diagonal[i] += I[0] * J[c * ld + i] * J[c * ld + i];
+      const double* w = J + (kTriple ? 0 : X::nv * ld);
+      for (int c = 0; c < X::nw; ++c)
+        for (int k = 0; k < X::nw; ++k) diagonal[i] += w[c * ld + i] * I[X::I[c][k]] * w[k * ld + i];
+    }
+  }
+}
+
 /// Y = J M^-1 of one link and its own block of S.
 template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers& z) {
@@ -101,6 +119,7 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
 
   double* diagonal = z.diagonal + node.x;
   for (int i = 0; i < M; ++i) diagonal[i] = d[i * ld + i];
+  if (node.on_hub) add_hub_diagonal<X, M, kTriple>(plan, node, z, diagonal);
   if (z.eps == 0) return;
   // E = eps s_j: one number for the force rows of a link, one for its moment rows, a function's own
   double t = 0, r = 0;

@@ -142,6 +142,7 @@ Node node_of(const RowEntry& e, int link, const Graph& g, Plan& plan) {
     plan.sides.push_back(
         {e.slots[i], shape.sign_of(i), g.hub_node(e.slots[i]) >= 0, e.offset + shape.J(i), plan.size_Y});
     plan.size_Y += static_cast<std::size_t>(n_columns(e.layout) * node.ld());
+    node.on_hub = node.on_hub || plan.sides.back().hub;
   }
   for (int k = 0; k < e.m; ++k) {
     const RowKind kind = e.kind[static_cast<std::size_t>(k)];

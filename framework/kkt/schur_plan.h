@@ -33,9 +33,10 @@ struct Term {
 };
 
 struct Node {
-  int m = 0;          ///< unknowns: rows of a link, velocities of a hub
-  int link = -1;      ///< position in RowTable::entries; -1: a hub
-  int hub_slot = -1;  ///< the slot of a hub
+  int m = 0;            ///< unknowns: rows of a link, velocities of a hub
+  int link = -1;        ///< position in RowTable::entries; -1: a hub
+  int hub_slot = -1;    ///< the slot of a hub
+  bool on_hub = false;  ///< a link that touches one
   RowLayout layout = RowLayout::dense;
   int first_row = 0;     ///< of a link, among the table's
   std::size_t rows = 0;  ///< offset of its block in the row table

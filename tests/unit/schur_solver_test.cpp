@@ -25,7 +25,8 @@ TEST_CASE("schur solves regular systems of every shape", "[unit][kkt]") {
 
 TEST_CASE("schur takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
   SchurOnKkt solver;
-  check_against_truth(solver, true, 1e-9, 1e-6, kSevenWide);
+  // rounding grows by 1/eps in the directions that redundant rows leave open, and eps is 1e-9 here
+  check_against_truth(solver, true, 1e-9, 1e-5, kSevenWide);
 }
 
 TEST_CASE("schur: redundant rows do not reach a", "[unit][kkt]") {
