@@ -53,8 +53,11 @@ TEST_CASE("what is left out changes no acceleration", "[unit][economies]") {
   const auto accelerations = [](const Chain& chain) {  // of the rods' frames
     Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
     State state = chain.sys->start();
-    for (int k = 0; k < chain.sys->n_slots(); ++k) state.v[6 * k + 4] = 0.3;  // all at one rate about y
-    dynamics.project_velocity(state);
+    const Vec3 turn(0, 0.3, 0);  // all as one about the first hinge
+    for (int k = 0; k < chain.sys->n_slots(); ++k) {
+      state.v.segment<3>(6 * k) = cross(turn, state.slot_pose(k).x);
+      state.v.segment<3>(6 * k + 3) = rotation(state.slot_pose(k).q).transpose() * turn;
+    }
     const VecX a = dynamics.evaluate(state).a;
     std::vector<Vec3> out;
     for (const Body* rod : chain.rods) {
