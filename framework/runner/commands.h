@@ -33,8 +33,10 @@ class UsageError : public Error {
 struct Words {
   std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
   std::vector<std::string> plugins;
-  bool full = false;   ///< every economy off
-  std::string planar;  ///< as the scene's key
+  std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
+  std::string shard, histories;   ///< "2/8"; a folder
+  bool full = false;              ///< every economy off
+  std::string planar;             ///< as the scene's key
   bool quiet = false, json = false, channels = false;
 };
 
@@ -46,13 +48,18 @@ struct Loaded {
 
 /// Built-in things and those of the plugins.
 Registry make_registry(const std::vector<std::string>& plugins);
-/// Reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws UsageError
-/// too.
+/// Reads the scene and loads plugins; the run settings are the scene's own.
+Loaded read_with_plugins(const Words&);
+/// What the command line says of the run, over what the scene says. Throws UsageError.
+void put_over(RunSettings&, const Words&, const Registry&);
+/// Both: reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws
+/// UsageError too.
 Loaded load(const Words&);
 
 int run_command(const Words&);
 int check_command(const Words&);
 int chart_command(const Words&);
+int sweep_command(const Words&);
 int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);

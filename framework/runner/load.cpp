@@ -60,7 +60,7 @@ void refuse_missing_step(const RunSettings& run, const Words& w, const Registry&
                      "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
 }
 
-void put_over(RunSettings& run, const Words& w, const Registry& registry) {
+void put_settings(RunSettings& run, const Words& w, const Registry& registry) {
   if (!w.integrator.empty()) run.integrator = typed_option("--integrator", w.integrator, registry.integrators.names());
   if (!w.solver.empty()) run.solver = typed_option("--solver", w.solver, registry.solvers.names());
   if (!w.step.empty()) run.step = positive_number("--step", w.step, Unit::time);
@@ -94,16 +94,25 @@ Registry make_registry(const std::vector<std::string>& plugins) {
   return registry;
 }
 
-Loaded load(const Words& w) {
+Loaded read_with_plugins(const Words& w) {
   refuse_picture(w.record);
   Scene scene = read_scene(w.scene);
   std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
   plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
   Registry registry = make_registry(plugins);
   put_economies(scene, w);
-  put_over(scene.run, w, registry);
-  refuse_missing_step(scene.run, w, registry);
   return {std::move(registry), std::move(scene)};
+}
+
+void put_over(RunSettings& run, const Words& w, const Registry& registry) {
+  put_settings(run, w, registry);
+  refuse_missing_step(run, w, registry);
+}
+
+Loaded load(const Words& w) {
+  Loaded loaded = read_with_plugins(w);
+  put_over(loaded.scene.run, w, loaded.registry);
+  return loaded;
 }
 
 }  // namespace lockstep
