@@ -61,6 +61,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   stages_.begin(scheme_.tableau, state, options_.stages != StagesWhen::plain);
   start_ = end_ = landed_ = state;
   error_ = gap_ = sized_like(state);
+  a_before_ = gap_.v;
   const int n = scheme_.tableau.n_stages, n_all = scheme_.tableau.n_all;
   error_w_ = Weights(scheme_.error, n);
   if (scheme_.second) second_w_ = Weights(scheme_.second, n);
@@ -165,6 +166,7 @@ void EmbeddedRungeKutta::finish_step(const Try& t, double h, int shifts, State& 
   if (!fixed()) {
     report.h_next = h * control_.accept(t.error, report.rejected > shifts);
     stages_.sum(h, gap_w_, gap_);
+    gap_.v += landed_.v - end_.v;
   }
   if (options_.stages == StagesWhen::automatic)
     singular_ = detector() < (on_ == StagesOn::manifold ? kRegular : kSingular);
@@ -217,12 +219,14 @@ double EmbeddedRungeKutta::longest(double h) const {
 void EmbeddedRungeKutta::watch_stiffness(const Dynamics& dynamics, double h) {
   const VecX &a1 = stages_.k(0).v, &a0 = stages_.k(scheme_.late_stage).v;
   const double L2 = dynamics.system().length() * dynamics.system().length();
-  double dv2 = 0, da2 = 0, da_dv = 0;
+  if (watch_.fresh()) a_before_ = a1;
+  double dv2 = 0, da2 = 0, da_dv = 0, a2 = 0, change2 = 0;
   for (Eigen::Index i = 0; i < a1.size(); ++i) {
-    const double dv = gap_.v[i], da = a1[i] - a0[i], weight = i % 6 < 3 ? 1.0 : L2;
+    const double dv = gap_.v[i], da = a1[i] - a0[i], change = a1[i] - a_before_[i], weight = i % 6 < 3 ? 1.0 : L2;
     dv2 += weight * dv * dv, da2 += weight * da * da, da_dv += weight * da * dv;
+    a2 += weight * a1[i] * a1[i], change2 += weight * change * change;
   }
-  watch_.look(h, dv2, da2, da_dv);
+  watch_.look(h, dv2, da2, da_dv, a2 > 0 ? std::sqrt(change2 / a2) : 1.0);
 }
 
 std::string EmbeddedRungeKutta::blame(double h, double t, int rejected) const {

@@ -87,6 +87,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   Dynamics* dynamics_ = nullptr;
   State start_, end_, landed_;  // of the step: where it began, its end before and after normalisation and projection
   StateRate error_, gap_;       // gap_: end of the last step less its late stage
+  VecX a_before_;               // at the beginning of the watch's window
   StagesOn on_ = StagesOn::plain;
   double h_ = 0;             // of the last step; 0: there is none
   double landed_t_ = 0;      // its end

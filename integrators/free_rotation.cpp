@@ -28,14 +28,18 @@ void FreeRotation::turn(double t, Quat& e, Vec3& w) const {
 }
 
 void FreeRotation::turn_about(int k, double t, Quat& e, Vec3& p) const {
-  const double a = t * p[k] / J_[k], c = std::cos(a), s = std::sin(a);
+  const double half = 0.5 * t * p[k] / J_[k], c = std::cos(half), s = std::sin(half);
+  const double c2 = 1 - 2 * s * s, s2 = 2 * s * c;  // of the whole angle
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const double pi = p[i], pj = p[j];
-  p[i] = c * pi + s * pj;
-  p[j] = c * pj - s * pi;
-  Vec3 turn = Vec3::Zero();
-  turn[k] = a;
-  e = e * exponential(turn);
+  p[i] = c2 * pi + s2 * pj;
+  p[j] = c2 * pj - s2 * pi;
+  const Vec3 v = e.vec();  // e (c, s e_k)
+  Vec3 turned = c * v;
+  turned[k] += s * e.w;
+  turned[i] += s * v[j];
+  turned[j] -= s * v[i];
+  e = {c * e.w - s * v[k], turned[0], turned[1], turned[2]};
 }
 
 }  // namespace lockstep

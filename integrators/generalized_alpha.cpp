@@ -17,6 +17,7 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostIterations = 25;
+constexpr int kFailures = 8;             // tries that cannot be evaluated before the error goes on its way
 constexpr double kSmallestStep = 1e-12;  // of max(|t|, 1 ms)
 constexpr double kNewton = 1e-11;        // of the scene's length and the step's move: what Newton may leave of a step
 constexpr double kStalled = 1e-8;  // of the same and of the first change: what shrinks no more is round-off below this
@@ -95,12 +96,20 @@ StepReport GeneralizedAlpha::step(Dynamics& dynamics, State& state, double h) {
   start_.z = end_.z = state.z;
   output_.forget();
   prepare(dynamics);
-  for (;; ++report.rejected) {
-    const bool found = solve(dynamics, h);
-    if (!found && !adaptive_) fail(h);
-    if (found && adaptive_) report.error = estimate(h);
-    if (found && report.error <= 1) break;
-    h *= found ? control_.reject(report.error) : 0.5;
+  for (int failures = 0;; ++report.rejected) {
+    double factor = 0.5;
+    try {
+      const bool found = solve(dynamics, h);
+      if (!found && !adaptive_) fail(h);
+      if (found && adaptive_) report.error = estimate(h);
+      if (found && report.error <= 1) break;
+      if (found) factor = control_.reject(report.error);
+    } catch (const NonFiniteError&) {
+      if (!adaptive_ || ++failures > kFailures) throw;
+    } catch (const SolveError&) {
+      if (!adaptive_ || ++failures > kFailures) throw;
+    }
+    h *= factor;
     if (h < kSmallestStep * std::max(std::abs(state.t), 1e-3)) fail(h);
   }
   if (adaptive_) report.h_next = h * control_.accept(report.error, report.rejected > 0);

@@ -1,9 +1,10 @@
-// Stiffness: does stability, not accuracy, limit the steps of an explicit method? Hairer & Wanner, Solving Ordinary
-// Differential Equations II (1996), IV.2.
+// Stiffness: do damped fast modes, not the motion, limit the steps of an explicit method? After Hairer & Wanner,
+// Solving Ordinary Differential Equations II (1996), IV.2.
 //
-// Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode when the
-// step is at the limit of stability, so |da| / |dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped
-// part of it. Stiff are damped fast modes only: an undamped oscillation must be followed by any method.
+// Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode, so |da| /
+// |dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. Stiff is a damped mode that is
+// faster than two steps although the accelerations hardly change over fifteen: it has long decayed and still sets the
+// step. An undamped oscillation must be followed by any method, a mode that is decaying now as well.
 #pragma once
 
 #include "framework/support/export.h"
@@ -16,16 +17,19 @@ class LOCKSTEP_API StiffnessWatch {
   /// `limit`: h |lambda| at the end of the method's interval of stability on the negative axis.
   explicit StiffnessWatch(double limit) : limit_(limit) {}
   void begin() { *this = StiffnessWatch(limit_); }
-  /// One accepted step of h: |dv|^2, |da|^2 and da . dv over all bodies, turns as lengths.
-  void look(double h, double dv2, double da2, double da_dv);
-  /// Whether the last window of 15 steps was at the limit of stability.
+  /// The next step is the first of a window.
+  bool fresh() const { return n_ == 0; }
+  /// One accepted step of h: |dv|^2, |da|^2 and da . dv over all bodies, turns as lengths; `change`: of the
+  /// accelerations since the window began, relative.
+  void look(double h, double dv2, double da2, double da_dv, double change);
+  /// Whether damped fast modes limited the last window of 15 steps.
   bool stiff() const { return stiff_; }
   void save(Snapshot& out) const;
   void restore(const Snapshot& in);
 
  private:
   double limit_;
-  double n_ = 0, dv2_ = 0, da2_ = 0, damped_ = 0;  // sums over the window, the rates times h
+  double n_ = 0, rate2_ = 0, damped_ = 0;  // steps, and sums over them: (h |lambda|)^2, h times the damped part
   bool stiff_ = false;
 };
 

@@ -1,148 +1,237 @@
-// The results of work_precision as words, lines of a file and pictures.
+#include "framework/analysis/work_precision_chart.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <functional>
+#include <optional>
 
-#include "framework/analysis/work_precision.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
 namespace {
 
-using Runs = std::vector<const WorkPrecisionRun*>;
+constexpr double kNothing = 1e-9;  // m, m/s, J, N
+constexpr double kLeast = 1e-16;   // nothing is zero on a logarithmic axis
+constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
-// In the order of their first run.
-template <class Key>
-auto distinct(const WorkPrecision& result, Key&& key) {
-  std::vector<std::decay_t<decltype(key(result.runs.front()))>> all;
-  for (const WorkPrecisionRun& run : result.runs)
-    if (std::find(all.begin(), all.end(), key(run)) == all.end()) all.push_back(key(run));
-  return all;
+using Wanted = std::function<bool(const WorkPrecisionRun&)>;
+
+// All but the values of `by` (and of the integrator, where rows of panels are integrators) as the base has them.
+bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by) {
+  for (const ChartBy other : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
+    if (other != by && value_of(run, other) != value_of(base, other)) return false;
+  return true;
 }
 
-template <class Wanted>
-Series series_of(const WorkPrecision& result, const std::string& label, Wanted&& wanted) {
+double drawn(double error) { return std::max(error, kLeast); }
+
+// An error so many times the motion itself says nothing: the run is drawn among those that failed.
+bool useless(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
+  const double size = std::max(result.size.of(kind), result.agreement.of(kind));
+  return !run.done() || !(run.error.of(kind) <= 30 * size);
+}
+
+Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind kind, CostKind by,
+                const Wanted& wanted) {
   Series s{label, {}, {}, SeriesStyle::linespoints};
-  for (const WorkPrecisionRun& run : result.runs) {
-    if (!wanted(run) || !run.done()) continue;
-    s.x.push_back(run.cpu);
-    s.y.push_back(std::max(run.error.position, 1e-16));  // nothing is zero on a logarithmic axis
+  for (const WorkPrecisionRun& run : result.runs)
+    if (wanted(run) && !useless(result, run, kind))
+      s.x.push_back(cost(run, by)), s.y.push_back(drawn(run.error.of(kind)));
+  return s;
+}
+
+// The front as the staircase that it is: for this cost no less error, for this error no less cost.
+Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
+  Series s{"front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
+  for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
+    if (useless(result, *run, kind)) continue;
+    if (!s.x.empty()) s.x.push_back(cost(*run, by)), s.y.push_back(s.y.back());
+    s.x.push_back(cost(*run, by)), s.y.push_back(drawn(run->error.of(kind)));
   }
   return s;
 }
 
-// Marks above the curves, at the time that was lost.
-template <class Wanted>
-void add_failures(const WorkPrecision& result, Panel& panel, Wanted&& wanted) {
-  double top = 0;
-  for (const Series& s : panel.series)
-    for (const double y : s.y) top = std::max(top, y);
-  Series failed{"failed", {}, {}, SeriesStyle::points, "#999999"};
-  for (const WorkPrecisionRun& run : result.runs)
-    if (wanted(run) && !run.done())
-      failed.x.push_back(std::max(run.cpu, 1e-6)), failed.y.push_back(3 * std::max(top, 1e-3));
-  if (!failed.x.empty()) panel.series.push_back(failed);
-}
-
-void drop_empty(Panel& panel) {
-  std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });
+Range extent(const std::vector<Series>& all, bool of_x) {
+  Range r{HUGE_VAL, 0};
+  for (const Series& s : all)
+    for (const double v : of_x ? s.x : s.y)
+      if (v > 0 && std::isfinite(v)) r.first = std::min(r.first, v), r.second = std::max(r.second, v);
+  return r;
 }
 
 // Below this line the two references differ themselves.
-void add_floor(const WorkPrecision& result, ChartSpec& chart) {
-  double low = HUGE_VAL, high = 0;
-  for (const WorkPrecisionRun& run : result.runs)
-    if (run.done()) low = std::min(low, run.cpu), high = std::max(high, run.cpu);
-  if (!(result.agreement.position > 0) || high == 0) return;
-  for (Panel& panel : chart.panels)
-    panel.series.push_back({"the two references differ by this",
-                            {low, high},
-                            {result.agreement.position, result.agreement.position},
-                            SeriesStyle::dashes,
-                            "#777777"});
+void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
+  const double floor = result.agreement.of(kind);
+  const Range x = extent(panel.series, true);
+  if (!(floor > 0) || !std::isfinite(floor) || !(x.second > 0)) return;
+  panel.series.push_back(
+      {"the references differ", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
 }
 
-std::string quoted_cell(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' ? ' ' : c;
+// A shaded strip above everything that was measured, with a cross for each run that failed, at what it cost.
+void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
+                  const std::vector<std::pair<std::string, Wanted>>& curves, ErrorKind kind) {
+  Range y = extent(panel.series, false);
+  if (!(y.second > 0)) return;
+  const double decade = std::max(1.0, std::log10(y.second / y.first)), from = y.second * std::pow(10.0, 0.05 * decade);
+  bool any = false;
+  for (const auto& [label, wanted] : curves) {
+    Series failed{label, {}, {}, SeriesStyle::crosses};
+    for (const WorkPrecisionRun& run : result.runs)
+      if (wanted(run) && useless(result, run, kind))
+        failed.x.push_back(by == CostKind::cpu ? std::max(run.cpu, 1e-6) : std::max(1.0, cost(run, by))),
+            failed.y.push_back(from * std::pow(10.0, 0.05 * decade));
+    if (failed.x.empty()) continue;
+    panel.series.push_back(failed);
+    any = true;
   }
-  return out + "\"";
+  if (any) panel.strip_from = from;
+  panel.y_range = {y.first / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
+}
+
+std::string shortened(std::string text, std::size_t most) {
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  if (text.size() <= most) return text;
+  return text.substr(0, text.rfind(' ', most)) + " ...";
+}
+
+// Why runs failed and what was left out, a line a curve.
+std::vector<std::string> remarks_of(const WorkPrecision& result,
+                                    const std::vector<std::pair<std::string, Wanted>>& curves) {
+  std::vector<std::string> lines{fmt::format(
+      "truth: {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
+      result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
+  for (const auto& [label, wanted] : curves) {
+    std::vector<const WorkPrecisionRun*> failed;
+    for (const WorkPrecisionRun& run : result.runs)
+      if (wanted(run) && !run.done()) failed.push_back(&run);
+    if (failed.empty()) continue;
+    const std::string what = failed.front()->adaptive ? "tolerance" : "step",
+                      unit = failed.front()->adaptive ? "" : " s";
+    const std::string range = failed.size() == 1 ? fmt::format("{} {:.3g}{}", what, failed.front()->setting, unit)
+                                                 : fmt::format("{} {:.3g} to {:.3g}{}", what, failed.front()->setting,
+                                                               failed.back()->setting, unit);
+    lines.push_back(
+        shortened(fmt::format("× {} failed at {}: {}", label, range, failed.back()->failure), kMostLetters));
+  }
+  for (const std::string& line : unsuited_lines(result)) lines.push_back(shortened("left out: " + line, kMostLetters));
+  if (lines.size() > kMostRemarks) {
+    const std::size_t n = lines.size() - kMostRemarks + 1;
+    lines.resize(kMostRemarks - 1);
+    lines.push_back(fmt::format("and {} more; all reasons stand in the CSV file", n));
+  }
+  return lines;
+}
+
+// The base's, or another that works with more of the values: not every solver takes every formulation.
+std::string common_solver(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by) {
+  if (by == ChartBy::solver) return base.solver;
+  const auto n_values = [&](const std::string& solver) {
+    base.solver = solver;
+    std::vector<std::string> found;
+    for (const WorkPrecisionRun& run : result.runs)
+      if (like(run, base, by) && std::find(found.begin(), found.end(), value_of(run, by)) == found.end())
+        found.push_back(value_of(run, by));
+    return found.size();
+  };
+  std::string best = base.solver;
+  std::size_t most = n_values(best);
+  for (const std::string& solver : values_of(result, ChartBy::solver))
+    if (n_values(solver) > most) most = n_values(solver), best = solver;
+  return best;
+}
+
+std::string cost_label(CostKind by) {
+  return by == CostKind::cpu ? "CPU time of the run [s]" : "evaluations of the equations of motion";
+}
+
+using Curves = std::vector<std::pair<std::string, Wanted>>;
+
+std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string& title, ErrorKind kind, CostKind by,
+                                  const Curves& curves) {
+  GridPanel panel{title, cost_label(by), {}};
+  panel.series.push_back(front_of(result, kind, by));
+  for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
+  const Range y = extent(panel.series, false);
+  // Nothing of this kind: no link, no energy, or round-off alone.
+  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNothing)) return std::nullopt;
+  add_floor(result, panel, kind);
+  add_failures(result, panel, by, curves, kind);
+  std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });
+  return panel;
 }
 
 }  // namespace
 
-std::string to_string(Formulation f) { return f == Formulation::quaternion ? "quaternion" : "omega"; }
-
-std::string to_string(Stabilization::Kind kind) {
-  if (kind == Stabilization::Kind::baumgarte) return "baumgarte";
-  return kind == Stabilization::Kind::none ? "none" : "project";
-}
-
-std::string label(const WorkPrecisionRun& run) {
-  return fmt::format("{}, {} {:.3g}{}, {}, {}", run.integrator, run.adaptive ? "tolerance" : "step", run.setting,
-                     run.adaptive ? "" : " s", to_string(run.formulation), to_string(run.stabilization));
-}
-
-void write_runs(const std::string& file, const WorkPrecision& result) {
-  std::ofstream out(file);
-  out << "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "
-         "[m/s],energy error [J],"
-         "cpu [s],evaluations,steps,rejected,failure\n";
-  for (const WorkPrecisionRun& r : result.runs) {
-    const std::string setting = r.adaptive ? fmt::format("{},", r.setting) : fmt::format(",{}", r.setting);
-    const std::string errors =
-        r.done() ? fmt::format("{:.6g},{:.6g},{:.6g}", r.error.position, r.error.velocity, r.error.energy) : ",,";
-    out << fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{}\n", r.integrator, to_string(r.formulation),
-                       to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.steps, r.rejected,
-                       r.done() ? "" : quoted_cell(r.failure));
+std::string value_of(const WorkPrecisionRun& run, ChartBy by) {
+  switch (by) {
+    case ChartBy::integrator:
+      return run.integrator;
+    case ChartBy::formulation:
+      return to_string(run.formulation);
+    case ChartBy::stabilization:
+      return run.stabilization == Stabilization::Kind::none ? "no stabilisation" : to_string(run.stabilization);
+    default:
+      return run.solver;
   }
-  out.flush();
-  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
 }
 
-ChartSpec work_precision_chart(const WorkPrecision& result, const std::string& title, ChartBy by,
-                               Stabilization::Kind kind, const std::vector<std::string>& only) {
-  ChartSpec chart{title, "CPU time of the run [s]", {}};
-  chart.log_x = true;
+std::vector<std::string> values_of(const WorkPrecision& result, ChartBy by) {
+  std::vector<std::string> all;
+  for (const WorkPrecisionRun& run : result.runs)
+    if (const std::string v = value_of(run, by); std::find(all.begin(), all.end(), v) == all.end()) all.push_back(v);
+  return all;
+}
+
+GridSpec integrators_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base,
+                           CostKind by) {
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
-  const std::string y = "largest position error [m]", solver = result.runs.front().solver;
-  const Formulation first = result.runs.front().formulation;
-  const auto names = distinct(result, [](const WorkPrecisionRun& r) { return r.integrator; });
-  if (by == ChartBy::integrator) {
-    Panel panel{
-        y + ", " + to_string(first) + ", " + (kind == Stabilization::Kind::none ? "no stabilisation" : to_string(kind)),
-        {},
-        true};
-    const auto same = [&](const WorkPrecisionRun& r) {
-      return r.formulation == first && r.stabilization == kind && r.solver == solver;
-    };
-    for (const std::string& name : names)
-      panel.series.push_back(
-          series_of(result, name, [&](const WorkPrecisionRun& r) { return r.integrator == name && same(r); }));
-    drop_empty(panel);
-    add_failures(result, panel, same);
-    chart.panels.push_back(panel);
-  } else {
-    for (const std::string& name : names) {
-      if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
-      Panel panel{name + ": position error [m]", {}, true};
-      const auto same = [&](const WorkPrecisionRun& r) { return r.integrator == name && r.solver == solver; };
-      for (const Formulation f : distinct(result, [](const WorkPrecisionRun& r) { return r.formulation; }))
-        for (const Stabilization::Kind k : distinct(result, [](const WorkPrecisionRun& r) { return r.stabilization; }))
-          panel.series.push_back(series_of(result, to_string(f) + ", " + to_string(k), [&](const WorkPrecisionRun& r) {
-            return same(r) && r.formulation == f && r.stabilization == k;
-          }));
-      drop_empty(panel);
-      add_failures(result, panel, same);
-      chart.panels.push_back(panel);
-    }
-    chart.height = 150 + 450 * static_cast<int>(chart.panels.size());
+  GridSpec chart{title};
+  chart.strip_label = "grey: failed";
+  Curves curves;
+  for (const std::string& name : values_of(result, ChartBy::integrator))
+    curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
+      return run.integrator == name && like(run, base, ChartBy::integrator);
+    });
+  for (const ErrorKind kind : kErrorKinds)
+    if (auto panel = panel_of(result, fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), kind, by, curves))
+      chart.panels.push_back(*panel);
+  chart.remarks = remarks_of(result, curves);
+  chart.remarks.insert(
+      chart.remarks.begin(),
+      fmt::format("curves: {}, {}, solver {}; the front is that of all combinations",
+                  value_of(base, ChartBy::formulation), value_of(base, ChartBy::stabilization), base.solver));
+  return chart;
+}
+
+GridSpec forms_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base, ChartBy by,
+                     const std::vector<std::string>& integrators) {
+  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
+  GridSpec chart{title};
+  chart.strip_label = "grey: failed";
+  Curves all;
+  std::string solvers;
+  for (const std::string& integrator : integrators) {
+    WorkPrecisionRun own = base;
+    own.integrator = integrator;
+    own.solver = common_solver(result, own, by);
+    if (solvers.find(own.solver) == std::string::npos) solvers += (solvers.empty() ? "" : ", ") + own.solver;
+    Curves curves;
+    for (const std::string& value : values_of(result, by))
+      curves.emplace_back(value, [value, own, by](const WorkPrecisionRun& run) {
+        return value_of(run, by) == value && like(run, own, by);
+      });
+    for (const ErrorKind kind : {ErrorKind::position, ErrorKind::reaction})
+      if (auto panel = panel_of(result, fmt::format("{}: {} error [{}]", integrator, to_string(kind), unit_of(kind)),
+                                kind, CostKind::cpu, curves))
+        chart.panels.push_back(*panel);
+    for (const auto& [label, wanted] : curves) all.emplace_back(integrator + ", " + label, wanted);
   }
-  add_floor(result, chart);
+  chart.remarks = remarks_of(result, all);
+  if (by != ChartBy::solver) chart.remarks.insert(chart.remarks.begin(), "curves: solver " + solvers);
   return chart;
 }
 

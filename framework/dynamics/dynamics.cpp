@@ -8,6 +8,10 @@
 #include "framework/support/text.h"
 
 namespace lockstep {
+namespace {
+constexpr const char* kShorter =
+    "make the step smaller, or take a method that chooses it (dopri5; radau5 where springs or dampers are stiff)";
+}
 
 Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, DynamicsOptions options)
     : system_(system), solver_(std::move(solver)), options_(options) {
@@ -212,7 +216,7 @@ void Dynamics::check_gathered(const State& state) const {
     const Motion& O = in_.slot(k);
     if (!O.x.allFinite() || !O.A.allFinite() || !O.v.allFinite() || !O.w.allFinite())
       throw NonFiniteError(when() + "body '" + system_.body_of_slot(k).name +
-                               "' has a position or velocity that is not finite; make the step smaller, or try dopri5",
+                               "' has a position or velocity that is not finite; " + kShorter,
                            state.t);
   }
   for (const RowEntry& e : rows_.entries) {
@@ -237,7 +241,7 @@ void Dynamics::check_gathered(const State& state) const {
                                ") is not finite; look at its law and parameters",
                            state.t);
   }
-  throw NonFiniteError(when() + "the inertia forces are not finite; make the step smaller, or try dopri5", state.t);
+  throw NonFiniteError(when() + "the inertia forces are not finite; " + kShorter, state.t);
 }
 
 /// Names whose rate of State::s is not finite.
@@ -264,7 +268,8 @@ void Dynamics::check_solved(const State& state) const {
   if (!a_.allFinite() || !lambda_.allFinite()) {
     check_gathered(state);  // names who made it
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
-                             std::string(solver_->name()) + "' failed on this pose, try `dense`",
+                             std::string(solver_->name()) +
+                             "' failed on this pose (try `dense`), or the motion has blown up: " + kShorter,
                          state.t);
   }
   if (solve_report_.contradictory)

@@ -16,8 +16,9 @@ namespace lockstep {
 
 using VecXc = Eigen::VectorXcd;
 
-/// Vectors: 6 a slot (force or translation in the world, moment or turn in slot axes; of particles the last three are
-/// ignored and come out 0), one a row of the dynamics' table. A real and a complex factor may live side by side.
+/// Vectors: 6 a slot (force or translation in the world, moment or turn in slot axes; what a particle or a planar
+/// mechanism does not have is ignored and comes out 0), one a row of the dynamics' table. A real and a complex factor
+/// may live side by side.
 class LOCKSTEP_API NewtonMatrix {
  public:
   using Complex = std::complex<double>;
@@ -37,7 +38,7 @@ class LOCKSTEP_API NewtonMatrix {
   SolveReport solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l);
 
   /// Residuals that solve() lets stand, relative to the terms of their equation: Newton's method needs few digits of a
-  /// correction. At first 1e-13.
+  /// correction. At first 1e-12.
   void set_residual(double enough);
 
   /// How often a body's own block had no pivot, so that the block factorisation gave way to a dense one (which

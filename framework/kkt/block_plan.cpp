@@ -96,11 +96,35 @@ class Elimination {
   long clock_ = 0;
 };
 
+// Union of slots by links; the ground is behind the slots, and a link on one slot hangs on it.
+bool has_no_loop(const BlockGraph& graph) {
+  const auto n_slots = static_cast<std::size_t>(graph.n_slots);
+  std::vector<std::vector<int>> ends(graph.width.size() - n_slots);
+  for (const auto& [a, b] : graph.edges)
+    if (std::max(a, b) >= graph.n_slots)
+      insert(ends[static_cast<std::size_t>(std::max(a, b)) - n_slots], std::min(a, b));
+  std::vector<std::size_t> root(n_slots + 1);
+  for (std::size_t k = 0; k < root.size(); ++k) root[k] = k;
+  const auto find = [&](std::size_t k) {
+    while (root[k] != k) k = root[k] = root[root[k]];
+    return k;
+  };
+  for (const std::vector<int>& slots : ends) {
+    if (slots.size() > 2) return false;  // it may reach the ground as well
+    const std::size_t a = find(slots.empty() ? n_slots : static_cast<std::size_t>(slots[0]));
+    const std::size_t b = find(slots.size() < 2 ? n_slots : static_cast<std::size_t>(slots[1]));
+    if (a == b) return false;
+    root[a] = b;
+  }
+  return true;
+}
+
 }  // namespace
 
 void BlockPlan::lay_out(const BlockGraph& graph, bool is_symmetric) {
   *this = {};
   symmetric = is_symmetric;
+  tree = has_no_loop(graph);
   place_of_node.assign(graph.width.size(), -1);
   std::vector<Neighbours> rest;
   for (Elimination elimination(graph); !elimination.done();) {

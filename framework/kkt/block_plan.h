@@ -51,11 +51,16 @@ struct LOCKSTEP_API BlockPlan {
   std::vector<int> place_of_node;    ///< in `nodes`
   std::size_t size = 0;              ///< numbers in all
   bool symmetric = false;
+  bool tree = false;  ///< no closed loop of links, the ground being one body: rows of different links are independent
   long multiplications = 0;  ///< of one factorisation
 
   /// Orders by least fill. A link waits until a slot of its own is gone that has still room for its rows, or all of
   /// them are: before that its pivot is nothing but the proximal term, and digits are lost.
   void lay_out(const BlockGraph&, bool is_symmetric);
+  /// The proximal term against a row's scale. A closed loop's rows may depend on one another, and then share their
+  /// force in its metric; on a tree it only keeps a link of its own dependent rows from having no pivot, and costs a
+  /// long chain no digits.
+  double proximal() const { return tree ? 1e-13 : 1e-8; }
   /// Nodes that are coupled in the graph, or one with itself. A symmetric plan keeps one of the two.
   Place find(int row, int column) const;
   /// The one above the diagonal of A(row, column) and A(column, row); `transposed`: it is that of A(column, row).

@@ -13,7 +13,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kEps = 1e-8;         // proximal term, relative
 constexpr double kSmallPivot = 1e-6;  // counted as redundant or singular
 
 BlockGraph graph_of(const KktPattern& pattern) {
@@ -36,7 +35,7 @@ struct BlockSolver::Work {
   BlockPlan plan;
   BlockFactor<double> factor;
   std::vector<BlockPlan::Place> mass, jacobian, proximal;  // of slots; of links and their slots; of links
-  VecX rhs, pivots, S_diagonal;
+  VecX rhs, pivots;
   StopRule rule;
   int n_small = 0, n_small_usual = 0;
   double smallest_pivot = 0.0;
@@ -66,18 +65,17 @@ void BlockSolver::Work::fill(const Kkt& kkt) {
   place = proximal.data();
   for (const KktLink& link : pattern.links) {
     double* out = factor.at(place++->at);
-    for (int j = 0; j < link.m; ++j) out[j * (link.m + 1)] = -kEps * kkt.E[link.first_row + j];
+    for (int j = 0; j < link.m; ++j) out[j * (link.m + 1)] = -plan.proximal() * kkt.E[link.first_row + j];
   }
 }
 
 void BlockSolver::Work::measure_pivots(const Kkt& kkt) {
-  row_diagonal(kkt, S_diagonal);
   smallest_pivot = std::numeric_limits<double>::infinity();
   n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = pivots[kkt.pattern.n + j];
-    smallest_pivot = std::min(smallest_pivot, pivot / (S_diagonal[j] + kEps * kkt.E[j]));
-    if (pivot < kSmallPivot * std::max(S_diagonal[j], kkt.E[j])) ++n_small;
+    const double pivot = pivots[kkt.pattern.n + j] / kkt.E[j];
+    smallest_pivot = std::min(smallest_pivot, pivot);
+    if (pivot < kSmallPivot) ++n_small;
   }
   n_small_usual = std::min(n_small_usual, n_small);
 }
@@ -106,7 +104,6 @@ void BlockSolver::analyse(const KktPattern& pattern) {
     ++node;
   }
   for (VecX* v : {&w.rhs, &w.pivots}) v->setZero(pattern.n + pattern.m);
-  w.S_diagonal.setZero(pattern.m);
   w.rule.analyse(pattern);
   w.n_small_usual = pattern.m;
 }

@@ -17,8 +17,8 @@ struct TypeInfo;
 /// Linear in the number of bodies on trees of any kind, hubs too; no allocation after analyse. The same factorisation
 /// serves implicit methods, whose mass matrix couples bodies (dynamics/implicit.h).
 ///
-/// smallest_pivot: of a row, against (J M^-1 J^T)_jj + E'_j: the part of its square that is independent of the rows
-/// before it. Redundant rows leave about eps.
+/// smallest_pivot: of a row, against its scale E_j: the part of its square that is independent of the rows before it.
+/// Redundant rows leave about eps.
 class LOCKSTEP_API BlockSolver final : public LinearSolver {
  public:
   BlockSolver();

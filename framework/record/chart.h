@@ -11,7 +11,8 @@
 
 namespace lockstep {
 
-enum class SeriesStyle { lines, dashes, points, linespoints };
+/// band: broad and pale, for what lies under other curves; crosses: points that failed.
+enum class SeriesStyle { lines, dashes, points, linespoints, band, crosses };
 
 struct Series {
   std::string label;         ///< in the legend; "": not there

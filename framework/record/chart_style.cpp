@@ -144,6 +144,10 @@ std::string plot_clause(const std::string& name, const Series& s, std::size_t n)
   switch (s.style) {
     case SeriesStyle::points:
       return fmt::format("${} using 1:2 with points {} lc rgb '{}' {}", name, mark, tint, legend);
+    case SeriesStyle::band:
+      return fmt::format("${} using 1:2 with lines lc rgb '{}' lw 7 dt 1 {}", name, tint, legend);
+    case SeriesStyle::crosses:
+      return fmt::format("${} using 1:2 with points pt 2 ps 0.8 lw 1.8 lc rgb '{}' {}", name, tint, legend);
     case SeriesStyle::linespoints:
       return fmt::format("${} using 1:2 with linespoints {} {} {}", name, mark, line, legend);
     default:

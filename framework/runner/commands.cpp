@@ -32,7 +32,8 @@ void add_scene(CLI::App& verb, Words& w) {
 // What run and sweep share.
 void add_settings(CLI::App& verb, Words& w) {
   add_scene(verb, w);
-  verb.add_option("--integrator", w.integrator, "see `lockstep list integrators`")->type_name("N");
+  verb.add_option("--integrator", w.integrator, "see `lockstep list integrators`; with keys: dopri5:fixed=true")
+      ->type_name("N");
   CLI::Option* step =
       verb.add_option("--step", w.step, "fixed step, or the largest step of an adaptive integrator, s")->type_name("H");
   verb.add_option("--tolerance", w.tolerance, "relative tolerance of adaptive integrators")
@@ -51,6 +52,12 @@ void add_settings(CLI::App& verb, Words& w) {
 CLI::App& add_run(CLI::App& app, Words& w) {
   CLI::App& verb = *app.add_subcommand("run", "Compute the motion of a scene, write CSV and a picture");
   add_settings(verb, w);
+  CLI::Option* certify = verb.add_flag(
+      "--certify", w.certify,
+      "run it again with a tighter tolerance and with a second method; say how many digits of each column agree");
+  verb.add_option("--budget", w.budget, "time that the runs of --certify may take together; default 60 s")
+      ->type_name("T")
+      ->needs(certify);
   verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")
       ->type_name("FILE.csv");
   verb.add_flag("--quiet", w.quiet, "say nothing but errors");
@@ -90,6 +97,63 @@ CLI::App& add_sweep(CLI::App& app, Words& w) {
   verb.add_option("--histories", w.histories, "folder for the columns of each run, <its number>.csv")->type_name("DIR");
   verb.add_flag("--quiet", w.quiet, "say nothing but errors");
   verb.footer(kSweepFooter);
+  return verb;
+}
+
+// Which combinations are measured, and how long.
+void add_survey(CLI::App& verb, Words& w) {
+  add_scene(verb, w);
+  const auto list = [&](const char* names, std::vector<std::string>& to, const char* help) {
+    return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  };
+  list("--integrators", w.integrators, "only these, with keys where wanted: rk4,dopri5:fixed=true; default: all");
+  list("--formulations", w.formulations, "only these: omega, quaternion; default: both")
+      ->check(CLI::IsMember({"omega", "quaternion"}));
+  list("--stabilizations,--stabilisations", w.stabilizations, "only these: project, baumgarte, none; default: all")
+      ->check(CLI::IsMember({"project", "baumgarte", "none"}));
+  list("--solvers", w.solvers, "only these; default: all of `lockstep list solvers`");
+  verb.add_flag("--separately", w.separately,
+                "vary one of the four at a time, the others as the scene has them: faster than every combination");
+  verb.add_option("--tolerances", w.tolerances, "range for adaptive integrators; default 1:1e-12")
+      ->type_name("COARSE:FINE");
+  verb.add_option("--steps", w.steps, "range for fixed steps, s; default: a hundredth of the run and 2^14 times less")
+      ->type_name("COARSE:FINE");
+  verb.add_option("--until", w.until, "end of the runs, s")->type_name("T");
+  verb.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")
+      ->type_name("T");
+  verb.add_flag("--quiet", w.quiet, "do not print each run");
+}
+
+CLI::App& add_chart(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand(
+      "chart",
+      "Draw error against CPU time and evaluations for all integrators, formulations, stabilisations, solvers");
+  add_survey(verb, w);
+  verb.add_option("--out", w.out, "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here")->type_name("DIR");
+  verb.footer(
+      "Each combination climbs from coarse to fine settings, cheapest next run first, until its error stops falling, "
+      "it\n"
+      "costs a hundred times what another takes for the same error, or the time is spent. Errors are the largest over "
+      "the\n"
+      "history at 101 instants, against the tightest run of one method; a second method says how good that truth is.\n"
+      "A run counts only if all finer runs of its combination stay within twice its error. \"<=\": no coarser run "
+      "missed.\n\n"
+      "Example:\n  lockstep chart samples/scenes/four_bar.json --budget 60s --out charts\n"
+      "  lockstep chart samples/scenes/chain_10.json --integrators dopri5,dop853 --formulations omega");
+  return verb;
+}
+
+CLI::App& add_advise(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand(
+      "advise", "Measure which method and setting meets an error at the least cost; say how to use it");
+  add_survey(verb, w);
+  verb.add_option("--error", w.error, "wanted error over the whole run, SI units; default 1e-6")->type_name("E");
+  verb.add_option("--of", w.of, "what the error is of: position (m), velocity (m/s), energy (J), reaction (N)")
+      ->check(CLI::IsMember({"position", "velocity", "energy", "reaction"}))
+      ->type_name("WHAT");
+  verb.footer(
+      "Measured like `lockstep chart`, only as far as the answer needs. Ends with 1 when nothing met the error.\n\n"
+      "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2");
   return verb;
 }
 
@@ -170,15 +234,8 @@ int run_program(int argc, const char* const* argv) {
   check.add_flag("--json", w.json, "as JSON");
   check.add_flag("--channels", w.channels, "list every channel that the scene may record, with unit and meaning");
   check.footer("Example:\n  lockstep check samples/scenes/four_bar.json --json");
-  CLI::App& chart =
-      *app.add_subcommand("chart", "Draw error against CPU time for all integrators, formulations and stabilisations");
-  add_scene(chart, w);
-  chart.add_option("--until", w.until, "end of the runs, s")->type_name("T");
-  chart.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")
-      ->type_name("T");
-  chart.add_option("--out", w.out, "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here")->type_name("DIR");
-  chart.add_flag("--quiet", w.quiet, "do not name each run");
-  chart.footer("Example:\n  lockstep chart samples/scenes/four_bar.json --budget 60s --out charts");
+  CLI::App& chart = add_chart(app, w);
+  CLI::App& advise = add_advise(app, w);
   CLI::App& assemble =
       *app.add_subcommand("assemble", "Bring the start of a scene onto its constraints; say what moved how far");
   add_scene(assemble, w);
@@ -213,6 +270,7 @@ int run_program(int argc, const char* const* argv) {
     if (sweep.parsed()) return sweep_command(w);
     if (check.parsed()) return check_command(w);
     if (chart.parsed()) return chart_command(w);
+    if (advise.parsed()) return advise_command(w);
     if (assemble.parsed()) return assemble_command(w);
     if (list.parsed()) return list_command(name, w);
     if (describe.parsed()) return describe_command(name, w);

@@ -31,13 +31,14 @@ class UsageError : public Error {
 
 /// What the command line says about a scene and how to run it. Empty: not said.
 struct Words {
-  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out;
-  std::vector<std::string> plugins;
+  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out, error,
+      of = "position", tolerances, steps;
+  std::string planar;  ///< as the scene's key
+  std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
+  bool quiet = false, json = false, channels = false, separately = false, certify = false;
+  bool full = false;              ///< every economy off
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
-  bool full = false;              ///< every economy off
-  std::string planar;             ///< as the scene's key
-  bool quiet = false, json = false, channels = false;
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -59,6 +60,7 @@ Loaded load(const Words&);
 int run_command(const Words&);
 int check_command(const Words&);
 int chart_command(const Words&);
+int advise_command(const Words&);
 int sweep_command(const Words&);
 int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);

@@ -7,7 +7,7 @@
 #include "framework/builtins.h"
 #include "framework/model/units.h"
 #include "framework/plugin/loader.h"
-#include "framework/runner/commands.h"
+#include "framework/runner/ways.h"
 #include "framework/support/text.h"
 
 namespace lockstep {
@@ -35,12 +35,6 @@ double positive_number(const std::string& option, const std::string& text, Unit 
   return x;
 }
 
-Typed typed_option(const std::string& option, const std::string& name, const std::vector<std::string>& known) {
-  for (const std::string& k : known)
-    if (k == name) return {name, Value(Value::Object{}), {}};
-  throw UsageError(option + ": unknown name \"" + name + "\"" + suggestion(name, known));
-}
-
 // The picture stands beside the table under the table's name: it would take its place.
 void refuse_picture(const std::string& record) {
   const std::filesystem::path file = record;
@@ -51,18 +45,31 @@ void refuse_picture(const std::string& record) {
                    "--record " + std::filesystem::path(file).replace_extension(".csv").string());
 }
 
-void refuse_missing_step(const RunSettings& run, const Words& w, const Registry& registry) {
-  if (w.integrator.empty() || run.step > 0) return;
+bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
   RunSettings with_step = run;
   with_step.step = 1;
-  if (!make_integrator(with_step, registry)->info().adaptive)
+  return !make_integrator(with_step, registry)->info().adaptive;
+}
+
+void refuse_missing_step(const RunSettings& run, const Words& w, const Registry& registry) {
+  if (w.integrator.empty() || run.step > 0) return;
+  if (takes_fixed_steps(run, registry))
     throw UsageError("--integrator: \"" + w.integrator +
                      "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
 }
 
+// A step that the scene gives to a method of fixed steps is no limit for an adaptive one that the command line names.
+void put_integrator(RunSettings& run, const Words& w, const Registry& registry) {
+  if (w.integrator.empty()) return;
+  const bool was_fixed =
+      run.step > 0 && registry.integrators.find(run.integrator.type) != nullptr && takes_fixed_steps(run, registry);
+  run.integrator = read_way("--integrator", w.integrator, types_of(registry.integrators));
+  if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
+}
+
 void put_settings(RunSettings& run, const Words& w, const Registry& registry) {
-  if (!w.integrator.empty()) run.integrator = typed_option("--integrator", w.integrator, registry.integrators.names());
-  if (!w.solver.empty()) run.solver = typed_option("--solver", w.solver, registry.solvers.names());
+  put_integrator(run, w, registry);
+  if (!w.solver.empty()) run.solver = read_way("--solver", w.solver, types_of(registry.solvers));
   if (!w.step.empty()) run.step = positive_number("--step", w.step, Unit::time);
   if (!w.until.empty()) run.until = positive_number("--until", w.until, Unit::time);
   if (!w.tolerance.empty()) {

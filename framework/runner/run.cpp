@@ -9,6 +9,7 @@
 #include "framework/analysis/assembly.h"
 #include "framework/dynamics/simulation.h"
 #include "framework/model/read.h"
+#include "framework/runner/certify.h"
 #include "framework/runner/commands.h"
 #include "framework/runner/files.h"
 #include "framework/runner/progress.h"
@@ -191,6 +192,7 @@ int run_command(const Words& w) {
   if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
   if (unwritten) std::rethrow_exception(unwritten);
   print_files(csv, heading(loaded), recorder->table(), m.run, w.quiet);
+  if (w.certify && !ended.interrupted) print_certificate(loaded, w, m.run, recorder->table());
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   return ended.interrupted ? kExitInterrupted : kExitOk;

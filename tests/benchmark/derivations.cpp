@@ -9,6 +9,7 @@
 #include "framework/analysis/work_precision.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/links/joints.h"
+#include "framework/record/chart.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "samples/shared/output.h"
@@ -118,8 +119,7 @@ WorkPrecision trajectory(Way way) {
   options.solvers = {{"schur", [] { return std::make_unique<SchurSolver>(); }}};
   options.formulations = {Formulation::omega};
   options.stabilizations = {Stabilization::Kind::project};
-  options.reference = options.integrators.front();
-  options.second = {"dopri5", [] { return std::make_unique<Dopri5>(); }};
+  options.references = {options.integrators.front(), {"dopri5", [] { return std::make_unique<Dopri5>(); }}};
   options.gains.tolerance = 1e-12;
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
   options.reference_tolerance = 1e-12;

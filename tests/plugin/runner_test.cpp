@@ -56,7 +56,7 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 }
 
 TEST_CASE("every verb has help with an example", "[runner]") {
-  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "sweep"}) {
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise", "sweep"}) {
     const Called r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);

@@ -9,6 +9,7 @@
 
 #include "framework/dynamics/dynamics.h"
 #include "framework/dynamics/integrator.h"
+#include "framework/force/spring_damper.h"
 #include "framework/kkt/dense_solver.h"
 #include "framework/links/joints.h"
 
@@ -74,6 +75,26 @@ struct RodPendulum {
 
  private:
   double w2_ = 0;
+};
+
+/// A four-bar of hinges in space (redundant rows) with a stiff spring and damper across it, let go.
+struct SprungLoop {
+  lockstep::System system{lockstep::System::Options{{0, -9.81, 0}}};
+
+  SprungLoop() {
+    using namespace lockstep;
+    const Vec3 B(0.1, 0.03, 0), C(0.3, 0.25, 0), D(0.28, 0, 0), z = Vec3::UnitZ();
+    Body& crank = system.add_body("crank", rod(0.5, Vec3::Zero(), B));
+    Body& coupler = system.add_body("coupler", rod(1.2, B, C));
+    Body& rocker = system.add_body("rocker", rod(0.9, C, D));
+    system.add<Revolute>("A", crank, system.ground(), at(Vec3::Zero(), z));
+    system.add<Revolute>("B", coupler, crank, at(B, z));
+    system.add<Revolute>("C", rocker, coupler, at(C, z));
+    system.add<Revolute>("D", rocker, system.ground(), at(D, z));
+    Marker &p = system.add_marker("p", coupler), &s = system.add_marker("s", system.ground(), {{0, 0.3, 0}, {}});
+    system.add<SpringDamper>("spring", p, s, {.stiffness = 1e5, .damping = 1e3, .free_length = 0.15});
+    system.setup();
+  }
 };
 
 inline lockstep::Dynamics dynamics_of(lockstep::System& system, lockstep::DynamicsOptions options = {}) {

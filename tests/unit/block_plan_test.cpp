@@ -83,6 +83,29 @@ TEST_CASE("A link never goes before its slots have room for its rows", "[unit][k
   CHECK(plan.nodes.front().node == 0);
 }
 
+TEST_CASE("A plan knows a tree from a loop", "[unit][kkt]") {
+  BlockPlan plan;
+  const auto is_tree = [&](const BlockGraph& g) {
+    plan.lay_out(g, true);
+    return plan.tree;
+  };
+  const auto with_link = [](BlockGraph g, const std::vector<int>& slots) {
+    const int link = static_cast<int>(g.width.size());
+    g.width.push_back(1), g.first.push_back(g.first.back() + g.width[g.width.size() - 2]);
+    for (const int s : slots) g.edges.emplace_back(link, s);
+    return g;
+  };
+  const BlockGraph chain = tree({-1, 0, 1, -1});
+  CHECK(is_tree(chain));
+  BlockGraph sprung = chain;
+  sprung.edges.emplace_back(0, 2);  // a stiff force closes no loop of links
+  CHECK(is_tree(sprung));
+  CHECK_FALSE(is_tree(with_link(chain, {2})));           // back to the ground
+  CHECK_FALSE(is_tree(with_link(chain, {2, 0})));        // among themselves
+  CHECK_FALSE(is_tree(with_link(chain, {3, 2})));        // by two ways to the ground
+  CHECK_FALSE(is_tree(with_link(chain, {0, 1, 2, 3})));  // nobody knows
+}
+
 TEST_CASE("Blocks are found where they are, from both sides", "[unit][kkt]") {
   const BlockGraph g = tree({-1, 0, 1, 1});
   BlockPlan full, half;

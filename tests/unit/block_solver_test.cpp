@@ -144,3 +144,34 @@ TEST_CASE("block is made by name, without keys", "[unit][kkt]") {
   CHECK_NOTHROW(check(BlockSolver::info()));
   CHECK(BlockSolver::make(Params{})->name() == "block");
 }
+
+TEST_CASE("block loses no digits on a long tree driven all along", "[unit][kkt]") {
+  // A cantilever of 200 stiff joints: its softest direction has an eigenvalue of 1e-9 in J M^-1 J^T, less than the
+  // proximal term that loops need.
+  KktBuilder b(5);
+  for (int i = 0; i < 200; ++i) b.slot(), b.link(i == 0 ? std::vector{0} : std::vector{i - 1, i}, rows_of(3, 3));
+  KktSystem system = b.finish();
+  MatX J = MatX::Zero(system.kkt.pattern.m, system.kkt.pattern.n);
+  for (int i = 0; i < 200; ++i)
+    for (const int side : {0, 1}) {
+      if (i == 0 && side == 1) continue;
+      const int slot = side == 0 ? i : i - 1;
+      const double sign = side == 0 ? 1 : -1;
+      J.block(6 * i, 6 * slot, 6, 6) = sign * MatX::Identity(6, 6);
+      J(6 * i + 1, 6 * slot + 5) = -0.5;  // y of the joint, half a length from the centre: - turn about z
+    }
+  system.write_J(J);
+  std::fill(system.kkt.M.begin(), system.kkt.M.end(), 0.0), system.kkt.Minv = system.kkt.M;
+  for (int i = 0; i < 200; ++i)
+    for (int k = 0; k < 6; ++k) {
+      const std::size_t at = system.kkt.pattern.M[static_cast<std::size_t>(i)] + static_cast<std::size_t>(7 * k);
+      system.kkt.M[at] = k < 3 ? 1.0 : 1.0 / 12, system.kkt.Minv[at] = 1.0 / system.kkt.M[at];
+    }
+  system.kkt.update_scales();
+  system.c.setOnes(), system.f.setZero();
+  BlockSolver solver;
+  const Solved found = solve_once(solver, system);
+  CHECK(found.report.residual <= 1e-12);
+  CHECK(found.a[5] == Approx(1.0).epsilon(1e-10));              // the first body: turns by c alone
+  CHECK(found.a[6 * 199 + 5] == Approx(200.0).epsilon(1e-10));  // the last: by all of them
+}

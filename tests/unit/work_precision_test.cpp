@@ -1,10 +1,11 @@
 // Work against precision on a mechanism whose motion is known, with an integrator that lies and one that fails.
-#include "framework/analysis/work_precision.h"
+#include "framework/analysis/work_precision_chart.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
-#include "framework/kkt/schur_solver.h"
+#include "framework/kkt/sparse_solver.h"
 #include "framework/links/joints.h"
 #include "framework/support/error.h"
 #include "integrators/dop853.h"
@@ -58,10 +59,10 @@ MethodChoice choice(const std::string& name) {
 
 WorkPrecisionOptions quick_options() {
   WorkPrecisionOptions options;
-  options.solvers = {{"schur", [] { return std::make_unique<SchurSolver>(); }}};
+  options.solvers = {{"sparse", [] { return std::make_unique<SparseSolver>(); }}};
   options.formulations = {Formulation::omega};
   options.stabilizations = {Stabilization::Kind::project};
-  options.reference = choice<Dop853>("dop853"), options.second = choice<Dopri5>("dopri5");
+  options.references = {choice<Dop853>("dop853"), choice<Dopri5>("dopri5")};
   options.tolerances = {1e-4, 1e-8};
   options.steps = {1, 4};
   options.repeats = 1;
@@ -100,19 +101,41 @@ TEST_CASE("finer settings err less and cost more evaluations", "[unit][work_prec
   const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
   REQUIRE(result.runs.size() == 8);
   CHECK(result.agreement.position < 1e-9);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const WorkPrecisionRun &coarse = result.runs[i], &fine = result.runs[i + 4];
+  for (std::size_t i = 0; i < 8; i += 2) {  // combination after combination, coarse before fine
+    const WorkPrecisionRun &coarse = result.runs[i], &fine = result.runs[i + 1];
     INFO(label(coarse) << " and " << label(fine));
-    CHECK(label(coarse).substr(0, 4) == label(fine).substr(0, 4));
+    CHECK(same_way(coarse, fine));
+    CHECK(fine.setting < coarse.setting);
     CHECK(fine.error.position < 0.1 * coarse.error.position);
+    CHECK(fine.error.reaction < 0.1 * coarse.error.reaction);
     CHECK(fine.evaluations > coarse.evaluations);
+    // rk4: error falls with the fourth power of the step, 256 times
+    if (coarse.integrator == "rk4") CHECK(coarse.error.position / fine.error.position == Approx(256.0).epsilon(0.5));
   }
-  // rk4: error falls with the fourth power of the step, 256 times
-  CHECK(result.runs[2].error.position / result.runs[6].error.position == Approx(256.0).epsilon(0.5));
-  const WorkPrecisionRun* best = cheapest(result, 1e-5);
-  REQUIRE(best != nullptr);
-  CHECK(best->error.position <= 1e-5);
-  CHECK(cheapest(result, 1e-30) == nullptr);
+  const std::vector<CostAtError> costs = costs_at_error(result, 1e-5);
+  REQUIRE_FALSE(costs.empty());
+  CHECK(costs.front().run->error.position <= 1e-5);
+  CHECK(costs_at_error(result, 1e-30).empty());
+}
+
+TEST_CASE("the load of the links is the reaction of the hinge", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5")};
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 200}, options);
+  // A rod let go level from its hinge: 3/2 m g sin(a) below, and 10/4 m g hanging down, in the line of the rod, which
+  // it passes after 0.61 s.
+  CHECK(result.size.reaction == Approx(2.5 * 9.81).epsilon(1e-3));
+  CHECK(result.size.energy == Approx(0.5 * 9.81).epsilon(1e-3));  // all of it kinetic below
+}
+
+TEST_CASE("looking costs a run nothing", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Rk4>("rk4")};
+  options.steps = {3};
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 10}, options);
+  REQUIRE(result.runs.size() == 1);
+  CHECK(result.runs.front().steps == 30);
+  CHECK(result.runs.front().evaluations == 4 * 30);
 }
 
 TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
@@ -128,36 +151,135 @@ TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
   std::ifstream in(file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   CHECK(text.find("position error [m]") != std::string::npos);
-  CHECK(text.find("frozen,omega,project,schur,,0.125,,,,") != std::string::npos);
+  CHECK(text.find("reaction error [N]") != std::string::npos);
+  CHECK(text.find("frozen,omega,project,sparse,,0.125,,,,,") != std::string::npos);
   CHECK(text.find("\"frozen: too cold\"") != std::string::npos);
 
-  const ChartSpec chart = work_precision_chart(result, "two runs", ChartBy::integrator);
-  REQUIRE(chart.panels.size() == 1);
-  const auto& series = chart.panels[0].series;
-  REQUIRE(series.size() >= 2);
-  CHECK(series[0].label == "frozen");
-  CHECK(series[0].x.size() == 1);
-  CHECK(series[1].label == "failed");
+  const GridSpec chart = integrators_chart(result, "two runs", result.runs.front(), CostKind::evaluations);
+  REQUIRE_FALSE(chart.panels.empty());
+  const GridPanel& panel = chart.panels.front();
+  std::size_t n_crosses = 0;
+  for (const Series& series : panel.series)
+    if (series.style == SeriesStyle::crosses) {
+      ++n_crosses;
+      CHECK(series.label == "frozen");
+      REQUIRE(series.y.size() == 1);
+      CHECK(series.y[0] > panel.strip_from);
+      CHECK(series.y[0] < panel.y_range.second);
+    }
+  CHECK(n_crosses == 1);
+  CHECK(panel.strip_from > 20.0);  // above the error of the run that ended
+  CHECK(std::any_of(chart.remarks.begin(), chart.remarks.end(),
+                    [](const std::string& line) { return line.find("frozen: too cold") != std::string::npos; }));
 }
 
-TEST_CASE("runs that the budget does not reach are named", "[unit][work_precision]") {
+TEST_CASE("what a mechanism is not made for is left out with the reason", "[unit][work_precision]") {
+  class Unsuited final : public Integrator {
+   public:
+    IntegratorInfo info() const override { return {"unsuited", 1, false, false, 1}; }
+    void begin(Dynamics&, const State&) override { throw ModelError("unsuited: only for clocks"); }
+    StepReport step(Dynamics&, State&, double) override { return {}; }
+  };
   WorkPrecisionOptions options = quick_options();
-  options.integrators = {choice<Rk4>("rk4")};
-  options.steps = {1, 1 << 18};  // a quarter of a million steps an output: far more than the share of a small budget
-  options.budget = 2;
+  options.integrators = {{"unsuited", [] { return std::make_unique<Unsuited>(); }}, choice<Rk4>("rk4")};
+  const WorkPrecision result = work_precision({.make = falling, .length = 1.0, .outputs = 2}, options);
+  REQUIRE(result.unsuited.size() == 1);
+  CHECK(result.unsuited[0].what.find("unsuited, omega") == 0);
+  CHECK(result.unsuited[0].why == "unsuited: only for clocks");
+  for (const WorkPrecisionRun& run : result.runs) CHECK(run.integrator == "rk4");
+}
+
+TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5"), choice<Rk4>("rk4")};
+  options.formulations = {Formulation::omega, Formulation::quaternion};
+  options.stabilizations = {Stabilization::Kind::project, Stabilization::Kind::none};
+  options.tolerances = {1e-4}, options.steps = {4};
+  const auto n_runs = [&] {
+    return work_precision({.make = swinging, .length = 0.5, .outputs = 5}, options).runs.size();
+  };
+  CHECK(n_runs() == 8);
+  options.separately = true;
+  CHECK(n_runs() == 4);
+}
+
+// A clock that counts steps: 1 ms each. What the budget allows is then known without asking the machine.
+TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
+  struct Ticking final : public Integrator {
+    explicit Ticking(long* count) : n(count) {}
+    IntegratorInfo info() const override { return {"ticking", 1, false, false, 1}; }
+    void begin(Dynamics&, const State&) override {}
+    StepReport step(Dynamics& dynamics, State& state, double h) override {
+      ++*n;
+      dynamics.rate(state, rate);
+      state.v += h * rate.v;
+      dynamics.advance(state, h, state.v);
+      state.t += h;
+      StepReport report;
+      report.h = h;
+      return report;
+    }
+    long* n;
+    StateRate rate{};
+  };
+  long n_steps = 0;
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {{"ticking", [&] { return std::make_unique<Ticking>(&n_steps); }}};
+  options.formulations = {Formulation::omega, Formulation::quaternion};
+  options.steps = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384};
+  options.clock = options.cpu = [&] { return 1e-3 * static_cast<double>(n_steps); };
   options.reference_tolerance = 1e-9;
-  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 50}, options);
-  const bool named = !result.left_out.empty();
-  const bool given_up = result.runs.size() == 2 && result.runs[1].failure.find("given up") == 0;
-  CHECK((named || given_up));
+  for (const double budget : {0.2, 2.0, 10.0}) {
+    n_steps = 0;
+    options.budget = budget;
+    const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 10}, options);
+    INFO(budget << " s: " << n_steps << " steps");
+    CHECK(1e-3 * static_cast<double>(n_steps) <= budget + 2e-3);
+    CHECK(1e-3 * static_cast<double>(n_steps) >= 0.4 * budget);
+    CHECK(result.left_out.size() == 2);
+    long finest = 0;
+    for (const WorkPrecisionRun& run : result.runs) {
+      CHECK(run.done());
+      finest = std::max(finest, run.steps);
+    }
+    CHECK(finest >= 100 * budget);
+  }
+}
+
+TEST_CASE("a combination that cannot win any more ends", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5"), choice<Rk4>("rk4")};
+  options.tolerances = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10};
+  options.steps = {1, 4, 16, 64, 256, 1024};
+  options.target = 1e-4;
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  int n_met = 0;
+  for (const WorkPrecisionRun& run : result.runs)
+    if (run.integrator == "dopri5") n_met += run.error.position <= options.target ? 1 : 0;
+  CHECK(n_met == 2);  // the one that met it and the finer one that confirmed it
+  REQUIRE_FALSE(costs_at_error(result, options.target).empty());
+  CHECK(costs_at_error(result, options.target).front().confirmed);
 }
 
 TEST_CASE("a reference that cannot be made is an error", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Rk4>("rk4")};
-  options.reference = {"frozen", [] { return std::make_unique<Frozen>(1e9, true); }};
+  options.references = {{"frozen", [] { return std::make_unique<Frozen>(1e9, true); }}};
   CHECK_THROWS_AS(work_precision({.make = falling, .length = 1.0}, options), StepError);
   CHECK_THROWS_AS(work_precision({.make = falling, .length = 0.0}, options), ModelError);
+}
+
+TEST_CASE("where one reference fails the next is taken", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Rk4>("rk4")};
+  options.references.insert(options.references.begin(), {"frozen", [] { return std::make_unique<Frozen>(1e9, true); }});
+  const WorkPrecision two = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  CHECK(two.reference == "dop853 at 1e-13");
+  CHECK(two.second == "dopri5 at 1e-13");
+  options.references = {choice<Dop853>("dop853")};
+  const WorkPrecision one = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  CHECK(one.second == "dop853 at 1e-11");
+  CHECK(one.agreement.position < 1e-8);
 }
 
 }  // namespace lockstep

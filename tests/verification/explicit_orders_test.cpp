@@ -1,6 +1,7 @@
 // Error against step has the slope of every explicit and symplectic method: on the heavy top (150 rad/s of spin, a
 // spherical joint), on a four-bar mechanism in space, whose joints are redundant, and on a chain of ten rods;
 // projection every step.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -72,4 +73,33 @@ TEST_CASE("the error follows the step with the order of the method on three mech
   CHECK(std::abs(top - s.order) <= 0.15);
   CHECK(std::abs(four_bar - s.order) <= 0.15);
   CHECK(std::abs(chain - s.order) <= 0.15);
+}
+
+// Of the whole history, a decade a step.
+TEST_CASE("the error of explicit methods follows the tolerance to 1e-9 with slope one", "[verification][integrators]") {
+  const std::string method = GENERATE("dopri5", "dop853");
+  const Course m = GENERATE(kTop, kChain);
+  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + m.scene + ".csv");
+  const auto error_at = [&](double tolerance) {
+    const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + m.scene + ".json", [&](RunSettings& s) {
+      s.integrator = {method};
+      s.tolerance = {tolerance, 1e-2 * tolerance};
+      s.until = m.end;
+    });
+    double worst = 0;
+    for (const std::string& c : m.columns)
+      for (std::size_t i = 0; i < run.table.n_rows(); ++i)
+        worst = std::max(worst, std::abs(run.table[c][i] - truth[c][i]));
+    return worst;
+  };
+  std::vector<double> x, y;
+  for (int k = 4; k <= 11; ++k) x.push_back(-k), y.push_back(std::log10(error_at(std::pow(10.0, -k))));
+  CAPTURE(method, m.scene, y);
+  double mx = 0, my = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) mx += x[i] / 8, my += y[i] / 8;
+  for (std::size_t i = 0; i < x.size(); ++i) xx += (x[i] - mx) * (x[i] - mx), xy += (x[i] - mx) * (y[i] - my);
+  // the weights are increments, which shrink with the step: up to tolerance^(p/(p - 1)) for order p
+  CHECK(xy / xx > 0.9);
+  CHECK(xy / xx < 1.3);
+  CHECK(y.back() < -9);
 }

@@ -61,6 +61,7 @@ TEST_CASE("explicit methods blow up on the flyball governor at a millisecond and
   CHECK(t >= 0);
   CHECK(t < 1);
   CHECK(message.find("t = ") != std::string::npos);
+  CHECK(message.find("radau5") != std::string::npos);
 }
 
 // Error at the end against the tolerance: a line of slope one from 1e-4 to 1e-9 m.

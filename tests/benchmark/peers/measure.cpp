@@ -274,7 +274,7 @@ void Bench::sweep(const Mechanism& m, const std::string& method, const Ladder& s
   if (start.slow) return;
   double best = start.done ? start.error : 1e9, cost = start.cost;
   int stalled = 0, failed = 0;
-  for (int rung = 1; setting(rung) > 0 && best > 1e-12 && stalled < 2 && failed < (best < 1e9 ? 3 : 12); ++rung) {
+  for (int rung = 1; setting(rung) > 0 && best > 1e-12 && stalled < 4 && failed < (best < 1e9 ? 3 : 12); ++rung) {
     if (out_of_time() || cost * std::pow(setting(rung - 1) / setting(rung), growth) > budget_) break;
     r = run(rung);
     if (r.slow) break;

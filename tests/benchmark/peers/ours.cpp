@@ -16,12 +16,23 @@ namespace lockstep::peers {
 namespace {
 
 /// What is tried as far as the registry has it, the likeliest first: name, and its keys as JSON.
-const std::vector<std::string> kIntegrators = {
-    "dop853", R"(dop853{"fixed": true})", "dopri5", R"(dopri5{"fixed": true})", "rk4",
-    "rattle", R"(rattle{"order": 4})",    "radau5", "generalized_alpha",        "semi_implicit_euler"};
+const std::vector<std::string> kIntegrators = {"dop853",
+                                               R"(dop853{"fixed": true})",
+                                               "dopri5",
+                                               R"(dopri5{"fixed": true})",
+                                               "rk4",
+                                               "rattle2",
+                                               "rattle4",
+                                               "radau5",
+                                               "generalized_alpha",
+                                               "semi_implicit_euler"};
 /// On loops before all others: they may have singular positions.
-const std::vector<std::string> kOnLoops = {R"(dop853{"stages": "manifold"})", R"(dopri5{"stages": "manifold"})",
-                                           R"(dop853{"fixed": true, "stages": "manifold"})"};
+const std::vector<std::string> kOnLoops = {
+    R"(dop853{"stages": "auto"})",
+    R"(dopri5{"stages": "auto"})",
+    R"(dop853{"stages": "manifold"})",
+    R"(dop853{"fixed": true, "stages": "manifold"})",
+};
 
 /// One way to run a mechanism.
 struct Method {

@@ -1,0 +1,193 @@
+// The verbs that measure, called as a person calls them: chart, advise, run --certify.
+#include <sys/wait.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "framework/record/table.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+using namespace lockstep;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kFolder = std::string(paths::kBuild) + "/output/survey";
+
+struct Result {
+  int exit = -1;
+  std::string text;  // both streams
+};
+
+Result call(const std::string& words) {
+  fs::create_directories(kFolder);
+  const std::string command =
+      "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' '" + paths::kProgram + "' " + words + " 2>&1";
+  Result result;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::array<char, 4096> part;
+  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) result.text.append(part.data(), n);
+  const int status = pclose(pipe);
+  result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+std::string scene(const std::string& name, const std::string& members) {
+  fs::create_directories(kFolder);
+  const std::string path = kFolder + "/" + name + ".json";
+  std::ofstream(path) << "{\"lockstep\": 1,\n" << members << "\n}\n";
+  return path;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A particle of 1 kg on a ring of 2 m, no gravity, 3 m/s: x = 2 cos 1.5 t, y = 2 sin 1.5 t, held by 4.5 N.
+std::string ring(const std::string& run) {
+  return scene(
+      "ring",
+      R"("title": "a stone on a string", "bodies": [{"name": "stone", "particle": 1, "position": [2, 0, 0], "velocity": [0, 3, 0]}],
+    "links": [{"name": "L", "type": "distance", "p": "stone", "s": "ground", "at_p": [2, 0, 0], "at_s": [0, 0, 0], "length": 2}],
+    "run": {"until": 2, "output": 0.05, "record": ["stone.x", "stone.y", "stone.z", {"F": "L.force_on_p_world_x"}])" +
+          run + "}");
+}
+
+// The command that advise prints, without the program's name.
+std::string advised(const std::string& text) {
+  const std::size_t begin = text.find("lockstep run ");
+  REQUIRE(begin != std::string::npos);
+  return text.substr(begin + 9, text.find('\n', begin) - begin - 9);
+}
+
+double error_of(const Table& table) {
+  double most = 0;
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    const double t = table["t"][i];
+    most = std::max(
+        most, std::hypot(table["stone.x"][i] - 2 * std::cos(1.5 * t), table["stone.y"][i] - 2 * std::sin(1.5 * t)));
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("what advise names meets the error", "[survey]") {
+  const std::string path = ring("");
+  for (const char* error : {"1e-3", "1e-7"}) {
+    const Result r = call("advise '" + path + "' --error " + error + " --budget 20 --separately --quiet");
+    INFO(r.text);
+    REQUIRE(r.exit == 0);
+    for (const char* word : {"cheapest ", "runner-up ", "evaluations", "\"integrator\": ", "agree to"})
+      CHECK(contains(r.text, word));
+    fs::remove(kFolder + "/advised.csv");
+    const Result run = call(advised(r.text) + " --record advised.csv --quiet");
+    INFO(run.text);
+    REQUIRE(run.exit == 0);
+    CHECK(error_of(read_csv(kFolder + "/advised.csv")) <= std::atof(error));
+  }
+}
+
+TEST_CASE("advise charts what is named, with its keys, and says when nothing meets the error", "[survey]") {
+  const std::string path = ring("");
+  const Result r =
+      call("advise '" + path + "' --integrators dopri5:fixed=true,semi_implicit_euler --formulations omega " +
+           "--stabilisations project --solvers sparse --error 1e-5 --budget 20");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK_FALSE(contains(r.text, "rk4"));
+  CHECK_FALSE(contains(r.text, "dense"));
+  CHECK(contains(r.text, "--integrator dopri5:fixed=true --step "));
+  CHECK(contains(r.text, "\"type\": \"dopri5\""));
+  CHECK(call(advised(r.text) + " --quiet").exit == 0);
+  const Result never =
+      call("advise '" + path + "' --integrators semi_implicit_euler --steps 0.02:0.01 --error 1e-9 --quiet");
+  INFO(never.text);
+  CHECK(never.exit == 1);
+  CHECK(contains(never.text, "no run met a position error of 1e-09 m; the best came to "));
+}
+
+TEST_CASE("wrong words of the measuring verbs are usage errors", "[survey]") {
+  const std::string path = ring("");
+  for (const char* words : {"--integrators rk5", "--integrators dopri5:speed=3", "--solvers fast", "--formulations x",
+                            "--stabilisations glue", "--tolerances few", "--steps 3", "--budget 0.1", "--budget 3m"}) {
+    const Result r = call("chart '" + path + "' " + words);
+    INFO(words << "\n" << r.text);
+    CHECK(r.exit == 2);
+  }
+  CHECK(call("advise '" + path + "' --error none").exit == 2);
+  CHECK(call("advise '" + path + "' --of beauty").exit == 2);
+  CHECK(call("run '" + path + "' --budget 5").exit == 2);
+  CHECK(contains(call("run '" + path + "' --integrator dopri5:fixd=true").text, "did you mean \"fixed\"?"));
+}
+
+TEST_CASE("chart leaves every error of every combination in its table", "[survey]") {
+  fs::remove_all(kFolder + "/charts");
+  const Result r =
+      call("chart '" + ring("") + "' --integrators rk4,dopri5 --tolerances 1e-3:1e-6 --steps 0.02:0.0025 " +
+           "--budget 60 --out charts");
+  INFO(r.text);
+  REQUIRE(r.exit == 0);
+  std::ifstream file(kFolder + "/charts/ring_chart.csv");
+  std::string line;
+  std::getline(file, line);
+  for (const char* column : {"position error [m]", "velocity error [m/s]", "energy error [J]", "reaction error [N]",
+                             "cpu [s]", "evaluations", "counts", "front", "failure"})
+    CHECK(contains(line, column));
+  std::size_t n_front = 0, n_lines = 0;
+  while (std::getline(file, line)) {
+    ++n_lines;
+    n_front += contains(line, ",1,1,") ? 1 : 0;
+  }
+  CHECK(n_lines >= 2 * 2 * 3);  // formulations, stabilisations and a run at least of each
+  CHECK(n_front >= 1);
+  for (const char* word :
+       {"best with each integrator", "best with each solver", "best with each formulation", "  1e-06 m "})
+    CHECK(contains(r.text, word));
+  if (contains(r.text, "ring_chart.png"))
+    for (const char* picture : {"", "_evaluations", "_formulations", "_stabilizations", "_solvers"})
+      CHECK(fs::file_size(kFolder + "/charts/ring_chart" + picture + ".png") > 10000);
+}
+
+TEST_CASE("the certificate's digits are those of the closed form", "[survey]") {
+  const Result r = call("run '" + ring(R"(, "integrator": "rk4", "step": 0.05)") + "' --certify --record ring.csv");
+  INFO(r.text);
+  REQUIRE(r.exit == 0);
+  CHECK(contains(r.text, "rk4 tighter (step 0.0125 s)"));
+  CHECK(contains(r.text, "stone.z"));
+  const double error = error_of(read_csv(kFolder + "/ring.csv")), digits = std::log10(2 / error);
+  // The line of stone.y: name, unit, largest, difference, digits against each repeat.
+  const std::size_t at = r.text.find("  stone.y");
+  REQUIRE(at != std::string::npos);
+  char name[32], unit[32];
+  double largest = 0, differs = 0, tighter = 0, other = 0;
+  REQUIRE(std::sscanf(r.text.c_str() + at, "%31s %31s %lf %lf %lf %lf", name, unit, &largest, &differs, &tighter,
+                      &other) == 6);
+  CHECK(largest == Approx(2.0).epsilon(1e-2));
+  CHECK(other == Approx(digits).margin(0.4));    // x and y together err sqrt(2) times as much at most
+  CHECK(tighter == Approx(digits).margin(0.4));  // rk4 at a quarter of the step errs 256 times less
+  const std::size_t z = r.text.find("  stone.z");
+  CHECK(r.text.substr(z, r.text.find('\n', z) - z).find(" 0") != std::string::npos);
+  CHECK(contains(r.text, "1 channel is nothing but round-off"));
+
+  const Result exact =
+      call("run '" + ring(R"(, "integrator": "dop853", "tolerance": 1e-10)") + "' --certify --record ring.csv");
+  INFO(exact.text);
+  CHECK(exact.exit == 0);
+  CHECK(contains(exact.text, "dop853 tighter (tolerance 1e-12) and dopri5 (tolerance 1e-12)"));
+}
+
+TEST_CASE("a step of a fixed method is no limit for the adaptive one that is named", "[survey]") {
+  const std::string path = ring(R"(, "integrator": "rk4", "step": 1e-4)");
+  const Result r = call("run '" + path + "' --integrator dopri5 --tolerance 1e-6 --record ring.csv");
+  INFO(r.text);
+  REQUIRE(r.exit == 0);
+  const std::size_t at = r.text.find(" s in ");
+  REQUIRE(at != std::string::npos);
+  CHECK(std::atoi(r.text.c_str() + at + 6) < 1000);
+}
