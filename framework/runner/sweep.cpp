@@ -33,12 +33,12 @@ auto usage(const std::string& option, F&& read) {
   }
 }
 
-void refuse_twofold(const Words& w, const std::vector<Variation>& variations) {
+void refuse_twofold(const Words& w, const std::vector<Variable>& variables) {
   const std::pair<const char*, const std::string*> options[] = {
       {"integrator", &w.integrator},      {"solver", &w.solver}, {"step", &w.step},
       {"tolerance", &w.tolerance},        {"until", &w.until},   {"formulation", &w.formulation},
       {"stabilization", &w.stabilization}};
-  for (const Variation& v : variations) {
+  for (const Variable& v : variables) {
     for (const auto& [name, word] : options) {
       const std::string place = std::string("run.") + name;
       if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
@@ -53,22 +53,22 @@ void refuse_twofold(const Words& w, const std::vector<Variation>& variations) {
 struct Plan {
   const Words& words;
   Loaded loaded;
-  std::vector<Variation> variations;
+  std::vector<Variable> variables;
   Grid grid;
   Shard shard;
   Table columns;
 
   Scene scene(long run) const {
-    Scene s = varied(loaded.scene, variations, grid.at(run), loaded.registry);
+    Scene s = varied(loaded.scene, variables, grid.at(run), loaded.registry);
     put_over(s.run, words, loaded.registry);
     return s;
   }
-  std::string setting(long run) const { return setting_text(variations, grid.at(run)); }
+  std::string setting(long run) const { return setting_text(variables, grid.at(run)); }
 };
 
 // A key that the scene leaves out may not fit beside those that it has.
 void refuse_misplaced(const Plan& plan, const std::string& reason) {
-  for (const Variation& v : plan.variations)
+  for (const Variable& v : plan.variables)
     if (!v.near.empty())
       throw UsageError(
           fmt::format("--vary: \"{}\" is not in the scene, and no run can be built with it ({}); did you mean \"{}\"?",
@@ -95,13 +95,13 @@ Table columns_of(const Plan& plan) {
 Plan make_plan(const Words& w) {
   Loaded loaded = read_with_plugins(w);
   const Shard shard = w.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(w.shard); });
-  std::vector<Variation> variations =
-      usage("--vary", [&] { return read_variations(w.vary, loaded.scene, loaded.registry); });
-  refuse_twofold(w, variations);
+  std::vector<Variable> variables =
+      usage("--vary", [&] { return read_variables(w.vary, loaded.scene, loaded.registry); });
+  refuse_twofold(w, variables);
   std::vector<std::size_t> sizes;
-  for (const Variation& v : variations) sizes.push_back(v.values.size());
+  for (const Variable& v : variables) sizes.push_back(v.values.size());
   Grid grid = usage("--vary", [&] { return Grid(sizes); });
-  Plan plan{w, std::move(loaded), std::move(variations), std::move(grid), shard, {}};
+  Plan plan{w, std::move(loaded), std::move(variables), std::move(grid), shard, {}};
   plan.columns = columns_of(plan);
   return plan;
 }
@@ -151,7 +151,7 @@ class Sweep {
         progress_(static_cast<double>(n_runs_), plan.words.quiet, Counts::runs) {}
 
   Tally go() {
-    rows_.put(sweep_header(plan_.variations, plan_.columns));
+    rows_.put(sweep_header(plan_.variables, plan_.columns));
     while (tally_.done < n_runs_ && !interrupt_.asked() && one(Grid::run(plan_.shard, tally_.done)))
       progress_.at(static_cast<double>(++tally_.done));
     progress_.finish();
@@ -166,7 +166,7 @@ class Sweep {
     const SweepRun run = compute(number, plan_.words.histories.empty() ? nullptr : &history);
     if (run.broken_off) return false;
     if (history.n_columns() > 0) keep(number, history);
-    rows_.put(sweep_row(number, plan_.variations, plan_.grid.at(number), plan_.columns, run));
+    rows_.put(sweep_row(number, plan_.variables, plan_.grid.at(number), plan_.columns, run));
     if (run.failed) say(number, run.status);
     return true;
   }

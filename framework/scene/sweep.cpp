@@ -41,11 +41,16 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   sim.progress = [&](const State& s) {
-    result.steps = sim.report().steps;
     result.broken_off = go_on && !go_on(s);
     return !result.broken_off;
   };
-  const SimulationReport& report = sim.run_until(m.run.until);
+  const SimulationReport& report = sim.report();
+  try {
+    sim.run_until(m.run.until);
+  } catch (...) {
+    result.steps = report.steps;
+    throw;
+  }
   result.steps = report.steps;
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
@@ -107,9 +112,9 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
   return result;
 }
 
-std::string sweep_header(const std::vector<Variation>& variations, const Table& columns) {
+std::string sweep_header(const std::vector<Variable>& variables, const Table& columns) {
   std::string line = "run";
-  for (const Variation& v : variations) line += "," + titled(v.path, v.unit);
+  for (const Variable& v : variables) line += "," + titled(v.path, v.unit);
   const Column& time = columns.columns().front();
   line += "," + titled(time.name + " final", time.unit);
   for (std::size_t k = 1; k < columns.n_columns(); ++k)
@@ -118,11 +123,11 @@ std::string sweep_header(const std::vector<Variation>& variations, const Table& 
   return line + ",steps,cpu [s],status\n";
 }
 
-std::string sweep_row(long run, const std::vector<Variation>& variations, const std::vector<std::size_t>& choice,
+std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
                       const Table& columns, const SweepRun& result) {
   std::string line = std::to_string(run);
-  for (std::size_t k = 0; k < variations.size(); ++k)
-    line += "," + cell(one_line(plain_text(variations[k].values[choice[k]])));
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    line += "," + cell(one_line(plain_text(variables[k].values[choice[k]])));
   const std::size_t n = columns.n_columns() - 1;
   if (result.failed || result.columns.size() != n) {
     line += std::string(1 + 3 * n, ',');

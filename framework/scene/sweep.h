@@ -36,9 +36,9 @@ LOCKSTEP_API SweepRun sweep_run(const Scene&, const Registry&, const Table& like
                                 const std::function<bool(const State&)>& go_on = {}, Table* history = nullptr);
 
 /// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],steps,cpu [s],status", with a line end.
-LOCKSTEP_API std::string sweep_header(const std::vector<Variation>&, const Table& columns);
+LOCKSTEP_API std::string sweep_header(const std::vector<Variable>&, const Table& columns);
 /// One line; the cells of results are empty when the run failed.
-LOCKSTEP_API std::string sweep_row(long run, const std::vector<Variation>&, const std::vector<std::size_t>& choice,
+LOCKSTEP_API std::string sweep_row(long run, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                                    const Table& columns, const SweepRun&);
 
 }  // namespace lockstep

@@ -131,9 +131,9 @@ void refuse_columns(const std::string& path) {
 
 }  // namespace
 
-Variation read_variation(const std::string& text, const Scene& scene, const Registry& registry) {
+Variable read_variable(const std::string& text, const Scene& scene, const Registry& registry) {
   const std::size_t equals = text.find('=');
-  Variation v;
+  Variable v;
   v.path = trimmed(text.substr(0, equals));
   if (equals == std::string::npos || v.path.empty())
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
@@ -152,12 +152,12 @@ Variation read_variation(const std::string& text, const Scene& scene, const Regi
   return v;
 }
 
-std::vector<Variation> read_variations(const std::vector<std::string>& texts, const Scene& scene,
-                                       const Registry& registry) {
-  std::vector<Variation> all;
+std::vector<Variable> read_variables(const std::vector<std::string>& texts, const Scene& scene,
+                                     const Registry& registry) {
+  std::vector<Variable> all;
   for (const std::string& text : texts) {
-    Variation v = read_variation(text, scene, registry);
-    for (const Variation& other : all)
+    Variable v = read_variable(text, scene, registry);
+    for (const Variable& other : all)
       if (other.place == v.place)
         throw ModelError("\"" + v.path + "\" varies twice" +
                          (other.path == v.path ? "" : " (the other time as \"" + other.path + "\")") +
@@ -167,22 +167,22 @@ std::vector<Variation> read_variations(const std::vector<std::string>& texts, co
   return all;
 }
 
-Scene varied(const Scene& scene, const std::vector<Variation>& variations, const std::vector<std::size_t>& choice,
+Scene varied(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
              const Registry& registry) {
   Value root = scene.root;
-  for (std::size_t k = 0; k < variations.size(); ++k) {
-    Value& value = *find_place(root, variations[k].path, registry).value;
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    Value& value = *find_place(root, variables[k].path, registry).value;
     const Where where = value.where;
-    value = variations[k].values[choice[k]];
+    value = variables[k].values[choice[k]];
     value.where = where;
   }
   return scene_from(std::move(root), scene.file);
 }
 
-std::string setting_text(const std::vector<Variation>& variations, const std::vector<std::size_t>& choice) {
+std::string setting_text(const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {
   std::string text;
-  for (std::size_t k = 0; k < variations.size(); ++k) {
-    const Variation& v = variations[k];
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const Variable& v = variables[k];
     text += (k == 0 ? "" : ", ") + v.path + " = " + plain_text(v.values[choice[k]]);
     if (!v.unit.empty()) text += " " + v.unit;
   }

@@ -23,23 +23,23 @@ const char* const kPendulum = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
 struct Swept {
   Registry registry = builtin_registry();
   Scene scene;
-  std::vector<Variation> variations;
+  std::vector<Variable> variables;
   Grid grid;
   Table columns;
   Swept(const char* text, const std::vector<std::string>& vary)
       : scene(scene_from_text(text, "scene.json")),
-        variations(read_variations(vary, scene, registry)),
+        variables(read_variables(vary, scene, registry)),
         grid(sizes()),
         columns(recorded_columns(scene, registry)) {}
   std::vector<std::size_t> sizes() const {
     std::vector<std::size_t> all;
-    for (const Variation& v : variations) all.push_back(v.values.size());
+    for (const Variable& v : variables) all.push_back(v.values.size());
     return all;
   }
   SweepRun run(long number, Table* history = nullptr) const {
-    return sweep_run(varied(scene, variations, grid.at(number), registry), registry, columns, {}, history);
+    return sweep_run(varied(scene, variables, grid.at(number), registry), registry, columns, {}, history);
   }
-  std::string row(long number) const { return sweep_row(number, variations, grid.at(number), columns, run(number)); }
+  std::string row(long number) const { return sweep_row(number, variables, grid.at(number), columns, run(number)); }
 };
 
 }  // namespace
@@ -49,20 +49,21 @@ TEST_CASE("pendulums of several lengths reach their lowest point after a quarter
   REQUIRE(sweep.grid.n_runs() == 12);
   for (long k = 1; k <= 12; ++k) {
     const auto choice = sweep.grid.at(k);
-    const double length = *sweep.variations[0].values[choice[0]].number();
-    const double g = -*sweep.variations[1].values[choice[1]].number();
+    const double length = *sweep.variables[0].values[choice[0]].number();
+    const double g = -*sweep.variables[1].values[choice[1]].number();
     const SweepRun r = sweep.run(k);
-    INFO(setting_text(sweep.variations, choice) << ": " << r.status);
+    INFO(setting_text(sweep.variables, choice) << ": " << r.status);
     CHECK(r.status == "stopped by 'lowest'");
     CHECK_FALSE(r.failed);
     // T = 4 sqrt(l / g) K(sin(angle / 2)); the energy gives the speed.
     const double quarter = std::sqrt(length / g) * std::comp_ellint_1(std::sin(0.5 * std::asin(0.6)));
-    CHECK(r.t == Approx(quarter).epsilon(1e-9));
+    const double speed = std::sqrt(2 * g * length * (1 - 0.8)), instant = 1.1e-9;  // events are located to 1e-9 s
+    CHECK(std::abs(r.t - quarter) < instant);
     REQUIRE(r.columns.size() == 2);
-    CHECK(std::abs(r.columns[0].last) < 1e-9 * length);
+    CHECK(std::abs(r.columns[0].last) < instant * speed);
     CHECK(r.columns[0].most == Approx(0.6 * length).epsilon(1e-12));
     CHECK(r.columns[0].least == r.columns[0].last);
-    CHECK(r.columns[1].least == Approx(-std::sqrt(2 * g * length * (1 - 0.8))).epsilon(1e-9));
+    CHECK(r.columns[1].least == Approx(-speed).epsilon(1e-9));
     CHECK(r.columns[1].most == 0);
     CHECK(r.steps > 0);
     CHECK(r.cpu > 0);
@@ -71,7 +72,7 @@ TEST_CASE("pendulums of several lengths reach their lowest point after a quarter
 
 TEST_CASE("a run that fails is a row with its reason, the others stay", "[unit][scene]") {
   const Swept sweep(kPendulum, {"bodies.bob.particle=1,-1,2"});
-  CHECK(sweep_header(sweep.variations, sweep.columns) ==
+  CHECK(sweep_header(sweep.variables, sweep.columns) ==
         "run,bodies.bob.particle [kg],t final [s],bob.x final [m],bob.x min [m],bob.x max [m],"
         "speed final [m/s],speed min [m/s],speed max [m/s],steps,cpu [s],status\n");
   const std::string failed = sweep.row(2);
@@ -96,9 +97,10 @@ TEST_CASE("a run that fails on its way keeps its steps and its history", "[unit]
   CHECK(broken.failed);
   INFO(broken.status);
   CHECK(broken.status.find("link 'A'") != std::string::npos);
-  CHECK(broken.steps == 5);
+  CHECK(broken.steps >= 4);
   CHECK(broken.columns.empty());
-  CHECK(history.n_rows() >= 5);
+  CHECK(history.n_rows() == static_cast<std::size_t>(broken.steps) + 1);
+  CHECK(history.last("t") == Approx(0.1 * static_cast<double>(broken.steps)));
   CHECK(sweep.run(3, &history).status == "ok");
   CHECK(history.last("t") == Approx(1));
 }

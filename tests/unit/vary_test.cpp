@@ -19,13 +19,13 @@ const char* const kText = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
 struct Read {
   Registry registry = builtin_registry();
   Scene scene = scene_from_text(kText, "scene.json");
-  Variation operator()(const std::string& text) const { return read_variation(text, scene, registry); }
+  Variable operator()(const std::string& text) const { return read_variable(text, scene, registry); }
   std::string refusal(const std::string& text) const {
     return message_of<Error>([&] { (*this)(text); });
   }
 };
 
-std::vector<double> numbers(const Variation& v) {
+std::vector<double> numbers(const Variable& v) {
   std::vector<double> x;
   for (const Value& value : v.values) x.push_back(*value.number());
   return x;
@@ -39,7 +39,7 @@ TEST_CASE("a range meets both ends and lies evenly between", "[unit][scene]") {
   CHECK(numbers(read("gravity.1 = 0.1 : 0.5 : 5")) == std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5});
   CHECK(numbers(read("gravity.1=-1e308:1e308:3")) == std::vector<double>{-1e308, 0, 1e308});
   CHECK(numbers(read("gravity.1=5:1:2")) == std::vector<double>{5, 1});
-  const Variation length = read("bodies.bob.position.0=200 mm:1 m:3");
+  const Variable length = read("bodies.bob.position.0=200 mm:1 m:3");
   CHECK(numbers(length) == std::vector<double>{0.2, 0.6, 1});
   CHECK(length.unit == "m");
   CHECK(numbers(read("bodies.bob.position.0=0:20mm:2")) == std::vector<double>{0, 0.02});
@@ -47,7 +47,7 @@ TEST_CASE("a range meets both ends and lies evenly between", "[unit][scene]") {
 
 TEST_CASE("a list takes numbers, units, words, true and false", "[unit][scene]") {
   const Read read;
-  const Variation mass = read("bodies.bob.particle=1,500 g,0.25kg");
+  const Variable mass = read("bodies.bob.particle=1,500 g,0.25kg");
   CHECK(numbers(mass) == std::vector<double>{1, 0.5, 0.25});
   CHECK(mass.unit == "kg");
   CHECK(mass.place == "bodies.bob.particle");
@@ -84,7 +84,7 @@ TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]"
 TEST_CASE("the same place does not vary twice, by whatever path", "[unit][scene]") {
   const Read read;
   const auto twice = [&](const char* a, const char* b) {
-    return message_of<ModelError>([&] { read_variations({a, b}, read.scene, read.registry); });
+    return message_of<ModelError>([&] { read_variables({a, b}, read.scene, read.registry); });
   };
   check_words(twice("gravity.1=1", "gravity.1=2"), {"\"gravity.1\" varies twice"});
   check_words(twice("bodies.bob.particle=1", "bodies.0.particle=2"), {"varies twice", "as \"bodies.bob.particle\""});
@@ -92,7 +92,7 @@ TEST_CASE("the same place does not vary twice, by whatever path", "[unit][scene]
 
 TEST_CASE("the varied scene has the values, the first one is as before", "[unit][scene]") {
   const Read read;
-  const std::vector<Variation> all = read_variations(
+  const std::vector<Variable> all = read_variables(
       {"bodies.bob.particle=3,4", "run.tolerance=1e-4,1e-9", "bodies.bob.velocity.1=5", "run.solver.type=dense"},
       read.scene, read.registry);
   const Scene scene = varied(read.scene, all, {1, 1, 0, 0}, read.registry);
@@ -110,7 +110,7 @@ TEST_CASE("the varied scene has the values, the first one is as before", "[unit]
 
 TEST_CASE("a value that cannot be is refused with the place of what it replaced", "[unit][scene]") {
   const Read read;
-  const std::vector<Variation> all = read_variations({"bodies.bob.particle=-1"}, read.scene, read.registry);
+  const std::vector<Variable> all = read_variables({"bodies.bob.particle=-1"}, read.scene, read.registry);
   const Scene scene = varied(read.scene, all, {0}, read.registry);
   check_words(message_of<SceneError>([&] { build(scene, read.registry); }), {"scene.json:2:", "body 'bob'", "-1"});
 }
