@@ -34,9 +34,8 @@ void unflatten(const VecX& in, Parts& out) {
   out.s = in.tail(out.s.size());
 }
 
-/// Error weights are those of a mechanism at rest in itself (ErrorNorm::scale with a length): positions atol_x + rtol
-/// L, rotations atol_x + rtol, velocities atol_x/(1 s) + rtol V with the largest present speed V, steering states
-/// atol_x + rtol (1 + |s|), quadratures none. The Jacobian is found by differences, one evaluation a number of the
+/// Error weights are increments, as everywhere (step_control.h), counted by the rates and the step at the beginning of
+/// each step; quadratures are not looked at. The Jacobian is found by differences, one evaluation a number of the
 /// state, and is dense: for mechanisms of some ten bodies. Dense output is IDA's own. A run that is taken up again from
 /// a checkpoint begins with order 1, since IDA does not give its history away.
 class Ida final : public Integrator {
@@ -81,7 +80,8 @@ class Ida final : public Integrator {
       advance(report);
       if (land(report)) break;
     }
-    IDAGetCurrentStep(memory_->ida, &report.h_next);
+    IDAGetCurrentStep(memory_->ida, &h_next_);
+    report.h_next = h_next_;
     report.rejected += static_cast<int>(std::max(rejections() - rejected, 0L));
     followed_ = true;
     state.t = end_.t, state.q = end_.q, state.v = end_.v, state.s = end_.s;
@@ -145,7 +145,10 @@ class Ida final : public Integrator {
     Ida& ida = *static_cast<Ida*>(self);
     return ida.guarded([&] {
       ida.y_ = numbers(u) + ida.shift_;
-      ida.set_scale(ida.y_, 1, 0, 1);
+      const double L = ida.dynamics_->system().length();
+      const Sizes v = largest(ida.y_.segment(ida.start_.q.size(), ida.start_.v.size()));
+      ida.set_scale({L, 1}, {std::max(v.linear, L), std::max(v.angular, 1.0)});
+      ida.scale_.tail(ida.start_.s.size()).setOnes();
       for (Eigen::Index j = 0; j < ida.y_.size(); ++j) {
         const double y = ida.y_[j];
         ida.y_[j] = y + kMove * std::max(std::abs(y), ida.scale_[j]);
@@ -158,12 +161,19 @@ class Ida final : public Integrator {
     });
   }
 
-  // IDA takes the root of the mean square: by sqrt(n), the sum counts.
+  // Weights 1/(atol + rtol increment), increment = h |rate|. IDA takes the root of the mean square: by sqrt(n), the sum
+  // counts.
   static int weights(N_Vector u, N_Vector w, void* self) {
     Ida& ida = *static_cast<Ida*>(self);
     return ida.guarded([&] {
       ida.y_ = numbers(u) + ida.shift_;
-      ida.set_scale(ida.y_, ida.tolerance_.relative, ida.tolerance_.atol_x, 0);
+      ida.f_ = numbers(ida.memory_->ud);
+      const auto n_q = ida.start_.q.size(), n_v = ida.start_.v.size(), n_s = ida.start_.s.size();
+      const Sizes v = largest(ida.y_.segment(n_q, n_v)), a = largest(ida.f_.segment(n_q, n_v));
+      ida.set_scale({v.linear, 0.5 * v.angular}, a);  // e' = e (0, w)/2
+      ida.scale_.tail(n_s) = ida.f_.tail(n_s).cwiseAbs();
+      ida.scale_ = (ida.tolerance_.atol_x + kTiny + ida.tolerance_.relative * ida.h_ * ida.scale_.array()).matrix();
+      ida.scale_.tail(n_s - ida.dynamics_->system().n_steering_states()).setConstant(kNoWeight);
       numbers(w) = std::sqrt(static_cast<double>(ida.y_.size())) * ida.scale_.cwiseInverse();
     });
   }
@@ -176,22 +186,25 @@ class Ida final : public Integrator {
     flatten(rate_, f_);
   }
 
-  /// scale_ = atol + rtol times what numbers of this kind compare with; speeds with no less than `least` lengths, or
-  /// radians, a second.
-  void set_scale(const VecX& y, double rtol, double atol, double least) {
-    const Eigen::Index n_q = start_.q.size(), n_v = start_.v.size();
-    const double L = dynamics_->system().length();
-    double v = least * L, w = least;
-    for (Eigen::Index i = n_q; i < n_q + n_v; i += 6) {
-      v = std::max(v, y.segment<3>(i).norm());
-      w = std::max(w, y.segment<3>(i + 3).norm());
+  struct Sizes {
+    double linear = 0, angular = 0;
+  };
+  /// Of velocities or accelerations, over all slots.
+  static Sizes largest(Eigen::Ref<const VecX> v) {
+    Sizes most;
+    for (Eigen::Index i = 0; i < v.size(); i += 6) {
+      most.linear = std::max(most.linear, v.segment<3>(i).norm());
+      most.angular = std::max(most.angular, v.segment<3>(i + 3).norm());
     }
-    for (Eigen::Index i = 0; i < n_q; i += 7) scale_.segment<3>(i).setConstant(L), scale_.segment<4>(i + 3).setOnes();
+    return most;
+  }
+  /// One number for each kind of quantity; states s apart.
+  void set_scale(const Sizes& q, const Sizes& v) {
+    const Eigen::Index n_q = start_.q.size(), n_v = start_.v.size();
+    for (Eigen::Index i = 0; i < n_q; i += 7)
+      scale_.segment<3>(i).setConstant(q.linear), scale_.segment<4>(i + 3).setConstant(q.angular);
     for (Eigen::Index i = n_q; i < n_q + n_v; i += 6)
-      scale_.segment<3>(i).setConstant(v), scale_.segment<3>(i + 3).setConstant(w);
-    scale_.tail(start_.s.size()) = 1 + y.tail(start_.s.size()).array().abs();
-    scale_ = (atol + kTiny + rtol * scale_.array()).matrix();
-    if (least == 0) scale_.tail(start_.s.size() - dynamics_->system().n_steering_states()).setConstant(kNoWeight);
+      scale_.segment<3>(i).setConstant(v.linear), scale_.segment<3>(i + 3).setConstant(v.angular);
   }
 
   // -- a step
@@ -214,6 +227,7 @@ class Ida final : public Integrator {
       IDAReInit(memory_->ida, start_.t, memory_->u, memory_->ud);
     started_ = true;
     IDASetInitStep(memory_->ida, h);
+    h_next_ = h;
   }
 
   /// One step of IDA, of at most report.h, which becomes what was made; its end stands in end_.
@@ -221,6 +235,7 @@ class Ida final : public Integrator {
     const double to = start_.t + report.h;
     double t = start_.t;
     int flag = IDASetStopTime(memory_->ida, to);
+    h_ = std::min(report.h, h_next_);
     thrown_ = nullptr;
     shift_before_ = shift_;
     // more than once where the last step ended a rounding before the instant that was asked for
@@ -277,8 +292,9 @@ class Ida final : public Integrator {
   ErrorNorm norm_;  // of the first step
   Dynamics* dynamics_ = nullptr;
   std::unique_ptr<Memory> memory_;
-  bool started_ = false;   // IDA has begun somewhere
-  bool followed_ = false;  // a step was made, and the next one may go on from it
+  double h_ = 0, h_next_ = 0;  // that weights count with, that IDA wants to make
+  bool started_ = false;       // IDA has begun somewhere
+  bool followed_ = false;      // a step was made, and the next one may go on from it
   State start_, stage_, end_;
   StateRate rate_, difference_;
   mutable VecX y_;  // scratch
