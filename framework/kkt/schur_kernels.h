@@ -33,6 +33,8 @@ struct Numbers {
   double *A = nullptr, *Y = nullptr;
   double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *pivot = nullptr, *E = nullptr,
          *r = nullptr, *a = nullptr;
+  const double* kind = nullptr;  ///< by node, three packs each: ones where a row is a translation, rotation, function
+  double floors[3] = {0, 0, 0};  ///< no scale of a row of that kind is smaller
   double eps = 0;
 };
 
@@ -375,6 +377,22 @@ LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Num
   for (int s = 0; s < node.n_sides; ++s)
     r += rows_times<X, M, kTriple>(plan.sides[static_cast<std::size_t>(node.first_side + s)], z);
   store<ld>(z.r + node.x, r);
+}
+
+/// Whether |r| is within `tolerance` of the row's scale, in all rows of a node.
+template <int M>
+LOCKSTEP_KERNEL bool within_link(const Node& node, double tolerance, const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  using V = Pack<ld>;
+  const double* kind = z.kind + 3 * node.x;
+  const V floor =
+      load<ld>(kind) * z.floors[0] + load<ld>(kind + ld) * z.floors[1] + load<ld>(kind + 2 * ld) * z.floors[2];
+  const V scale = load<ld>(z.scale + node.x), r = load<ld>(z.r + node.x);
+  const V limit = tolerance * (scale > floor ? scale : floor), size = r < 0.0 ? -r : r;
+  const auto over = size > limit;  // a NaN is not: the caller looks at the accelerations
+  bool any = false;
+  for (int i = 0; i < M; ++i) any = any || over[i];
+  return !any;
 }
 
 #undef LOCKSTEP_KERNEL

@@ -217,6 +217,18 @@ void residual(const Plan& plan, const Numbers& z) {
   plan.planar ? residual_planar(plan, z) : residual_spatial(plan, z);
 }
 
+LOCKSTEP_CLONES bool within(const Plan& plan, double tolerance, const Numbers& z) {
+  for (const Node& node : plan.nodes) {
+    if (node.link < 0) continue;
+    const int ld = node.ld();
+    const bool good = ld == 8   ? within_link<8>(node, tolerance, z)
+                      : ld == 4 ? within_link<4>(node, tolerance, z)
+                                : within_link<2>(node, tolerance, z);
+    if (!good) return false;
+  }
+  return true;
+}
+
 LOCKSTEP_CLONES void factor(const Plan& plan, const Numbers& z) {
   for (const Node& node : plan.nodes) {
     switch (node.m) {

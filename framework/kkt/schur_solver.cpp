@@ -35,15 +35,15 @@ struct SchurSolver::Work {
   void size(const KktPattern&);
   void read_masses(const Kkt&);
   void free_motion(const VecX& f);
-  bool met();
-  std::array<double, 3> energy_floors(const VecX& f) const;
+  void raise_floors();
+  double energy_f = 0;    // largest f . M^-1 f of a slot
+  Aligned<double> kinds;  // of Numbers::kind
   void count_small_pivots();
   void unload(const KktPattern&, VecX& a_out, VecX& lambda_out) const;
   template <class Visit>
   void for_each_row(Visit&& visit) const;
   void find_worst();
-  std::vector<double> relative;    // pivots, when asked
-  std::array<double, 3> floors{};  // of the last solution
+  std::vector<double> relative;  // pivots, when asked
   double worst = 0, before = 0;
   int worst_row = -1;
 };
@@ -82,6 +82,14 @@ void SchurSolver::Work::size(const KktPattern& pattern) {
       for (int k = 0; k < node.m; ++k)
         kind[node.x + static_cast<std::size_t>(k)] =
             pattern.rows->entries[static_cast<std::size_t>(node.link)].kind[static_cast<std::size_t>(k)];
+  kinds.assign(3 * plan.size_x + kPad, 0.0);
+  for (const schur::Node& node : plan.nodes)
+    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
+      const std::size_t at = node.x + static_cast<std::size_t>(k);
+      kinds[3 * node.x + static_cast<std::size_t>(node.ld()) * static_cast<std::size_t>(kind[at]) +
+            static_cast<std::size_t>(k)] = 1.0;
+    }
+  z.kind = kinds.data();
   z.A = A.data(), z.Y = Y.data(), z.x = x.data(), z.c = c.data(), z.scale = scale.data();
   z.diagonal = diagonal.data(), z.pivot = pivot.data(), z.E = E.data(), z.r = r.data(), z.a = a.data();
   z.inverse = inverse.data(), z.mass = mass.data();
@@ -158,12 +166,14 @@ void SchurSolver::complete(SolveReport& report) const {
 
 // a_f = M^-1 f
 void SchurSolver::Work::free_motion(const VecX& f) {
+  energy_f = 0;
   if (plane) {
     const int i = plane.i(), j = plane.j(), n = 3 + plane.n;
     for (int k = 0; k < plan.n_slots; ++k) {
       const double *I = inverse.data() + schur::Planar::inverse * k, *F = f.data() + 6 * k;
       double* out = a.data() + schur::Planar::a * k;
       out[0] = I[0] * F[i], out[1] = I[0] * F[j], out[2] = I[1] * F[n];
+      energy_f = std::max(energy_f, out[0] * F[i] + out[1] * F[j] + out[2] * F[n]);
     }
     return;
   }
@@ -174,22 +184,16 @@ void SchurSolver::Work::free_motion(const VecX& f) {
     out[3] = I[1] * F[3] + I[2] * F[4] + I[3] * F[5];
     out[4] = I[2] * F[3] + I[4] * F[4] + I[5] * F[5];
     out[5] = I[3] * F[3] + I[5] * F[4] + I[6] * F[5];
+    double e = 0;
+    for (int i = 0; i < 6; ++i) e += out[i] * F[i];
+    energy_f = std::max(energy_f, e);
   }
-}
-
-// |r| against the scale of its row, no scale below the floor of its kind. A NaN is never met.
-bool SchurSolver::Work::met() {
-  bool all = true;
-  for_each_row([&](int, std::size_t at, std::size_t k) {
-    all = all && std::abs(r[at]) <= kRowTolerance * std::max(scale[at], floors[k]);
-  });
-  return all;
 }
 
 void SchurSolver::Work::find_worst() {
   worst = 0, worst_row = -1;
   for_each_row([&](int row, std::size_t at, std::size_t k) {
-    const double res = std::abs(r[at]), q = res == 0 ? 0.0 : res / std::max(scale[at], floors[k]);
+    const double res = std::abs(r[at]), q = res == 0 ? 0.0 : res / std::max(scale[at], z.floors[k]);
     if (worst_row >= 0 && (q <= worst || std::isnan(worst))) return;
     worst = q, worst_row = row;
   });
@@ -197,25 +201,29 @@ void SchurSolver::Work::find_worst() {
 
 // What rounding of other units can leave in a row that has no scale of its own (see StopRule): by Cauchy and Schwarz
 // |J_j a| <= sqrt(S_jj) sqrt(a . M a).
-std::array<double, 3> SchurSolver::Work::energy_floors(const VecX& f) const {
+void SchurSolver::Work::raise_floors() {
   double most = 0;
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *I = inverse.data() + stride_inverse * k, *M = mass.data() + 10 * k, *F = f.data() + 6 * k,
-                 *v = a.data() + stride_a * k;
-    const int nw = plane ? 1 : 3, nv = width - nw;
-    double e = 0;
-    for (int i = 0; i < nv; ++i) e += I[0] * F[velocity(i)] * F[velocity(i)] + M[0] * v[i] * v[i];
-    for (int i = 0; i < nw; ++i)
-      for (int j = 0; j < nw; ++j) {
-        const double Jinv = I[plane ? 1 : schur::Spatial::I[i][j]];
-        e += F[velocity(nv + i)] * Jinv * F[velocity(nv + j)] + v[nv + i] * M[1 + nw * i + j] * v[nv + j];
-      }
-    most = std::max(most, e);
+    const double *M = mass.data() + 10 * k, *v = a.data() + stride_a * k;
+    if (plane) {
+      most = std::max(most, M[0] * (v[0] * v[0] + v[1] * v[1]) + M[1] * v[2] * v[2]);
+      continue;
+    }
+    const double linear = M[0] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    double turn = 0;  // w . J w
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) turn += v[3 + i] * M[1 + 3 * i + j] * v[3 + j];
+    most = std::max(most, linear + turn);
   }
-  std::array<double, 3> out{};
-  for_each_row([&](int, std::size_t at, std::size_t k) { out[k] = std::max(out[k], diagonal[at]); });
-  for (std::size_t k = 0; k < 3; ++k) out[k] = kScaleFloor * std::max(largest[k], std::sqrt(out[k] * most));
-  return out;
+  most += energy_f;
+  std::array<double, 3> S{};
+  for (const schur::Node& node : plan.nodes)
+    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
+      const std::size_t at = node.x + static_cast<std::size_t>(k);
+      double& largest_S = S[static_cast<std::size_t>(kind[at])];
+      largest_S = std::max(largest_S, diagonal[at]);
+    }
+  for (std::size_t k = 0; k < 3; ++k) z.floors[k] = kScaleFloor * std::max(largest[k], std::sqrt(S[k] * most));
 }
 
 void SchurSolver::Work::unload(const KktPattern& pattern, VecX& a_out, VecX& lambda_out) const {
@@ -276,14 +284,14 @@ SolveReport SchurSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, Vec
     w.unload(kkt.pattern, a, lambda);
     return report;
   }
-  for (std::size_t k = 0; k < 3; ++k) w.floors[k] = kScaleFloor * w.largest[k];
+  for (std::size_t k = 0; k < 3; ++k) w.z.floors[k] = kScaleFloor * w.largest[k];
   bool energy = false;
   const auto finished = [&] {
     schur::residual(w.plan, w.z);
-    if (w.met()) return true;
+    if (schur::within(w.plan, kRowTolerance, w.z)) return true;
     if (energy) return false;
-    w.floors = w.energy_floors(f), energy = true;
-    return w.met();
+    w.raise_floors(), energy = true;
+    return schur::within(w.plan, kRowTolerance, w.z);
   };
   bool met = finished();
   if (!met) w.find_worst();
