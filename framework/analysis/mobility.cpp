@@ -20,7 +20,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
   for (const RowEntry& e : table.entries) {
     const RowBlock block = table.block(e);
     for (int i = 0; i < e.slots.n; ++i) {
-      const bool particle = system.body_of_slot(e.slots[i]).freedoms == Freedoms::particle;
+      const bool particle = system.slot(e.slots[i]).freedoms == Freedoms::particle;
       for (int k = 0; k < e.m; ++k) {
         const auto r = block.J(i, k);
         for (int c = 0; c < (particle ? 3 : 6); ++c) Jt(6 * e.slots[i] + c, e.first_row + k) = c < 3 ? r[c] : r[c] / L;

@@ -8,17 +8,14 @@
 #include <ctime>
 #include <optional>
 
-#include "framework/analysis/trial.h"
+#include "framework/analysis/reference.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
-constexpr double kSecondTime = 0.45;      // of the budget, after which no second method is tried
-constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
-constexpr double kFirstDecade = 1.5;      // cost of the second tolerance against the first
-constexpr double kFirstTurn = 0.25;  // of its equal share of the time, that a combination gets to show what it takes
+constexpr double kFirstDecade = 1.5;  // cost of the second tolerance against the first
+constexpr double kFirstTurn = 0.25;   // of its equal share of the time, that a combination gets to show what it takes
 constexpr double kFalls = 0.8;   // an error that falls at all falls below this part of the best so far (order 1: half)
 constexpr double kWrong = 1e-2;  // of the motion's size
 constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
@@ -57,7 +54,7 @@ class Survey {
         begin_(clocks_.clock()) {}
 
   WorkPrecision run() {
-    make_references();
+    take_reference();
     plan();
     while (Lane* lane = next()) climb(*lane);
     for (const Lane& lane : lanes_)
@@ -69,63 +66,13 @@ class Survey {
   }
 
  private:
-  // -- references
-  std::optional<History> reference(const MethodChoice& method, double tolerance, std::string& why) {
-    tell(fmt::format("reference: {} at {:g}", method.name, tolerance));
-    Stabilization tight = options_.gains;
-    tight.kind = Stabilization::Kind::project;
-    tight.tolerance = std::min(tight.tolerance, 1e-12);
-    const Recipe recipe{&method,
-                        &options_.solvers.front(),
-                        {Formulation::omega, tight},
-                        {tolerance, 1e-2 * tolerance},
-                        options_.largest_step};
-    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, clocks_, TrialKind::truth);
-    if (out.failure.empty()) return std::move(out.history);
-    why = method.name + ": " + out.failure;
-    return std::nullopt;
-  }
-
-  // Two different methods; wider tolerances where the tightest cannot be met; in need one method at two tolerances.
-  void make_references() {
-    std::vector<std::pair<const MethodChoice*, History>> found;
-    double r = options_.reference_tolerance;
-    std::string why = "no adaptive method was offered";
-    const auto name = [](const MethodChoice& m, double tolerance) {
-      return fmt::format("{} at {:.0e}", m.name, tolerance);
-    };
-    std::vector<std::string> names;
-    for (int k = 0; k < 4 && found.size() < 2; ++k, r *= 10) {
-      if (k > 0 && clocks_.clock() - begin_ > kReferenceTime * options_.budget) break;
-      for (const MethodChoice& method : options_.references) {
-        if (found.size() == 2 || (found.size() == 1 && found.front().first == &method)) continue;
-        if (!found.empty() && clocks_.clock() - begin_ > kSecondTime * options_.budget) continue;
-        std::optional<History> history = reference(method, r, why);
-        if (!history) continue;
-        found.emplace_back(&method, std::move(*history));
-        names.push_back(name(method, r));
-      }
-    }
-    if (found.empty())
-      throw StepError("no reference can be made at a tolerance of " +
-                          fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why +
-                          "; chart a shorter run (--until), or give a larger budget (--budget)",
-                      0);
-    if (found.size() == 1) {
-      const double wider = 100 * options_.reference_tolerance;
-      std::optional<History> history = reference(*found.front().first, wider, why);
-      names.push_back(name(*found.front().first, wider));
-      found.emplace_back(found.front().first, history ? std::move(*history) : History{});
-    }
-    const Subject subject = course_.make();
-    length_ = subject.system->length();
-    reference_ = std::move(found[0].second);
-    result_.reference = names[0], result_.second = names[1];
-    result_.agreement = difference(found[1].second, reference_, length_);
+  void take_reference() {
+    Reference r = make_reference(course_, options_, clocks_);
+    reference_ = std::move(r.truth), length_ = r.length;
+    result_.reference = r.name, result_.second = r.second, result_.agreement = r.agreement;
     result_.size = size_of(reference_, length_);
   }
 
-  // -- combinations
   // The base, then what differs from it in one place, then the others.
   void plan() {
     const WorkPrecisionOptions& o = options_;

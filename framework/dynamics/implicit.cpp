@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "framework/dynamics/newton_factor.h"
@@ -30,14 +31,22 @@ bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
 void NewtonMatrix::Work::lay_out(const RowTable& rows) {
   width.clear(), first.clear(), mass.clear(), inertia.clear(), inverse_inertia.clear();
   n = 0;
+  const Plane plane = system->plane();
+  velocity = {0, 1, 2, 3, 4, 5};
+  if (plane) velocity = {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
   for (int k = 0; k < system->n_slots(); ++k) {
-    const Body& body = system->body_of_slot(k);
-    const bool particle = body.freedoms == Freedoms::particle;
-    width.push_back(particle ? 3 : 6);
+    const Slot& slot = system->slot(k);
+    const bool particle = slot.freedoms == Freedoms::particle;
+    width.push_back(plane ? (particle ? 2 : 3) : (particle ? 3 : 6));
     first.push_back(n);
-    mass.push_back(body.mass.mass);
-    inertia.push_back(particle ? Mat3(Mat3::Zero()) : body.mass.J);
-    inverse_inertia.push_back(particle ? Mat3(Mat3::Zero()) : Mat3(body.mass.J.llt().solve(Mat3::Identity())));
+    mass.push_back(slot.mass);
+    inertia.push_back(particle ? Mat3(Mat3::Zero()) : slot.J);
+    Mat3 inverse = Mat3::Zero();
+    if (!particle && plane)
+      inverse(plane.n, plane.n) = 1.0 / slot.J(plane.n, plane.n);
+    else if (!particle)
+      inverse = slot.J.llt().solve(Mat3::Identity());
+    inverse_inertia.push_back(inverse);
     n += width.back();
   }
   entries = rows.entries;
@@ -102,8 +111,7 @@ void NewtonMatrix::Work::update_scales() {
   for_each_row(J, [&](int row, int slot, const double* r) {
     const auto k = static_cast<std::size_t>(slot);
     const Eigen::Map<const Vec3> v(r), w(r + 3);
-    s[row] += v.squaredNorm() / mass[k];
-    if (width[k] == 6) s[row] += w.dot(inverse_inertia[k] * w);
+    s[row] += v.squaredNorm() / mass[k] + w.dot(inverse_inertia[k] * w);
   });
   for (const RowEntry& e : entries)
     for (const RowKind kind : {RowKind::translation, RowKind::rotation}) {
@@ -136,9 +144,13 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
   w.tangents.clear();
   const Inputs& in = dynamics.inputs();
   w.add_inertia(in);
-  for (const RowEntry& e : rows.entries)
-    system.links()[static_cast<std::size_t>(e.link)]->tangent(
-        in, {lambda.data() + e.first_row, static_cast<std::size_t>(e.m)}, w.tangents);
+  for (const RowEntry& e : rows.entries) {
+    std::array<double, kMaxRows> own{};  // of all rows of the link, those left out in a plane being zero
+    for (int k = 0; k < e.m; ++k)
+      own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
+    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
+  }
   for (const auto& force : system.forces()) force->tangent(in, w.tangents);
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }

@@ -16,8 +16,9 @@ namespace lockstep {
 
 using VecXc = Eigen::VectorXcd;
 
-/// Vectors: 6 a slot (force or translation in the world, moment or turn in slot axes; of particles the last three are
-/// ignored and come out 0), one a row of the dynamics' table. A real and a complex factor may live side by side.
+/// Vectors: 6 a slot (force or translation in the world, moment or turn in slot axes; what a particle or a planar
+/// mechanism does not have is ignored and comes out 0), one a row of the dynamics' table. A real and a complex factor
+/// may live side by side.
 class LOCKSTEP_API NewtonMatrix {
  public:
   using Complex = std::complex<double>;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "framework/support/error.h"
+
 namespace lockstep {
 namespace {
 
@@ -20,20 +22,33 @@ void Matrix::lay_out_direct(const RowTable& rows) {
   p.n = 6 * n, p.m = rows.n_rows;
   p.width.assign(static_cast<std::size_t>(n), 6);
   kkt_.masses.clear();
+  p.plane = system_.plane();
   for (int k = 0; k < n; ++k) {
-    const Body& b = system_.body_of_slot(k);
-    kkt_.masses.push_back({b.mass.mass, b.mass.J, b.freedoms == Freedoms::particle});
+    const Slot& s = system_.slot(k);
+    kkt_.masses.push_back({s.mass, s.J, s.freedoms == Freedoms::particle});
   }
 }
 
+// Which of the six velocities each unknown of a slot is.
+std::array<int, 6> Matrix::velocities() const {
+  const Plane plane = system_.plane();
+  if (plane) return {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
+  return {0, 1, 2, 3, 4, 5};
+}
+
 void Matrix::lay_out(const RowTable& rows, bool direct) {
-  if (direct && formulation_ == Formulation::omega) return lay_out_direct(rows);
+  // The unit-length rows eliminated analytically leave the system of six velocities (2.7): one and the same work.
+  if (direct) return lay_out_direct(rows);
+  if (system_.plane() && formulation_ == Formulation::quaternion)
+    throw ModelError(
+        "formulation quaternion has seven coordinates a body and knows no plane; take formulation omega, or leave "
+        "\"planar\" out");
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
   for (int k = 0; k < n; ++k) {
-    const bool particle = system_.body_of_slot(k).freedoms == Freedoms::particle;
-    const int width = particle ? 3 : formulation_ == Formulation::omega ? 6 : 7;
+    const bool particle = system_.slot(k).freedoms == Freedoms::particle;
+    const int width = system_.plane() ? (particle ? 2 : 3) : particle ? 3 : formulation_ == Formulation::omega ? 6 : 7;
     p.width.push_back(width);
     p.first.push_back(p.n);
     p.M.push_back(p.size_M);
@@ -65,8 +80,14 @@ void Matrix::lay_out(const RowTable& rows, bool direct) {
 void Matrix::write_mass(int slot, const Motion& O) {
   const auto k = static_cast<std::size_t>(slot);
   const int width = kkt_.pattern.width[k];
-  const MassProperties& b = system_.body_of_slot(slot).mass;
+  const Slot& b = system_.slot(slot);
+  const Plane plane = system_.plane();
   Block M(kkt_.M.data() + kkt_.pattern.M[k], width, width), Minv(kkt_.Minv.data() + kkt_.pattern.M[k], width, width);
+  if (plane) {
+    for (int i = 0; i < 2; ++i) M(i, i) = b.mass, Minv(i, i) = 1.0 / b.mass;
+    if (width == 3) M(2, 2) = b.J(plane.n, plane.n), Minv(2, 2) = 1.0 / b.J(plane.n, plane.n);
+    return;
+  }
   M.topLeftCorner<3, 3>() = b.mass * Mat3::Identity();
   Minv.topLeftCorner<3, 3>() = 1.0 / b.mass * Mat3::Identity();
   if (width == 6) {
@@ -88,6 +109,7 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
     for (int k = 0; k < system_.n_slots(); ++k)
       if (p.width[static_cast<std::size_t>(k)] == 7) write_mass(k, motions[static_cast<std::size_t>(k + 1)]);
 
+  const std::array<int, 6> columns = velocities();
   for (int l = 0; l < static_cast<int>(p.links.size()); ++l) {
     const KktLink& link = p.links[static_cast<std::size_t>(l)];
     double* out = kkt_.J.data() + link.J;
@@ -102,10 +124,13 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
       const int slot = link.slot[static_cast<std::size_t>(i)], width = p.width[static_cast<std::size_t>(slot)];
       for (int k = 0; k < link.m; ++k, out += width) {
         const auto r = block.J(i, k);
+        if (width <= 6) {
+          for (std::size_t c = 0; c < static_cast<std::size_t>(width); ++c)
+            out[c] = r[static_cast<std::size_t>(columns[c])];
+          continue;
+        }
         out[0] = r[0], out[1] = r[1], out[2] = r[2];
-        if (width == 6) {
-          out[3] = r[3], out[4] = r[4], out[5] = r[5];
-        } else if (width == 7) {  // (2.12) Jh_w G
+        if (width == 7) {  // (2.12) Jh_w G
           const Quat& q = motions[static_cast<std::size_t>(slot + 1)].e;
           const double a = 2 * r[3], b = 2 * r[4], c = 2 * r[5];
           out[3] = -a * q.x - b * q.y - c * q.z;
@@ -126,11 +151,14 @@ void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motion
   c.resize(p.m);
   c.head(c6.size()) = c6;
   int norm_row = static_cast<int>(c6.size());
+  const std::array<int, 6> columns = velocities();
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    if (width <= 6) {
+      for (int i = 0; i < width; ++i) f[at + i] = f6[6 * k + columns[static_cast<std::size_t>(i)]];
+      continue;
+    }
     f.segment<3>(at) = f6.segment<3>(6 * k);
-    if (width == 6) f.segment<3>(at + 3) = f6.segment<3>(6 * k + 3);
-    if (width != 7) continue;
     const Motion& O = motions[static_cast<std::size_t>(k + 1)];
     const Vec3 tau = f6.segment<3>(6 * k + 3);
     if (!moving) {
@@ -139,7 +167,7 @@ void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motion
       continue;
     }
     // (2.4), (2.5): G^T tau - 2 G(qd)^T J w, with the moment tau free of the -w x J w that the 6-velocity form carries
-    const MassProperties& b = system_.body_of_slot(k).mass;
+    const Slot& b = system_.slot(k);
     const Vec3 Jw = b.J * O.w;
     const Quat qd = rate(O.e, O.w);
     const double qd2 = norm2(qd), kq = 4.0 / 3.0 * b.J.trace();
@@ -153,13 +181,17 @@ void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> m
                     VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
+  const std::array<int, 6> columns = velocities();
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    if (width <= 6) {
+      a6.segment<6>(6 * k).setZero();
+      for (int c = 0; c < width; ++c) a6[6 * k + columns[static_cast<std::size_t>(c)]] = a[at + c];
+      continue;
+    }
     a6.segment<3>(6 * k) = a.segment<3>(at);
-    if (width == 3) a6.segment<3>(6 * k + 3).setZero();
-    if (width == 6) a6.segment<3>(6 * k + 3) = a.segment<3>(at + 3);
-    if (width == 7)  // (1.9) al = G qdd
-      a6.segment<3>(6 * k + 3) = G_matrix(motions[static_cast<std::size_t>(k + 1)].e) * a.segment<4>(at + 3);
+    // (1.9) al = G qdd
+    a6.segment<3>(6 * k + 3) = G_matrix(motions[static_cast<std::size_t>(k + 1)].e) * a.segment<4>(at + 3);
   }
 }
 

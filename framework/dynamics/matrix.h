@@ -38,6 +38,7 @@ class LOCKSTEP_API Matrix {
  private:
   void lay_out_direct(const RowTable& rows);
   void write_mass(int slot, const Motion& O);
+  std::array<int, 6> velocities() const;
 
   const System& system_;
   Formulation formulation_;

@@ -10,147 +10,16 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
-#include <type_traits>
 #include <vector>
 
 #include "framework/kkt/block_plan.h"
 
 namespace lockstep {
-namespace block_detail {
-
-/// a b. The library's own product of complex numbers looks for infinities first.
-inline double times(double a, double b) { return a * b; }
-inline std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-inline std::complex<double> times(double a, const std::complex<double>& b) { return {a * b.real(), a * b.imag()}; }
-inline double size_of(double a) { return std::abs(a); }
-inline double size_of(const std::complex<double>& a) { return std::abs(a.real()) + std::abs(a.imag()); }
-
-/// Calls run with the width as a constant, so that inner loops are unrolled.
-template <class Run>
-inline void with_width(int width, Run&& run) {
-  switch (width) {
-    case 1:
-      return run(std::integral_constant<int, 1>{});
-    case 2:
-      return run(std::integral_constant<int, 2>{});
-    case 3:
-      return run(std::integral_constant<int, 3>{});
-    case 4:
-      return run(std::integral_constant<int, 4>{});
-    case 5:
-      return run(std::integral_constant<int, 5>{});
-    case 6:
-      return run(std::integral_constant<int, 6>{});
-    case 7:
-      return run(std::integral_constant<int, 7>{});
-    default:
-      return run(std::integral_constant<int, 8>{});
-  }
-}
-
-/// C -= X^T Y; X: n_k x n_i, Y: n_k x kJ, C: n_i x kJ, row-major.
-template <int kJ, class T>
-inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
-  for (int i = 0; i < n_i; ++i) {
-    T row[kJ];
-    for (int j = 0; j < kJ; ++j) row[j] = C[i * kJ + j];
-    for (int k = 0; k < n_k; ++k) {
-      const T x = X[k * n_i + i];
-      for (int j = 0; j < kJ; ++j) row[j] -= times(x, Y[k * kJ + j]);
-    }
-    for (int j = 0; j < kJ; ++j) C[i * kJ + j] = row[j];
-  }
-}
-
-// Triangles stand in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
-// reciprocals.
-
-/// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.
-template <int kJ, bool kUnit, class T>
-inline void solve_lower(const T* D, T* X, int n) {
-  for (int i = 0; i < n; ++i) {
-    T row[kJ];
-    for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
-    for (int k = 0; k < i; ++k) {
-      const T d = D[i * n + k];
-      for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
-    }
-    for (int j = 0; j < kJ; ++j) X[i * kJ + j] = kUnit ? row[j] : times(D[i * n + i], row[j]);
-  }
-}
-/// X <- R^-T X, R the upper triangle.
-template <int kJ, class T>
-inline void solve_upper_transposed(const T* D, T* X, int n) {
-  for (int i = 0; i < n; ++i) {
-    T row[kJ];
-    for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
-    for (int k = 0; k < i; ++k) {
-      const T d = D[k * n + i];
-      for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
-    }
-    for (int j = 0; j < kJ; ++j) X[i * kJ + j] = times(D[i * n + i], row[j]);
-  }
-}
-
-/// L L^T = sign D in the lower triangle; pivots: the squares of L's diagonal. False where one is not positive.
-inline bool cholesky(double* D, int n, double sign, double* pivots) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double s = sign * D[i * n + j];
-      for (int k = 0; k < j; ++k) s -= D[i * n + k] * D[j * n + k];
-      if (j < i) {
-        D[i * n + j] = s * D[j * n + j];
-        continue;
-      }
-      pivots[i] = s;
-      if (!(s > 0)) return false;
-      D[i * n + i] = 1.0 / std::sqrt(s);
-    }
-  return true;
-}
-
-/// L R = D with rows exchanged, row k with row order[k] >= k; returns the smallest pivot against the largest number of
-/// its row in D, 0 where it fails.
-template <class T>
-inline double lu(T* D, int n, unsigned char* order) {
-  double smallest = HUGE_VAL, size = 0;
-  for (int i = 0; i < n * n; ++i) size = std::max(size, size_of(D[i]));
-  for (int k = 0; k < n; ++k) {
-    int p = k;
-    for (int i = k + 1; i < n; ++i)
-      if (size_of(D[i * n + k]) > size_of(D[p * n + k])) p = i;
-    const double pivot = size_of(D[p * n + k]);
-    if (!(pivot > 0) || !std::isfinite(pivot)) return 0;
-    smallest = std::min(smallest, pivot);
-    order[k] = static_cast<unsigned char>(p);
-    if (p != k) std::swap_ranges(D + k * n, D + k * n + n, D + p * n);
-    const T inverse = T(1) / D[k * n + k];
-    D[k * n + k] = inverse;
-    for (int i = k + 1; i < n; ++i) {
-      const T f = D[i * n + k] = times(D[i * n + k], inverse);
-      for (int j = k + 1; j < n; ++j) D[i * n + j] -= times(f, D[k * n + j]);
-    }
-  }
-  return smallest / size;
-}
-template <class T>
-inline void exchange_rows(T* X, int n, int n_columns, const unsigned char* order) {
-  for (int k = 0; k < n; ++k)
-    if (order[k] != k) std::swap_ranges(X + k * n_columns, X + (k + 1) * n_columns, X + order[k] * n_columns);
-}
-
-}  // namespace block_detail
 
 template <class T>
-class BlockFactor {
+class LOCKSTEP_API BlockFactor {
  public:
-  using Node = BlockPlan::Node;
-  using Later = BlockPlan::Later;
-
   void lay_out(const BlockPlan& plan) {
     A_.assign(plan.size, T(0));
     order_.assign(plan.symmetric ? 0 : plan.nodes.size() * kMaxBlock, 0);
@@ -159,119 +28,20 @@ class BlockFactor {
   /// Numbers of a block, at a place found in the plan.
   T* at(std::size_t place) { return A_.data() + place; }
 
-  /// Symmetric plan. pivots: one an unknown, as in block_detail::cholesky. False where a pivot has the wrong sign.
-  bool factor_symmetric(const BlockPlan& plan, double* pivots) {
-    for (const Node& pivot : plan.nodes) {
-      if (!block_detail::cholesky(at(pivot.D), pivot.width, pivot.sign, pivots + pivot.first)) return false;
-      eliminate_symmetric(plan, pivot);
-    }
-    return true;
-  }
-  /// Unsymmetric plan. refused(pivot, ratio) is asked after each block with the smallest pivot inside it against its
-  /// largest number, 0 where there is none: true ends the factorisation.
-  template <class Refused>
-  bool factor(const BlockPlan& plan, Refused&& refused) {
-    for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
-      const Node& pivot = plan.nodes[k];
-      unsigned char* order = order_.data() + k * kMaxBlock;
-      if (refused(pivot, block_detail::lu(at(pivot.D), pivot.width, order))) return false;
-      eliminate(plan, pivot, order);
-    }
-    return true;
-  }
-
+  /// Symmetric plan, T = double only. pivots: one an unknown, the squares of L's diagonal, at the unknowns' own places.
+  /// False where a pivot has the wrong sign.
+  bool factor_symmetric(const BlockPlan& plan, double* pivots);
+  /// Unsymmetric plan. False where a block has no pivot.
+  bool factor(const BlockPlan& plan);
   /// b becomes the solution.
-  void solve(const BlockPlan& plan, T* b) const {
-    for (std::size_t k = 0; k < plan.nodes.size(); ++k) forward(plan, k, b);
-    for (std::size_t k = plan.nodes.size(); k-- > 0;) backward(plan, k, b);
-  }
+  void solve(const BlockPlan& plan, T* b) const;
 
  private:
-  const T* at(std::size_t place) const { return A_.data() + place; }
-  static const Later* later(const BlockPlan& plan, const Node& pivot) { return plan.later.data() + pivot.first_later; }
-
-  void eliminate_symmetric(const BlockPlan& plan, const Node& pivot) {
-    const Later* s = later(plan, pivot);
-    const std::size_t* target = plan.targets.data() + pivot.first_target;
-    const int n = pivot.width;
-    T X[kMaxBlock * kMaxBlock];  // sign W_b
-    for (int b = 0; b < pivot.n_later; ++b)
-      block_detail::with_width(s[b].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        T* W = at(s[b].U);
-        block_detail::solve_lower<kJ, false>(at(pivot.D), W, n);
-        for (int i = 0; i < n * kJ; ++i) X[i] = pivot.sign * W[i];
-        for (int a = 0; a <= b; ++a) block_detail::subtract_product<kJ>(at(*target++), at(s[a].U), X, n, s[a].width);
-      });
-  }
-
-  // Block (a, b) takes Z_a^T W_b; its mirror image, kept transposed, W_a^T Z_b.
-  void eliminate(const BlockPlan& plan, const Node& pivot, const unsigned char* order) {
-    const Later* s = later(plan, pivot);
-    const std::size_t* target = plan.targets.data() + pivot.first_target;
-    const int n = pivot.width;
-    for (int b = 0; b < pivot.n_later; ++b)
-      block_detail::with_width(s[b].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        T *W_b = at(s[b].U), *Z_b = W_b + n * kJ;
-        block_detail::exchange_rows(W_b, n, kJ, order);
-        block_detail::solve_lower<kJ, true>(at(pivot.D), W_b, n);
-        block_detail::solve_upper_transposed<kJ>(at(pivot.D), Z_b, n);
-        for (int a = 0; a <= b; ++a, ++target) {
-          const int n_a = s[a].width;
-          const T* W_a = at(s[a].U);
-          block_detail::subtract_product<kJ>(at(*target), W_a + n * n_a, W_b, n, n_a);
-          if (a < b) block_detail::subtract_product<kJ>(at(*target) + n_a * kJ, W_a, Z_b, n, n_a);
-        }
-      });
-  }
-
-  void forward(const BlockPlan& plan, std::size_t k, T* b) const {
-    const Node& pivot = plan.nodes[k];
-    const int n = pivot.width;
-    T* y = b + pivot.first;
-    if (plan.symmetric) {
-      block_detail::solve_lower<1, false>(at(pivot.D), y, n);
-      for (int i = 0; i < n; ++i) y[i] *= pivot.sign;
-    } else {
-      block_detail::exchange_rows(y, n, 1, order_.data() + k * kMaxBlock);
-      block_detail::solve_lower<1, true>(at(pivot.D), y, n);
-    }
-    const Later* s = later(plan, pivot);
-    for (int l = 0; l < pivot.n_later; ++l) {
-      const int n_s = s[l].width;
-      const T* Z = at(s[l].U) + (plan.symmetric ? 0 : n * n_s);
-      block_detail::with_width(
-          n_s, [&](auto width) { block_detail::subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1); });
-    }
-  }
-
-  void backward(const BlockPlan& plan, std::size_t k, T* b) const {
-    const Node& pivot = plan.nodes[k];
-    const int n = pivot.width;
-    T* x = b + pivot.first;
-    const Later* s = later(plan, pivot);
-    for (int l = 0; l < pivot.n_later; ++l) {
-      const T* W = at(s[l].U);
-      const T* x_s = b + s[l].first;
-      block_detail::with_width(s[l].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        for (int i = 0; i < n; ++i) {
-          T sum(0);
-          for (int j = 0; j < kJ; ++j) sum += block_detail::times(W[i * kJ + j], x_s[j]);
-          x[i] -= plan.symmetric ? pivot.sign * sum : sum;
-        }
-      });
-    }
-    const T* D = at(pivot.D);  // R: above the diagonal, or L^T below it
-    for (int i = n - 1; i >= 0; --i) {
-      for (int j = i + 1; j < n; ++j) x[i] -= block_detail::times(plan.symmetric ? D[j * n + i] : D[i * n + j], x[j]);
-      x[i] = block_detail::times(D[i * n + i], x[i]);
-    }
-  }
-
   std::vector<T> A_;
-  std::vector<unsigned char> order_;  // kMaxBlock a pivot
+  std::vector<unsigned char> order_;  // exchanges of rows, kMaxBlock a pivot
 };
+
+extern template class BlockFactor<double>;
+extern template class BlockFactor<std::complex<double>>;
 
 }  // namespace lockstep

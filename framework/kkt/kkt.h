@@ -33,6 +33,7 @@ struct KktPattern {
   /// neither M nor J nor E are filled. Otherwise null.
   const RowTable* rows = nullptr;
   int n_slots() const { return static_cast<int>(width.size()); }
+  Plane plane;                    ///< of `rows`
   std::vector<int> width, first;  ///< of each slot: unknowns and the first of them
   std::vector<std::size_t> M;     ///< offset of each slot's width x width block in Kkt::M
   std::vector<KktLink> links;

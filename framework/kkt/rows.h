@@ -13,6 +13,7 @@
 #include "framework/math/pack.h"
 #include "framework/math/types.h"
 #include "framework/model/body.h"
+#include "framework/model/plane.h"
 #include "framework/support/aligned.h"
 
 namespace lockstep {
@@ -28,8 +29,15 @@ inline constexpr int kMaxRows = 8;   ///< rows that one link may have
 ///   triple  the first three rows are a full translational triple. In world axes they are +-[1 | A]: only A is
 ///   computed,
 ///           kept and multiplied; the rows after them turn only. R turns the link's axes into the world's.
-enum class RowLayout : unsigned char { dense, triple };
-constexpr int n_columns(RowLayout layout) { return layout == RowLayout::dense ? 6 : 3; }
+///   planar  any rows of a planar mechanism: 3 columns a slot, the plane's velocities
+///   pair    the first two rows are a full translational pair of the plane, +-[1 | A], as in a triple
+enum class RowLayout : unsigned char { dense, triple, planar, pair };
+constexpr int n_columns(RowLayout layout) {
+  constexpr int n[] = {6, 3, 3, 1};
+  return n[static_cast<int>(layout)];
+}
+/// Rows whose linear part is +-R^T: 3 of a triple, 2 of a pair.
+constexpr int n_turned(RowLayout layout) { return layout == RowLayout::triple ? 3 : layout == RowLayout::pair ? 2 : 0; }
 
 /// Moving slots that a link touches, ground left out, a shared slot once.
 struct SlotList {
@@ -54,11 +62,12 @@ struct SlotList {
 struct RowShape {
   int m = 0, n = 0;
   RowLayout layout = RowLayout::dense;
-  double sign = 1;  ///< triple: +1 when the first slot is P's body, -1 when only S's moves; a second slot has -1
+  double sign = 1;  ///< triple, pair: +1 when the first slot is P's body, -1 when only S's moves; a second slot has -1
+  Plane plane;      ///< planar, pair: which
 
   int ld() const { return pack_size(m); }  ///< numbers from one column to the next
   std::size_t R() const { return at(3); }
-  std::size_t J(int i) const { return at(3 + (layout == RowLayout::triple ? 3 : 0) + n_columns(layout) * i); }
+  std::size_t J(int i) const { return at(3 + n_turned(layout) + n_columns(layout) * i); }
   std::size_t size() const { return J(n); }
   double sign_of(int i) const { return i == 0 ? sign : -1.0; }
 
@@ -83,6 +92,7 @@ class RowBlock {
     const double* a = p_ + shape_.J(i);
     if (shape_.layout == RowLayout::dense)
       return {a[k], a[ld_ + k], a[2 * ld_ + k], a[3 * ld_ + k], a[4 * ld_ + k], a[5 * ld_ + k]};
+    if (shape_.layout == RowLayout::planar || shape_.layout == RowLayout::pair) return in_space(i, k, a);
     if (k >= 3) return {0, 0, 0, a[k], a[ld_ + k], a[2 * ld_ + k]};
     const double* r = p_ + shape_.R() + k * ld_;  // column k of R: the link's axis k in the world
     const double s = shape_.sign_of(i);
@@ -90,7 +100,8 @@ class RowBlock {
     return {s * r[0], s * r[1], s * r[2], turned(0), turned(1), turned(2)};
   }
 
-  /// Row k on slot number i; i < 0 (a grounded side) is ignored. In a triple only rows that turn, v being zero.
+  /// Row k on slot number i; i < 0 (a grounded side) is ignored. In a triple or pair only rows that turn, v being zero;
+  /// in the plane what leaves it is ignored.
   template <class V, class W>
   void set(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
@@ -98,6 +109,14 @@ class RowBlock {
     if (shape_.layout == RowLayout::dense) {
       r[0] = v[0], r[ld_] = v[1], r[2 * ld_] = v[2];
       r += 3 * ld_;
+    } else if (shape_.layout != RowLayout::triple) {
+      const Plane& plane = shape_.plane;
+      if (shape_.layout == RowLayout::planar) {
+        r[0] = v[plane.i()], r[ld_] = v[plane.j()];
+        r += 2 * ld_;
+      }
+      r[0] = w[plane.n];
+      return;
     }
     r[0] = w[0], r[ld_] = w[1], r[2 * ld_] = w[2];
   }
@@ -108,7 +127,8 @@ class RowBlock {
     set(i, k, Vec3(r[0] + v[0], r[1] + v[1], r[2] + v[2]), Vec3(r[3] + w[0], r[4] + w[1], r[5] + w[2]));
   }
 
-  /// Triple: link axes -> world, and the angular part of the first three rows on slot i, in world axes.
+  /// Triple, pair: link axes -> world (3 x 3, 2 x 2), and the angular part of those rows on slot i, in world axes
+  /// (3 x 3, 2 x 1).
   template <class M>
   void set_R(const M& R) const {
     put(p_ + shape_.R(), R);
@@ -125,8 +145,25 @@ class RowBlock {
  private:
   template <class M>
   void put(double* a, const M& A) const {
-    for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 3; ++k) a[c * ld_ + k] = A(k, c);
+    for (int c = 0; c < M::ColsAtCompileTime; ++c)
+      for (int k = 0; k < M::RowsAtCompileTime; ++k) a[c * ld_ + k] = A(k, c);
+  }
+  std::array<double, 6> in_space(int i, int k, const double* a) const {
+    const Plane& plane = shape_.plane;
+    std::array<double, 6> out{};
+    const auto set_out = [&](double vi, double vj, double w) {
+      out[static_cast<std::size_t>(plane.i())] = vi, out[static_cast<std::size_t>(plane.j())] = vj;
+      out[static_cast<std::size_t>(3 + plane.n)] = w;
+    };
+    if (shape_.layout == RowLayout::planar) {
+      set_out(a[k], a[ld_ + k], a[2 * ld_ + k]);
+    } else if (k < 2) {
+      const double *r = p_ + shape_.R() + k * ld_, s = shape_.sign_of(i);
+      set_out(s * r[0], s * r[1], r[0] * a[0] + r[1] * a[1]);
+    } else {
+      set_out(0, 0, a[k]);
+    }
+    return out;
   }
   double* p_;
   RowShape shape_;
@@ -154,17 +191,21 @@ struct RowEntry {
   int m = 0;          ///< its rows
   SlotList slots;
   RowLayout layout = RowLayout::dense;
-  double sign = 1;         ///< as in RowShape
+  double sign = 1;  ///< as in RowShape
+  Plane plane;
   std::size_t offset = 0;  ///< of its block in the table
   std::array<RowKind, kMaxRows> kind{};
+  /// Which of the link's own rows each of them is; they differ where a planar mechanism leaves rows out.
+  std::array<int, kMaxRows> own{0, 1, 2, 3, 4, 5, 6, 7};
 
-  RowShape shape() const { return {m, slots.n, layout, sign}; }
+  RowShape shape() const { return {m, slots.n, layout, sign, plane}; }
 };
 
 /// Neighbours in the table that one call gathers.
 struct RowRun {
   int first_entry = 0, n = 0;
-  int first_link = 0;  ///< where the run begins in the system's order of links
+  int first_link = 0;     ///< where the run begins in the system's order of links
+  bool in_plane = false;  ///< gathered by gather_plane
 };
 
 /// All active rows of the system.
@@ -190,10 +231,18 @@ class RowTable {
   RowBlock block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
   RowSpan span(const RowEntry& first) const { return {data_.data() + first.offset, first.shape()}; }
   const double* data() const { return data_.data(); }
-  double* data() { return data_.data(); }
+  /// Room for the rows in space of one link, before those of a plane are taken from it.
+  RowBlock spatial(const RowShape& shape) const {
+    if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
+    return {spatial_.data(), shape};
+  }
+  RowSpan spatial_span(const RowShape& shape) const {
+    (void)spatial(shape);
+    return {spatial_.data(), shape};
+  }
 
  private:
-  mutable Aligned<double> data_;
+  mutable Aligned<double> data_, spatial_;
 };
 
 }  // namespace lockstep

@@ -14,8 +14,19 @@
 
 namespace lockstep::schur {
 
-/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, pivot, E, r. By slot: a, 6 and padded;
-/// inverse, 8: 1/m, then J^-1 (xx xy xz yy yz zz); mass, 10: m, J (row after row), for hubs.
+/// Space: v and w have three numbers; inverse inertia xx xy xz yy yz zz.
+struct Spatial {
+  static constexpr int nv = 3, nw = 3, a = 6, inverse = 8;
+  static constexpr int I[3][3] = {{1, 2, 3}, {2, 4, 5}, {3, 5, 6}};
+};
+/// A plane: two and one.
+struct Planar {
+  static constexpr int nv = 2, nw = 1, a = 4, inverse = 2;
+  static constexpr int I[1][1] = {{1}};
+};
+
+/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, pivot, E, r. By slot: a, 6 (a plane:
+/// 4); inverse, 8 (2): 1/m, then J^-1; mass, 10: m, J (row after row), for hubs.
 struct Numbers {
   const double* rows = nullptr;
   const double *inverse = nullptr, *mass = nullptr;
@@ -54,7 +65,7 @@ LOCKSTEP_KERNEL Pack<N> ones(int first, int last) {
 // ------------------------------------------------------------------------------------------------- rows -> S
 
 /// Y = J M^-1 of one link and its own block of S.
-template <int M, bool kTriple>
+template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers& z) {
   constexpr int ld = pack_size(M);
   using V = Pack<ld>;
@@ -66,27 +77,27 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
     if (side.hub) continue;
     const double* J = z.rows + side.J;
     double* Y = z.Y + side.Y;
-    const double* I = z.inverse + 8 * side.slot;
+    const double* I = z.inverse + X::inverse * side.slot;
     if constexpr (!kTriple) {
-      for (int c = 0; c < 3; ++c) {
+      for (int c = 0; c < X::nv; ++c) {
         const V Yc = load<ld>(J + c * ld) * I[0];
         store<ld>(Y + c * ld, Yc);
         for (int i = 0; i < M; ++i) D[i] += Yc * J[c * ld + i];
       }
-      J += 3 * ld, Y += 3 * ld;
+      J += X::nv * ld, Y += X::nv * ld;
     }
-    const V J0 = load<ld>(J), J1 = load<ld>(J + ld), J2 = load<ld>(J + 2 * ld);
-    const V Y0 = J0 * I[1] + J1 * I[2] + J2 * I[3];
-    const V Y1 = J0 * I[2] + J1 * I[4] + J2 * I[5];
-    const V Y2 = J0 * I[3] + J1 * I[5] + J2 * I[6];
-    store<ld>(Y, Y0), store<ld>(Y + ld, Y1), store<ld>(Y + 2 * ld, Y2);
-    for (int i = 0; i < M; ++i) D[i] += Y0 * J[i] + Y1 * J[ld + i] + Y2 * J[2 * ld + i];
+    for (int c = 0; c < X::nw; ++c) {
+      V Yc = load<ld>(J) * I[X::I[c][0]];
+      for (int k = 1; k < X::nw; ++k) Yc += load<ld>(J + k * ld) * I[X::I[c][k]];
+      store<ld>(Y + c * ld, Yc);
+      for (int i = 0; i < M; ++i) D[i] += Yc * J[c * ld + i];
+    }
     linear += I[0];
   }
   double* d = z.A + node.D;
   for (int i = 0; i < M; ++i) store<ld>(d + i * ld, D[i]);
   if constexpr (kTriple)
-    for (int i = 0; i < 3; ++i) d[i * ld + i] += linear;
+    for (int i = 0; i < X::nv; ++i) d[i * ld + i] += linear;
 
   double* diagonal = z.diagonal + node.x;
   for (int i = 0; i < M; ++i) diagonal[i] = d[i * ld + i];
@@ -108,29 +119,39 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
   }
 }
 
-/// Share of a slot in the block between two links: J_later M^-1 J_pivot^T.
-template <int M, bool kTriple, int kLater, bool kLaterTriple>
+/// Share of a slot in the block between two links of one size, both turned: J_later M^-1 J_pivot^T.
+template <class X, int M>
 LOCKSTEP_KERNEL void fill_term(const Side& p, const Side& q, const Numbers& z, double* block) {
-  constexpr int ld = pack_size(M), lq = pack_size(kLater);
-  using V = Pack<lq>;
-  const double *Y = z.Y + p.Y + (kTriple ? 0 : 3 * ld), *J = z.rows + q.J + (kLaterTriple ? 0 : 3 * lq);
-  const V J0 = load<lq>(J), J1 = load<lq>(J + lq), J2 = load<lq>(J + 2 * lq);
+  constexpr int ld = pack_size(M);
+  using V = Pack<ld>;
+  const double *Y = z.Y + p.Y, *J = z.rows + q.J;
+  V Jc[X::nw];
+  for (int c = 0; c < X::nw; ++c) Jc[c] = load<ld>(J + c * ld);
   for (int i = 0; i < M; ++i) {
-    V a = load<lq>(block + i * lq);
-    a += J0 * Y[i] + J1 * Y[ld + i] + J2 * Y[2 * ld + i];
-    if constexpr (!kTriple && !kLaterTriple)
-      for (int c = 0; c < 3; ++c)
-        a += load<lq>(z.rows + q.J + c * lq) * z.Y[p.Y + static_cast<std::size_t>(c * ld + i)];
-    if constexpr (kTriple && !kLaterTriple)
-      if (i < 3) a += load<lq>(z.rows + q.J + i * lq) * (p.sign * z.inverse[8 * p.slot]);
-    store<lq>(block + i * lq, a);
+    V a = load<ld>(block + i * ld);
+    for (int c = 0; c < X::nw; ++c) a += Jc[c] * Y[c * ld + i];
+    store<ld>(block + i * ld, a);
   }
-  if constexpr (kLaterTriple)
-    for (int c = 0; c < 3; ++c) {
-      if constexpr (kTriple)
-        block[c * lq + c] += p.sign * q.sign * z.inverse[8 * p.slot];
-      else
-        for (int i = 0; i < M; ++i) block[i * lq + c] += q.sign * z.Y[p.Y + static_cast<std::size_t>(c * ld + i)];
+  const double k = p.sign * q.sign * z.inverse[X::inverse * p.slot];
+  for (int c = 0; c < X::nv; ++c) block[c * ld + c] += k;
+}
+
+/// The same for any two links, number by number.
+template <class X>
+LOCKSTEP_KERNEL void fill_any_term(const Node& pivot, const Side& p, bool p_turned, const Node& later, const Side& q,
+                                   bool q_turned, const Numbers& z, double* block) {
+  const int ld = pivot.ld(), lq = later.ld();
+  const double *Y = z.Y + p.Y, *J = z.rows + q.J, m = z.inverse[X::inverse * p.slot];
+  const double *Yw = Y + (p_turned ? 0 : X::nv * ld), *Jw = J + (q_turned ? 0 : X::nv * lq);
+  for (int i = 0; i < pivot.m; ++i)
+    for (int j = 0; j < later.m; ++j) {
+      double s = 0;
+      for (int c = 0; c < X::nw; ++c) s += Jw[c * lq + j] * Yw[c * ld + i];
+      for (int c = 0; c < X::nv; ++c) {
+        const double y = p_turned ? (c == i ? p.sign * m : 0.0) : Y[c * ld + i];
+        s += y * (q_turned ? (c == j ? q.sign : 0.0) : J[c * lq + j]);
+      }
+      block[i * lq + j] += s;
     }
 }
 
@@ -269,34 +290,35 @@ LOCKSTEP_KERNEL void backward(const Plan& plan, const Node& node, const Numbers&
 // ------------------------------------------------------------------------------------------------- right sides
 
 /// J a of one link, in the axes that its rows are kept in.
-template <int M, bool kTriple>
+template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL Pack<pack_size(M)> rows_times(const Side& side, const Numbers& z) {
   constexpr int ld = pack_size(M);
-  const double *J = z.rows + side.J, *a = z.a + 6 * side.slot;
+  const double *J = z.rows + side.J, *a = z.a + X::a * side.slot;
   if constexpr (kTriple) {
-    auto b = load_anywhere<ld>(a) * ones<ld>(0, 3) * side.sign;
-    return b + load<ld>(J) * a[3] + load<ld>(J + ld) * a[4] + load<ld>(J + 2 * ld) * a[5];
+    auto b = load_anywhere<ld>(a) * ones<ld>(0, X::nv) * side.sign;
+    for (int c = 0; c < X::nw; ++c) b += load<ld>(J + c * ld) * a[X::nv + c];
+    return b;
   } else {
     auto b = load<ld>(J) * a[0];
-    for (int c = 1; c < 6; ++c) b += load<ld>(J + c * ld) * a[c];
+    for (int c = 1; c < X::nv + X::nw; ++c) b += load<ld>(J + c * ld) * a[c];
     return b;
   }
 }
 
 /// x = J a_f - c of one link, c turned into the rows' axes, and the scales |J a_f| + |c|. c: numbers of its rows.
-template <int M, bool kTriple>
+template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL void start_link(const Plan& plan, const Node& node, const double* given, const Numbers& z) {
   constexpr int ld = pack_size(M);
   using V = Pack<ld>;
   V b{}, on_hubs{};
   for (int s = 0; s < node.n_sides; ++s) {
     const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
-    (side.hub ? on_hubs : b) += rows_times<M, kTriple>(side, z);
+    (side.hub ? on_hubs : b) += rows_times<X, M, kTriple>(side, z);
   }
-  V c = load_anywhere<ld>(given) * ones<ld>(kTriple ? 3 : 0, M);
+  V c = load_anywhere<ld>(given) * ones<ld>(kTriple ? X::nv : 0, M);
   if constexpr (kTriple) {
     const double* R = z.rows + node.R;
-    c += load<ld>(R) * given[0] + load<ld>(R + ld) * given[1] + load<ld>(R + 2 * ld) * given[2];
+    for (int k = 0; k < X::nv; ++k) c += load<ld>(R + k * ld) * given[k];
   }
   store<ld>(z.c + node.x, c);
   store<ld>(z.x + node.x, b - c);
@@ -305,18 +327,18 @@ LOCKSTEP_KERNEL void start_link(const Plan& plan, const Node& node, const double
 }
 
 /// a -= Y^T x
-template <int M, bool kTriple>
+template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL void apply_link(const Plan& plan, const Node& node, const double* x, const Numbers& z) {
   constexpr int ld = pack_size(M);
   for (int s = 0; s < node.n_sides; ++s) {
     const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
     if (side.hub) continue;
     const double* Y = z.Y + side.Y;
-    double* a = z.a + 6 * side.slot;
-    constexpr int n = kTriple ? 3 : 6, first = kTriple ? 3 : 0;
+    double* a = z.a + X::a * side.slot;
+    constexpr int n = kTriple ? X::nw : X::nv + X::nw, first = kTriple ? X::nv : 0;
     if constexpr (kTriple) {
-      const double k = side.sign * z.inverse[8 * side.slot];
-      for (int c = 0; c < 3; ++c) a[c] -= k * x[c];
+      const double k = side.sign * z.inverse[X::inverse * side.slot];
+      for (int c = 0; c < X::nv; ++c) a[c] -= k * x[c];
     }
     for (int c = 0; c < n; ++c) {
       double t = 0;
@@ -327,12 +349,12 @@ LOCKSTEP_KERNEL void apply_link(const Plan& plan, const Node& node, const double
 }
 
 /// r = J a - c
-template <int M, bool kTriple>
+template <class X, int M, bool kTriple>
 LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Numbers& z) {
   constexpr int ld = pack_size(M);
   Pack<ld> r = -load<ld>(z.c + node.x);
   for (int s = 0; s < node.n_sides; ++s)
-    r += rows_times<M, kTriple>(plan.sides[static_cast<std::size_t>(node.first_side + s)], z);
+    r += rows_times<X, M, kTriple>(plan.sides[static_cast<std::size_t>(node.first_side + s)], z);
   store<ld>(z.r + node.x, r);
 }
 

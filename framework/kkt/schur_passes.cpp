@@ -5,11 +5,14 @@
 namespace lockstep::schur {
 namespace {
 
-// Calls f with the number of rows and the layout as constants.
-template <class F>
-[[gnu::always_inline]] inline void with_shape(int m, bool triple, F&& f) {
-  if (triple) {
+// Calls f with the number of rows, and whether the first of them are turned into the world's axes, as constants.
+template <class X, class F>
+[[gnu::always_inline]] inline void with_shape(int m, bool turned, F&& f) {
+  if (turned) {
     switch (m) {
+      case 2:
+        if constexpr (X::nv == 2) f.template operator()<2, true>();
+        break;
       case 3:
         f.template operator()<3, true>();
         break;
@@ -22,8 +25,11 @@ template <class F>
       case 6:
         f.template operator()<6, true>();
         break;
-      default:
+      case 7:
         f.template operator()<7, true>();
+        break;
+      default:
+        f.template operator()<8, true>();
     }
     return;
   }
@@ -54,28 +60,33 @@ template <class F>
   }
 }
 
-// The mass of a hub, negative, and zero below it.
+bool turned(const Node& node) { return n_turned(node.layout) > 0; }
+
+// The mass of a hub, negative, and zero below it. mass: m, then J, nw x nw.
+template <class X>
 void fill_hub(const Node& node, const double* mass, const Numbers& z) {
+  const int ld = node.ld();
   double* d = z.A + node.D;
-  for (int i = 0; i < 6 * node.ld(); ++i) d[i] = 0;
-  for (int i = 0; i < 3; ++i) d[i * 8 + i] = -mass[0];
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) d[(3 + i) * 8 + 3 + k] = -mass[1 + 3 * i + k];
-  for (int i = 0; i < 6; ++i) {
-    z.diagonal[node.x + static_cast<std::size_t>(i)] = -d[i * 8 + i];
+  for (int i = 0; i < node.m * ld; ++i) d[i] = 0;
+  for (int i = 0; i < X::nv; ++i) d[i * ld + i] = -mass[0];
+  for (int i = 0; i < X::nw; ++i)
+    for (int k = 0; k < X::nw; ++k) d[(X::nv + i) * ld + X::nv + k] = -mass[1 + X::nw * i + k];
+  for (int i = 0; i < node.m; ++i) {
+    z.diagonal[node.x + static_cast<std::size_t>(i)] = -d[i * ld + i];
     z.E[node.x + static_cast<std::size_t>(i)] = 0;
   }
 }
 
 // Row i of a link on one of its sides: v then w.
-double jacobian(const Node& node, const Side& side, int i, int c, const Numbers& z) {
+double jacobian(const Node& node, const Side& side, int i, int c, int nv, const Numbers& z) {
   const int ld = node.ld();
   const double* J = z.rows + side.J;
-  if (node.layout == RowLayout::dense) return J[c * ld + i];
-  if (c < 3) return i == c ? side.sign : 0.0;
-  return J[(c - 3) * ld + i];
+  if (!turned(node)) return J[c * ld + i];
+  if (c < nv) return i == c ? side.sign : 0.0;
+  return J[(c - nv) * ld + i];
 }
 
+template <class X>
 void fill_hub_term(const Plan& plan, const Node& pivot, const Later& later, const Term& term, const Numbers& z) {
   double* block = z.A + later.block;
   const Node& other = plan.nodes[static_cast<std::size_t>(later.node)];
@@ -83,69 +94,127 @@ void fill_hub_term(const Plan& plan, const Node& pivot, const Later& later, cons
   for (int i = 0; i < pivot.m; ++i)
     for (int j = 0; j < other.m; ++j)
       block[i * lq + j] -= term.pivot_side < 0
-                               ? jacobian(other, plan.sides[static_cast<std::size_t>(term.later_side)], j, i, z)
-                               : jacobian(pivot, plan.sides[static_cast<std::size_t>(term.pivot_side)], i, j, z);
+                               ? jacobian(other, plan.sides[static_cast<std::size_t>(term.later_side)], j, i, X::nv, z)
+                               : jacobian(pivot, plan.sides[static_cast<std::size_t>(term.pivot_side)], i, j, X::nv, z);
 }
 
-}  // namespace
-
-LOCKSTEP_CLONES void fill_links(const Plan& plan, const Numbers& z) {
+template <class X>
+[[gnu::always_inline]] inline void fill_links(const Plan& plan, const Numbers& z) {
   for (const Node& node : plan.nodes)
     if (node.link >= 0)
-      with_shape(
-          node.m, node.layout == RowLayout::triple, [&]<int M, bool T>() __attribute__((always_inline)) {
-            fill_own<M, T>(plan, node, z);
+      with_shape<X>(
+          node.m,
+          turned(node), [&]<int M, bool T>() __attribute__((always_inline)) { fill_own<X, M, T>(plan, node, z); });
+}
+
+template <class X>
+[[gnu::always_inline]] inline void fill_block(const Plan& plan, const Node& node, const Later& later,
+                                              const Numbers& z) {
+  const Node& other = plan.nodes[static_cast<std::size_t>(later.node)];
+  double* block = z.A + later.block;
+  std::memset(block, 0, sizeof(double) * static_cast<std::size_t>(pack_size(later.m) * node.m));
+  for (int k = later.first_term; k < later.first_term + later.n_terms; ++k) {
+    const Term& term = plan.terms[static_cast<std::size_t>(k)];
+    if (term.pivot_side < 0 || term.later_side < 0) {
+      fill_hub_term<X>(plan, node, later, term, z);
+      continue;
+    }
+    const Side &p = plan.sides[static_cast<std::size_t>(term.pivot_side)],
+               &q = plan.sides[static_cast<std::size_t>(term.later_side)];
+    const bool alike = node.m == later.m && turned(node) && turned(other);  // of one kind: the sizes are known
+    if (alike && node.m == (X::nv == 3 ? 5 : 2))
+      fill_term<X, X::nv == 3 ? 5 : 2>(p, q, z, block);
+    else if (alike && node.m == 3)
+      fill_term<X, 3>(p, q, z, block);
+    else if (alike && X::nv == 3 && node.m == 6)
+      fill_term<X, 6>(p, q, z, block);
+    else
+      fill_any_term<X>(node, p, turned(node), other, q, turned(other), z, block);
+  }
+}
+
+template <class X>
+[[gnu::always_inline]] inline void fill_blocks(const Plan& plan, const Numbers& z) {
+  for (const Node& node : plan.nodes)
+    for (int s = 0; s < node.n_later; ++s)
+      fill_block<X>(plan, node, plan.later[static_cast<std::size_t>(node.first_later + s)], z);
+}
+
+template <class X>
+void fill_hubs(const Plan& plan, const Numbers& z) {
+  for (const int h : plan.hubs) {
+    const Node& node = plan.nodes[static_cast<std::size_t>(h)];
+    fill_hub<X>(node, z.mass + 10 * node.hub_slot, z);
+  }
+}
+
+template <class X>
+[[gnu::always_inline]] inline void start_links(const Plan& plan, const double* c, const Numbers& z) {
+  for (const Node& node : plan.nodes)
+    if (node.link >= 0)
+      with_shape<X>(
+          node.m, turned(node), [&]<int M, bool T>() __attribute__((always_inline)) {
+            start_link<X, M, T>(plan, node, c + node.first_row, z);
           });
 }
 
-LOCKSTEP_CLONES void fill_blocks(const Plan& plan, const Numbers& z) {
+template <class X>
+[[gnu::always_inline]] inline void apply_links(const Plan& plan, const double* x, const Numbers& z) {
   for (const Node& node : plan.nodes) {
-    const bool triple = node.layout == RowLayout::triple;
-    for (int s = 0; s < node.n_later; ++s) {
-      const Later& later = plan.later[static_cast<std::size_t>(node.first_later + s)];
-      const Node& other = plan.nodes[static_cast<std::size_t>(later.node)];
-      const bool later_triple = other.layout == RowLayout::triple;
-      double* block = z.A + later.block;
-      std::memset(block, 0, sizeof(double) * static_cast<std::size_t>(pack_size(later.m) * node.m));
-      for (int k = later.first_term; k < later.first_term + later.n_terms; ++k) {
-        const Term& term = plan.terms[static_cast<std::size_t>(k)];
-        if (term.pivot_side < 0 || term.later_side < 0) {
-          fill_hub_term(plan, node, later, term, z);
-          continue;
-        }
-        const Side &p = plan.sides[static_cast<std::size_t>(term.pivot_side)],
-                   &q = plan.sides[static_cast<std::size_t>(term.later_side)];
-        if (node.m == 5 && later.m == 5 && triple && later_triple) {  // two revolutes
-          fill_term<5, true, 5, true>(p, q, z, block);
-          continue;
-        }
-        with_shape(
-            node.m, triple, [&]<int M, bool T>() __attribute__((always_inline)) {
-              if (later_triple) {
-                if (later.m <= 4)
-                  fill_term<M, T, 4, true>(p, q, z, block);
-                else
-                  fill_term<M, T, 8, true>(p, q, z, block);
-              } else if (later.m <= 2) {
-                fill_term<M, T, 2, false>(p, q, z, block);
-              } else if (later.m <= 4) {
-                fill_term<M, T, 4, false>(p, q, z, block);
-              } else {
-                fill_term<M, T, 8, false>(p, q, z, block);
-              }
-            });
-      }
-    }
+    if (node.link < 0) continue;
+    with_shape<X>(
+        node.m, turned(node), [&]<int M, bool T>() __attribute__((always_inline)) {
+          apply_link<X, M, T>(plan, node, x + node.x, z);
+        });
+  }
+  for (const int h : plan.hubs) {
+    const Node& node = plan.nodes[static_cast<std::size_t>(h)];
+    for (int i = 0; i < node.m; ++i) z.a[X::a * node.hub_slot + i] += x[node.x + static_cast<std::size_t>(i)];
   }
 }
 
+template <class X>
+[[gnu::always_inline]] inline void residuals(const Plan& plan, const Numbers& z) {
+  for (const Node& node : plan.nodes)
+    if (node.link >= 0)
+      with_shape<X>(
+          node.m,
+          turned(node), [&]<int M, bool T>() __attribute__((always_inline)) { residual_link<X, M, T>(plan, node, z); });
+}
+
+LOCKSTEP_CLONES void fill_links_spatial(const Plan& plan, const Numbers& z) { fill_links<Spatial>(plan, z); }
+LOCKSTEP_CLONES void fill_links_planar(const Plan& plan, const Numbers& z) { fill_links<Planar>(plan, z); }
+LOCKSTEP_CLONES void fill_blocks_spatial(const Plan& plan, const Numbers& z) { fill_blocks<Spatial>(plan, z); }
+LOCKSTEP_CLONES void fill_blocks_planar(const Plan& plan, const Numbers& z) { fill_blocks<Planar>(plan, z); }
+LOCKSTEP_CLONES void start_spatial(const Plan& p, const double* c, const Numbers& z) { start_links<Spatial>(p, c, z); }
+LOCKSTEP_CLONES void start_planar(const Plan& p, const double* c, const Numbers& z) { start_links<Planar>(p, c, z); }
+LOCKSTEP_CLONES void apply_spatial(const Plan& p, const double* x, const Numbers& z) { apply_links<Spatial>(p, x, z); }
+LOCKSTEP_CLONES void apply_planar(const Plan& p, const double* x, const Numbers& z) { apply_links<Planar>(p, x, z); }
+LOCKSTEP_CLONES void residual_spatial(const Plan& plan, const Numbers& z) { residuals<Spatial>(plan, z); }
+LOCKSTEP_CLONES void residual_planar(const Plan& plan, const Numbers& z) { residuals<Planar>(plan, z); }
+
+}  // namespace
+
 void fill(const Plan& plan, const Numbers& z) {
-  fill_links(plan, z);
-  for (const int h : plan.hubs) {
-    const Node& node = plan.nodes[static_cast<std::size_t>(h)];
-    fill_hub(node, z.mass + 10 * node.hub_slot, z);
+  if (plan.planar) {
+    fill_links_planar(plan, z);
+    fill_hubs<Planar>(plan, z);
+    fill_blocks_planar(plan, z);
+  } else {
+    fill_links_spatial(plan, z);
+    fill_hubs<Spatial>(plan, z);
+    fill_blocks_spatial(plan, z);
   }
-  fill_blocks(plan, z);
+}
+
+void start(const Plan& plan, const double* c, const Numbers& z) {
+  plan.planar ? start_planar(plan, c, z) : start_spatial(plan, c, z);
+}
+void apply(const Plan& plan, const double* x, const Numbers& z) {
+  plan.planar ? apply_planar(plan, x, z) : apply_spatial(plan, x, z);
+}
+void residual(const Plan& plan, const Numbers& z) {
+  plan.planar ? residual_planar(plan, z) : residual_spatial(plan, z);
 }
 
 LOCKSTEP_CLONES void factor(const Plan& plan, const Numbers& z) {
@@ -234,38 +303,6 @@ LOCKSTEP_CLONES void solve(const Plan& plan, const Numbers& z) {
         backward<8>(plan, node, z);
     }
   }
-}
-
-LOCKSTEP_CLONES void start(const Plan& plan, const double* c, const Numbers& z) {
-  for (const Node& node : plan.nodes)
-    if (node.link >= 0)
-      with_shape(
-          node.m, node.layout == RowLayout::triple, [&]<int M, bool T>() __attribute__((always_inline)) {
-            start_link<M, T>(plan, node, c + node.first_row, z);
-          });
-}
-
-LOCKSTEP_CLONES void apply(const Plan& plan, const double* x, const Numbers& z) {
-  for (const Node& node : plan.nodes) {
-    if (node.link < 0) continue;
-    with_shape(
-        node.m, node.layout == RowLayout::triple, [&]<int M, bool T>() __attribute__((always_inline)) {
-          apply_link<M, T>(plan, node, x + node.x, z);
-        });
-  }
-  for (const int h : plan.hubs) {
-    const Node& node = plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < 6; ++i) z.a[6 * node.hub_slot + i] += x[node.x + static_cast<std::size_t>(i)];
-  }
-}
-
-LOCKSTEP_CLONES void residual(const Plan& plan, const Numbers& z) {
-  for (const Node& node : plan.nodes)
-    if (node.link >= 0)
-      with_shape(
-          node.m, node.layout == RowLayout::triple, [&]<int M, bool T>() __attribute__((always_inline)) {
-            residual_link<M, T>(plan, node, z);
-          });
 }
 
 }  // namespace lockstep::schur

@@ -9,8 +9,6 @@
 namespace lockstep::schur {
 namespace {
 
-constexpr int kHubWidth = 6;
-
 // The graph of elimination: links first, then hubs.
 struct Graph {
   int n_links = 0;
@@ -170,10 +168,11 @@ void add_terms(Plan& plan, const Node& pivot, const Node& other, Later& out) {
 
 }  // namespace
 
-Plan make_plan(const RowTable& rows, int n_slots) {
+Plan make_plan(const RowTable& rows, int n_slots, bool planar) {
   Graph graph = make_graph(rows, n_slots);
   Plan plan;
   plan.n_slots = n_slots;
+  plan.planar = planar;
   plan.n_rows = rows.n_rows;
   plan.tree = is_tree(rows, n_slots);
   Order order(rows, graph);
@@ -186,7 +185,7 @@ Plan make_plan(const RowTable& rows, int n_slots) {
     if (p < graph.n_links) {
       node = node_of(rows.entries[static_cast<std::size_t>(p)], p, graph, plan);
     } else {
-      node.m = kHubWidth;
+      node.m = planar ? 3 : 6;
       node.hub_slot = graph.slot_of_hub[static_cast<std::size_t>(p - graph.n_links)];
       plan.hubs.push_back(static_cast<int>(plan.nodes.size()));
     }

@@ -58,12 +58,13 @@ struct Plan {
   std::vector<int> hubs;             ///< nodes that are hubs
   std::size_t size_x = 0, size_A = 0, size_Y = 0;
   int n_slots = 0, n_rows = 0;
-  bool tree = false;  ///< no closed loop, the ground being one body: rows cannot be redundant by topology
+  bool planar = false;  ///< three velocities a slot
+  bool tree = false;    ///< no closed loop, the ground being one body: rows cannot be redundant by topology
 
   /// Slots with more links than this become nodes.
   static constexpr int kHub = 6;
 };
 
-Plan make_plan(const RowTable& rows, int n_slots);
+Plan make_plan(const RowTable& rows, int n_slots, bool planar);
 
 }  // namespace lockstep::schur

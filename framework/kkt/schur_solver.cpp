@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "framework/kkt/schur_passes.h"
@@ -20,6 +21,10 @@ constexpr std::size_t kPad = 8;       // numbers behind an array that a pack may
 
 struct SchurSolver::Work {
   schur::Plan plan;
+  Plane plane;
+  int width = 6;  // velocities of a slot
+  int stride_a = 6, stride_inverse = 8;
+  int velocity(int k) const { return plane ? plane.velocity(k) : k; }
   schur::Numbers z;
   Aligned<double> A, Y, x, c, scale, diagonal, pivot, E, r, lambda, a, inverse, mass, given;
   std::vector<RowKind> kind;  // of every number of x
@@ -67,8 +72,8 @@ void SchurSolver::Work::size(const KktPattern& pattern) {
   A.assign(plan.size_A + kPad, 0.0);
   Y.assign(plan.size_Y + kPad, 0.0);
   const auto n = static_cast<std::size_t>(plan.n_slots);
-  a.assign(6 * n + kPad, 0.0);
-  inverse.assign(8 * n, 0.0);
+  a.assign(static_cast<std::size_t>(stride_a) * n + kPad, 0.0);
+  inverse.assign(static_cast<std::size_t>(stride_inverse) * n, 0.0);
   mass.assign(10 * n, 0.0);
   given.assign(static_cast<std::size_t>(plan.n_rows) + kPad, 0.0);
   kind.assign(plan.size_x, RowKind::function);
@@ -84,13 +89,13 @@ void SchurSolver::Work::size(const KktPattern& pattern) {
 }
 
 void SchurSolver::analyse(const KktPattern& pattern) {
-  if (!pattern.rows)
-    throw ModelError(
-        "solver schur works with six velocities a body and takes no other formulation; choose formulation \"omega\", "
-        "or "
-        "solver dense or sparse");
+  assert(pattern.rows);  // reads_rows()
   Work& w = *work_;
-  w.plan = schur::make_plan(*pattern.rows, pattern.n_slots());
+  w.plan = schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane));
+  w.plane = pattern.plane;
+  w.width = w.plane ? 3 : 6;
+  w.stride_a = w.plane ? schur::Planar::a : schur::Spatial::a;
+  w.stride_inverse = w.plane ? schur::Planar::inverse : schur::Spatial::inverse;
   w.size(pattern);
   w.masses_known = false;
   w.n_small_usual = pattern.m;
@@ -99,17 +104,21 @@ void SchurSolver::analyse(const KktPattern& pattern) {
 void SchurSolver::Work::read_masses(const Kkt& kkt) {
   for (std::size_t k = 0; k < kkt.masses.size(); ++k) {
     const SlotMass& s = kkt.masses[k];
-    double *I = inverse.data() + 8 * k, *M = mass.data() + 10 * k;
+    double *I = inverse.data() + static_cast<std::size_t>(stride_inverse) * k, *M = mass.data() + 10 * k;
     I[0] = 1.0 / s.m;
     M[0] = s.m;
-    if (s.particle) continue;  // no turn: J^-1 = 0
-    const Mat3 Jinv = s.J.llt().solve(Mat3::Identity());
-    I[1] = Jinv(0, 0), I[2] = Jinv(0, 1), I[3] = Jinv(0, 2), I[4] = Jinv(1, 1), I[5] = Jinv(1, 2), I[6] = Jinv(2, 2);
-    for (int i = 0; i < 9; ++i) M[1 + i] = s.J(i / 3, i % 3);
+    if (plane) {
+      M[1] = s.J(plane.n, plane.n);
+      I[1] = s.particle ? 0.0 : 1.0 / M[1];
+    } else if (!s.particle) {  // a particle does not turn: J^-1 = 0
+      const Mat3 Jinv = s.J.llt().solve(Mat3::Identity());
+      I[1] = Jinv(0, 0), I[2] = Jinv(0, 1), I[3] = Jinv(0, 2), I[4] = Jinv(1, 1), I[5] = Jinv(1, 2), I[6] = Jinv(2, 2);
+      for (int i = 0; i < 9; ++i) M[1 + i] = s.J(i / 3, i % 3);
+    }
   }
   for (const int h : plan.hubs) {  // a hub that is a particle: its turn is kept at rest by any inertia
     double* M = mass.data() + 10 * plan.nodes[static_cast<std::size_t>(h)].hub_slot;
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < (plane ? 1 : 3); ++i)
       if (M[1 + 4 * i] == 0) M[1 + 4 * i] = M[0];
   }
   masses_known = true;
@@ -149,9 +158,18 @@ void SchurSolver::complete(SolveReport& report) const {
 
 // a_f = M^-1 f
 void SchurSolver::Work::free_motion(const VecX& f) {
+  if (plane) {
+    const int i = plane.i(), j = plane.j(), n = 3 + plane.n;
+    for (int k = 0; k < plan.n_slots; ++k) {
+      const double *I = inverse.data() + schur::Planar::inverse * k, *F = f.data() + 6 * k;
+      double* out = a.data() + schur::Planar::a * k;
+      out[0] = I[0] * F[i], out[1] = I[0] * F[j], out[2] = I[1] * F[n];
+    }
+    return;
+  }
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *I = inverse.data() + 8 * k, *F = f.data() + 6 * k;
-    double* out = a.data() + 6 * k;
+    const double *I = inverse.data() + schur::Spatial::inverse * k, *F = f.data() + 6 * k;
+    double* out = a.data() + schur::Spatial::a * k;
     out[0] = I[0] * F[0], out[1] = I[0] * F[1], out[2] = I[0] * F[2];
     out[3] = I[1] * F[3] + I[2] * F[4] + I[3] * F[5];
     out[4] = I[2] * F[3] + I[4] * F[4] + I[5] * F[5];
@@ -182,15 +200,16 @@ void SchurSolver::Work::find_worst() {
 std::array<double, 3> SchurSolver::Work::energy_floors(const VecX& f) const {
   double most = 0;
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *I = inverse.data() + 8 * k, *M = mass.data() + 10 * k, *F = f.data() + 6 * k, *v = a.data() + 6 * k;
+    const double *I = inverse.data() + stride_inverse * k, *M = mass.data() + 10 * k, *F = f.data() + 6 * k,
+                 *v = a.data() + stride_a * k;
+    const int nw = plane ? 1 : 3, nv = width - nw;
     double e = 0;
-    for (int i = 0; i < 3; ++i) e += I[0] * F[i] * F[i] + M[0] * v[i] * v[i];
-    const double t[3] = {I[1] * F[3] + I[2] * F[4] + I[3] * F[5], I[2] * F[3] + I[4] * F[4] + I[5] * F[5],
-                         I[3] * F[3] + I[5] * F[4] + I[6] * F[5]};
-    for (int i = 0; i < 3; ++i) {
-      e += t[i] * F[3 + i];
-      for (int j = 0; j < 3; ++j) e += v[3 + i] * M[1 + 3 * i + j] * v[3 + j];
-    }
+    for (int i = 0; i < nv; ++i) e += I[0] * F[velocity(i)] * F[velocity(i)] + M[0] * v[i] * v[i];
+    for (int i = 0; i < nw; ++i)
+      for (int j = 0; j < nw; ++j) {
+        const double Jinv = I[plane ? 1 : schur::Spatial::I[i][j]];
+        e += F[velocity(nv + i)] * Jinv * F[velocity(nv + j)] + v[nv + i] * M[1 + nw * i + j] * v[nv + j];
+      }
     most = std::max(most, e);
   }
   std::array<double, 3> out{};
@@ -202,17 +221,24 @@ std::array<double, 3> SchurSolver::Work::energy_floors(const VecX& f) const {
 void SchurSolver::Work::unload(const KktPattern& pattern, VecX& a_out, VecX& lambda_out) const {
   a_out.resize(6 * plan.n_slots);
   lambda_out.resize(pattern.m);
-  std::copy(a.begin(), a.begin() + a_out.size(), a_out.data());
+  if (plane) {
+    a_out.setZero();
+    for (int k = 0; k < plan.n_slots; ++k)
+      for (int i = 0; i < 3; ++i) a_out[6 * k + velocity(i)] = a[static_cast<std::size_t>(schur::Planar::a * k + i)];
+  } else {
+    std::copy(a.begin(), a.begin() + a_out.size(), a_out.data());
+  }
   for (const schur::Node& node : plan.nodes) {
     if (node.link < 0) continue;
     const double* l = lambda.data() + node.x;
     double* out = lambda_out.data() + node.first_row;
     int k = 0;
-    if (node.layout == RowLayout::triple)
-      for (; k < 3; ++k) {
-        const double* R = z.rows + node.R + static_cast<std::size_t>(k * node.ld());
-        out[k] = R[0] * l[0] + R[1] * l[1] + R[2] * l[2];
-      }
+    const int n = n_turned(node.layout);
+    for (; k < n; ++k) {  // back into the link's axes
+      const double* R = z.rows + node.R + static_cast<std::size_t>(k * node.ld());
+      out[k] = R[0] * l[0] + R[1] * l[1];
+      if (n == 3) out[k] += R[2] * l[2];
+    }
     for (; k < node.m; ++k) out[k] = l[k];
   }
 }
@@ -224,9 +250,9 @@ SolveReport SchurSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, Vec
   schur::start(w.plan, w.given.data(), w.z);
   for (const int h : w.plan.hubs) {
     const schur::Node& node = w.plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < 6; ++i) {
-      w.x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + i];
-      w.a[static_cast<std::size_t>(6 * node.hub_slot + i)] = 0;
+    for (int i = 0; i < node.m; ++i) {
+      w.x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + w.velocity(i)];
+      w.a[static_cast<std::size_t>(w.stride_a * node.hub_slot + i)] = 0;
     }
   }
   w.largest = {};
@@ -265,7 +291,8 @@ SolveReport SchurSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, Vec
     w.before = w.worst;
     std::copy(w.r.begin(), w.r.end(), w.x.begin());
     for (const int h : w.plan.hubs)
-      for (int i = 0; i < 6; ++i) w.x[w.plan.nodes[static_cast<std::size_t>(h)].x + static_cast<std::size_t>(i)] = 0;
+      for (int i = 0; i < w.width; ++i)
+        w.x[w.plan.nodes[static_cast<std::size_t>(h)].x + static_cast<std::size_t>(i)] = 0;
     correct();
     met = finished();
     w.find_worst();

@@ -50,6 +50,9 @@ class LOCKSTEP_API Lock {
   virtual std::vector<Quantity> quantities() const;
   virtual double quantity(int k, const Inputs&) const;
 
+  /// Whether it holds its two bodies to each other for ever, nothing moving: then they may be merged into one slot.
+  virtual bool bolts() const { return false; }
+
   // -- setup: called once the bodies have their slots
   virtual void setup() = 0;            ///< folds markers into slots; throws ModelError naming the link
   virtual SlotList slots() const = 0;  ///< whose columns its rows touch
@@ -59,10 +62,16 @@ class LOCKSTEP_API Lock {
   /// How its jacobians are kept (kkt/rows.h), and for a triple the sign of its first slot: +1 where that is P's body.
   virtual RowLayout layout() const { return RowLayout::dense; }
   virtual double row_sign() const { return 1; }
+  /// For a planar mechanism, after setup(): whether the link gathers its rows in the plane itself, by gather_plane; if
+  /// not, they are taken from gather(). Then how they are kept: planar, or pair.
+  virtual bool setup_plane(Plane) { return false; }
+  virtual RowLayout planar_layout() const { return RowLayout::planar; }
 
   // -- evaluation
   /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
+  /// The same for the rows that lie in the plane, in their order, if setup_plane() said so.
+  virtual void gather_plane(Group, const Inputs&, RowSpan) const {}
   /// K = d(Jh^T lambda)/d(dx, dth) with lambda (one a row of this link) and time fixed; conventions of TangentSum.
   /// Asked by implicit methods only. Default: central differences of the link's own gather(), good to some 1e-9 of K,
   /// for links that bring no formula; moves of 6e-6 of the distance between its bodies, turns of 6e-6 rad.

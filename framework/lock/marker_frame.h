@@ -14,11 +14,13 @@ struct MarkerFrame {
   Mat3 A0 = Mat3::Identity();
   LawPtr<TranslationLaw> slide;  // shared, so that a marker whose law is replaced later leaves nothing dangling
   LawPtr<RotationLaw> spin;
+  MarkerMotion home;  ///< at(t) of a marker without laws
 
   MarkerFrame() = default;
   explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide), spin(m.spin) {
-    const Pose home = m.body->in_slot * m.local;
-    u0 = home.x, q0 = normalized(home.q), A0 = rotation(q0);
+    const Pose pose = m.body->in_slot * m.local;
+    u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
+    home.u = u0, home.q = q0, home.A = A0;
   }
 
   /// Axes of the slot, with q0 = +1: q0 = -1 is the same turn, but gives e the other sign.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/lock/dispatch.h"
+#include "framework/lock/marker_lock_gather.h"
 #include "framework/support/clones.h"
 #include "framework/support/error.h"
 
@@ -111,10 +112,6 @@ void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) con
   for (const Drive& d : drives_) d.law->breakpoints(t0, t1, out);
 }
 
-namespace {
-Vec3 unit(int k) { return Vec3::Unit(k % 3); }
-}  // namespace
-
 void MarkerLock::refuse_particles(const std::string& rows) const {
   for (const Marker* m : {p_, s_})
     if (m->body->freedoms == Freedoms::particle)
@@ -195,101 +192,61 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
 
-/// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a
-/// larger set enters as zero.
-struct MarkerLockGather {
-  const Inputs& in;
+// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a
+// larger set enters as zero.
 
-  void both(const MarkerLock& first, Group links, RowSpan out) const;
-
-  LawValue value(const MarkerLock& lock, const Drive& d) const {
-    const LawValue l = d.law->at(in.t);
-    if (!d.speed) return l;
-    return {in.s[static_cast<std::size_t>(lock.first_state() + d.state)], l.y, l.yd};
-  }
-
-  ImposedTranslationT<double> imposed_translation(const MarkerLock& lock) const {
-    ImposedTranslationT<double> D;
-    if (lock.move_) {
-      const TranslationValue l = lock.move_->at(in.t);
-      D.p = l.x, D.pd = l.v, D.pdd = l.a;
+template <unsigned kLaws>
+void MarkerLockGather::translations(Group links, RowSpan out) const {
+  TranslationRowsT<double> r;
+  ImposedTranslationT<double> D;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+    if constexpr (kLaws & with::p) D = imposed_translation(lock);
+    const Mask rows = kLaws & with::world_rows ? Mask::xyz : lock.rows_;
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kLaws & (with::uP | with::uS | with::qS))
+      translation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
+    else
+      translation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
+    const RowBlock block = out.lane(i);
+    if constexpr (kLaws & with::world_rows) {
+      for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
+      block.set_R(r.Jv.transpose());
+      block.set_A(lock.side1_, r.Jw1);
+      block.set_A(lock.side2_, r.Jw2);
+      continue;
     }
-    for (const Drive& d : lock.drives_) {
-      if (is_rotation(d.axis)) continue;
-      const int k = index(d.axis);
-      const LawValue l = value(lock, d);
-      D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
-    }
-    return D;
-  }
-
-  ImposedRotationT<double> imposed_rotation(const MarkerLock& lock) const {
-    ImposedRotationT<double> D;
-    if (lock.turn_) {
-      const RotationValue l = lock.turn_->at(in.t);
-      D.q = l.q, D.w = l.w, D.a = l.a;
-    }
-    for (const Drive& d : lock.drives_) {  // q_D <- q_D Rot_k(y): at most one, the other two turns being held
-      if (!is_rotation(d.axis)) continue;
-      const Vec3 n = unit(index(d.axis));
-      const LawValue l = value(lock, d);
-      const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
-      const Mat3 At = rotation(turn).transpose();
-      const Vec3 w = At * D.w;
-      D.a = At * D.a + cross(w, Vec3(l.yd * n)) + l.ydd * n;
-      D.w = w + l.yd * n;
-      D.q = D.q * turn;
-    }
-    D.A = rotation(D.q);
-    return D;
-  }
-
-  template <unsigned kLaws>
-  void translations(Group links, RowSpan out) const {
-    TranslationRowsT<double> r;
-    ImposedTranslationT<double> D;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-      if constexpr (kLaws & with::p) D = imposed_translation(lock);
-      translation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D,
-                         kLaws & with::world_rows ? Mask::xyz : lock.rows_, r);
-      const RowBlock block = out.lane(i);
-      if constexpr (kLaws & with::world_rows) {
-        for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
-        block.set_R(r.Jv.transpose());
-        block.set_A(lock.side1_, r.Jw1);
-        block.set_A(lock.side2_, r.Jw2);
-        continue;
-      }
-      for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
-        const int j = lock.row_[static_cast<std::size_t>(k)];
-        block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-        block.set(lock.side1_, k, r.Jv.row(j), r.Jw1.row(j));
-        block.set(lock.side2_, k, -r.Jv.row(j), r.Jw2.row(j));
-      }
+    for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
+      const int j = lock.row_[static_cast<std::size_t>(k)];
+      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
+      block.set(lock.side1_, k, r.Jv.row(j), r.Jw1.row(j));
+      block.set(lock.side2_, k, -r.Jv.row(j), r.Jw2.row(j));
     }
   }
+}
 
-  template <unsigned kLaws>
-  void rotations(Group links, RowSpan out) const {
-    RotationRowsT<double> r;
-    ImposedRotationT<double> D;
-    const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-      if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
-      rotation<kLaws>(in.slot(lock.P_.slot), in.slot(lock.S_.slot), lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_,
-                      r);
-      const RowBlock block = out.lane(i);
-      for (int k = first; k < lock.n_rows_; ++k) {
-        const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
-        block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-        block.set(lock.side1_, k, Vec3::Zero(), r.Jw1.row(j));
-        block.set(lock.side2_, k, Vec3::Zero(), r.Jw2.row(j));
-      }
+template <unsigned kLaws>
+void MarkerLockGather::rotations(Group links, RowSpan out) const {
+  RotationRowsT<double> r;
+  ImposedRotationT<double> D;
+  const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+    if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kLaws & (with::qP | with::qS))
+      rotation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+    else
+      rotation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
+    const RowBlock block = out.lane(i);
+    for (int k = first; k < lock.n_rows_; ++k) {
+      const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
+      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
+      block.set(lock.side1_, k, Vec3::Zero(), r.Jw1.row(j));
+      block.set(lock.side2_, k, Vec3::Zero(), r.Jw2.row(j));
     }
   }
-};
+}
 
 LOCKSTEP_FLAT_CLONES void MarkerLockGather::both(const MarkerLock& first, Group links, RowSpan out) const {
   if (first.layout() == RowLayout::triple)

@@ -58,7 +58,14 @@ class LOCKSTEP_API MarkerLock : public Lock {
   }
   double row_sign() const override { return side1_ >= 0 ? 1.0 : -1.0; }
   void gather(Group, const Inputs&, RowSpan out) const override;
+  bool setup_plane(Plane) override;
+  RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
+  void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
+
+  bool bolts() const override {
+    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide && !s_->spin;
+  }
 
   int n_states() const override { return n_speeds_; }
   void start_states(std::span<double> s) const override;
@@ -94,6 +101,18 @@ class LOCKSTEP_API MarkerLock : public Lock {
   std::array<int, 6> row_{};         // row k of the link is row row_[k] of the lock
   unsigned pattern_ = 0, laws_ = 0;  // with::Bits of the laws present
   std::vector<double> speed_start_;
+
+  /// The lock in the plane of a planar mechanism: numbers where the plane's i and j stand for x and y.
+  struct Flat {
+    Plane plane;
+    int turn_axis = 0;                                    ///< the axis of S and P along the normal
+    bool pair = false;                                    ///< both axes of S in the plane are held
+    int n_translations = 0, axes[2] = {0, 0};             ///< those that are held, and which
+    bool turn = false;                                    ///< the turn is held
+    double uP[2] = {0, 0}, uS[2] = {0, 0}, S[2][2] = {};  ///< origins; axes[k] of S in its slot
+    double sign_P = 1, sign_S = 1;                        ///< of the turn axes along the normal
+    double e[4] = {1, 0, 0, 0};  ///< (e0, e_a) = (e[0] w + e[1] r, e[2] w + e[3] r) of q2' q1 = (w, n r)
+  } flat_;
 };
 
 }  // namespace lockstep

@@ -47,6 +47,13 @@ const RowEntry* entry_of(const Lock& link, const RowTable& rows) {
   return k < 0 ? nullptr : &rows.entries[static_cast<std::size_t>(k)];
 }
 
+// Which of the entry's rows is the link's own row k; -1: it is not in force, or out of the plane.
+int row_of(const RowEntry* e, int k) {
+  for (int i = 0; e && i < e->m; ++i)
+    if (e->own[static_cast<std::size_t>(i)] == k) return i;
+  return -1;
+}
+
 void add_rows(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   for (int k = 0; k < link.row_count(); ++k) {
@@ -56,7 +63,8 @@ void add_rows(const Lock& link, Entries& out) {
         "residual of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
           const Evaluated& v = s.values();
           const RowEntry* e = entry_of(*l, v.rows);
-          return e ? v.rows.block(*e).C(k) : 0.0;
+          const int i = row_of(e, k);
+          return i >= 0 ? v.rows.block(*e).C(i) : 0.0;
         });
     add(out, "lambda_" + row,
         kind == RowKind::translation ? "N"
@@ -65,7 +73,8 @@ void add_rows(const Lock& link, Entries& out) {
         "multiplier of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
           const Evaluated& v = s.values();
           const RowEntry* e = entry_of(*l, v.rows);
-          return e ? v.lambda[e->first_row + k] : 0.0;
+          const int i = row_of(e, k);
+          return i >= 0 ? v.lambda[e->first_row + i] : 0.0;
         });
   }
 }

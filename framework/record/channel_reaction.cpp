@@ -22,7 +22,7 @@ Wrench on_slot(const Lock& link, const Evaluated& v, const RowEntry& e, int i, i
   const RowBlock block = v.rows.block(e);
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
-    if (!belongs(link.drive_row(k), part)) continue;
+    if (!belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part)) continue;
     const double lambda = v.lambda[e.first_row + k];
     const auto r = block.J(i, k);
     F -= lambda * Vec3(r[0], r[1], r[2]);
@@ -80,7 +80,8 @@ double power_of_drive(const Lock& link, const Evaluated& v, int part) {
   const RowBlock block = v.rows.block(e);
   double power = 0;
   for (int k = 0; k < e.m; ++k)
-    if (belongs(link.drive_row(k), part)) power += v.lambda[e.first_row + k] * block.Ct(k);
+    if (belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part))
+      power += v.lambda[e.first_row + k] * block.Ct(k);
   return power;
 }
 

@@ -10,10 +10,9 @@ namespace {
 double kinetic(const Sample& s) {
   double twice = 0;
   for (int k = 0; k < s.system().n_slots(); ++k) {
-    const Body& b = s.system().body_of_slot(k);
-    const Mat3 R = rotation(normalized(b.in_slot.q));
-    const Vec3 v = s.state.v.segment<3>(6 * k), w = R.transpose() * s.state.v.segment<3>(6 * k + 3);
-    twice += b.mass.mass * v.squaredNorm() + w.dot(b.mass.J * w);
+    const Slot& b = s.system().slot(k);
+    const Vec3 v = s.state.v.segment<3>(6 * k), w = s.state.v.segment<3>(6 * k + 3);
+    twice += b.mass * v.squaredNorm() + w.dot(b.J * w);
   }
   return 0.5 * twice;
 }
@@ -21,7 +20,7 @@ double kinetic(const Sample& s) {
 double potential(const Sample& s) {
   double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k)
-    sum -= s.system().body_of_slot(k).mass.mass * s.system().gravity().dot(s.state.q.segment<3>(7 * k));
+    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.q.segment<3>(7 * k));
   if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces()) sum += f->potential(s.values().in);
   return sum;
@@ -29,18 +28,16 @@ double potential(const Sample& s) {
 
 Vec3 momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < s.system().n_slots(); ++k)
-    sum += s.system().body_of_slot(k).mass.mass * s.state.v.segment<3>(6 * k);
+  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.state.v.segment<3>(6 * k);
   return sum;
 }
 
 Vec3 angular_momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < s.system().n_slots(); ++k) {
-    const Body& b = s.system().body_of_slot(k);
+    const Slot& b = s.system().slot(k);
     const Motion O = slot_motion(s.state, k);
-    const Mat3 R = rotation(normalized(b.in_slot.q));
-    sum += cross(O.x, Vec3(b.mass.mass * O.v)) + O.A * (R * (b.mass.J * (R.transpose() * O.w)));
+    sum += cross(O.x, Vec3(b.mass * O.v)) + O.A * (b.J * O.w);
   }
   return sum;
 }
@@ -149,6 +146,11 @@ void of_run(Entries& out) {
     s.values();
     return static_cast<double>(s.dynamics().last_solve().corrections);
   });
+  add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
+      [](const Sample& s) {
+        s.values();
+        return s.dynamics().last_solve().detector;
+      });
   add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution", [](const Sample& s) {
     s.values();
     return s.dynamics().last_solve().smallest_pivot;

@@ -51,6 +51,12 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
                                where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::xyz); })},
                               {"motion of markers: they stand still on their bodies",
                                where(m, [](const MarkerLock& l) { return !laws_of(l.p()) && !laws_of(l.s()); })}};
+  Names merged;
+  for (const auto& link : m.system.links())
+    if (m.system.merged(*link)) merged.push_back(link->name());
+  all.push_back({"rows of fixed links: their bodies move as one", merged});
+  if (const Plane plane = m.system.plane())
+    all.push_back({"motion out of the plane: three velocities a body", {std::string("normal ") + "xyz"[plane.n]}});
   if (!dense) all.push_back({"energies: integrated for the summary only, with --quiet not at all", {"energy"}});
   if (m.system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
   std::erase_if(all, [](const LeftOut& l) { return l.names.empty(); });
@@ -101,6 +107,28 @@ int list_channels(const System& system, bool as_json) {
   return kExitOk;
 }
 
+/// What the scene could leave out besides, exactly.
+std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
+  std::vector<std::string> all;
+  Mechanism other = build(loaded.scene, loaded.registry);
+  if (!m.system.plane())
+    if (const Plane plane = find_plane(other.system)) {
+      other.system.set_planar(plane);
+      other.system.setup();
+      all.push_back(fmt::format("\"planar\": \"{}\" is exact here: {} unknown velocities instead of {}", "xyz"[plane.n],
+                                other.system.n_velocities(), m.system.n_velocities()));
+    }
+  other.system.set_merge(true);
+  other.system.setup();
+  const long n = std::count_if(other.system.links().begin(), other.system.links().end(), [&](const auto& l) {
+    return other.system.merged(*l) && !m.system.merged(*m.system.links()[static_cast<std::size_t>(l->number())]);
+  });
+  if (n > 0)
+    all.push_back(
+        fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed link{} as one", n, n > 1 ? "s" : ""));
+  return all;
+}
+
 }  // namespace
 
 int check_command(const Words& w) {
@@ -114,6 +142,7 @@ int check_command(const Words& w) {
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
+  const std::vector<std::string> more = w.full ? std::vector<std::string>{} : proposals(loaded, m);
 
   if (w.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
@@ -130,6 +159,7 @@ int check_command(const Words& w) {
                                 {"columns", recorder->table().names()},
                                 {"left_out", nlohmann::ordered_json::array()}};
     for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
+    j["proposals"] = more;
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
@@ -141,6 +171,8 @@ int check_command(const Words& w) {
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, join(l.names));
+  if (!more.empty()) fmt::print("could be left out too:\n");
+  for (const std::string& text : more) fmt::print("  {}\n", text);
   return kExitOk;
 }
 

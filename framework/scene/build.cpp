@@ -83,9 +83,37 @@ void Builder::build() {
   links(root);
   forces(root);
   events(root);
+  set_merge(root.text("merge"));
+  set_plane(root.text("planar"));
   make_integrator(out_.run, registry_);
   make_solver(out_.run, registry_);
   set_up();
+}
+
+void Builder::set_merge(const std::string& how) {
+  if (how != "auto") return;
+  std::vector<const Lock*> keep;
+  const auto named = [&](const std::string& text, const std::string& name) {
+    return text == name || text.rfind(name + ".", 0) == 0;
+  };
+  for (const auto& link : out_.system.links()) {
+    bool wanted = false;
+    for (const ChannelRequest& r : out_.run.record) wanted = wanted || named(r.channel, link->name());
+    for (const EventRequest& e : out_.events) {
+      wanted = wanted || named(e.channel, link->name());
+      for (const auto* names : {&e.event.activate, &e.event.deactivate})
+        for (const std::string& name : *names) wanted = wanted || name == link->name();
+    }
+    if (wanted) keep.push_back(link.get());
+  }
+  out_.system.set_merge(true, std::move(keep));
+}
+
+void Builder::set_plane(const std::string& normal) {
+  if (normal == "auto")
+    out_.system.set_planar(find_plane(out_.system));
+  else if (normal != "off")
+    out_.system.set_planar(Plane{normal[0] - 'x'});
 }
 
 // What the System refuses names the body, link or force; its place in the file is put before it.

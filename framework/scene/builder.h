@@ -66,6 +66,8 @@ class Builder {
   void events(const Params& root);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;
+  void set_merge(const std::string& how);
+  void set_plane(const std::string& normal);
   void set_up();
 
   // Notes the name of a new thing; refuses names that are taken, empty or that channels could not tell apart.

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "framework/support/error.h"
+#include "framework/support/text.h"
 #include "framework/system/system.h"
 
 namespace lockstep {
@@ -20,18 +21,28 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
     const Lock& link = *ordered_[static_cast<std::size_t>(i)];
     if (!modes[static_cast<std::size_t>(link.number())]) continue;
     const int entry = static_cast<int>(table.entries.size());
-    const bool same_run =
-        last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
-    if (!same_run) table.runs.push_back({entry, 0, i});
-    ++table.runs.back().n;
-    last = i;
     RowEntry e;
     e.link = link.number();
     e.m = link.row_count();
     e.slots = link.slots();
     e.layout = link.layout();
     e.sign = link.row_sign();
-    for (int k = 0; k < e.m; ++k) e.kind[static_cast<std::size_t>(k)] = link.row_kind(k);
+    bool in_plane = false;
+    if (plane_) {
+      const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
+      if (rows.m == 0) continue;  // all of it lies outside
+      e.m = rows.m, e.own = rows.own, e.plane = plane_;
+      in_plane = rows.by_link;
+      e.layout = in_plane ? link.planar_layout() : RowLayout::planar;
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) e.kind[k] = link.row_kind(e.own[k]);
+    const bool same_group =
+        last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
+    if (!same_group || table.entries.back().m != e.m || table.entries.back().layout != e.layout ||
+        table.runs.back().in_plane != in_plane)
+      table.runs.push_back({entry, 0, i, in_plane});
+    ++table.runs.back().n;
+    last = i;
     table.entry_of_link[static_cast<std::size_t>(e.link)] = entry;
     table.entries.push_back(e);
   }
@@ -53,23 +64,77 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 void System::gather_rows(const Inputs& in, RowTable& table) const {
   for (const RowRun& run : table.runs) {
     const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
-    links.front()->gather(links, in, table.span(table.entries[static_cast<std::size_t>(run.first_entry)]));
+    const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
+    if (!plane_)
+      links.front()->gather(links, in, table.span(first));
+    else if (run.in_plane)
+      links.front()->gather_plane(links, in, table.span(first));
+    else
+      for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
+  }
+}
+
+// A link that knows no plane: its rows in space, and of them the numbers that stay in the plane.
+void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
+  const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
+  const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
+  const RowShape shape{link->row_count(), e.slots.n, link->layout(), link->row_sign(), {}};
+  link->gather(Group(&link, 1), in, table.spatial_span(shape));
+  const RowBlock all = table.spatial(shape), block = table.block(e);
+  for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must stay empty
+    if (next < e.m && e.own[static_cast<std::size_t>(next)] == k) {
+      ++next;
+    } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
+               x > 1e-8 * std::max(1.0, length_)) {
+      throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
+                       ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
+                       " s, and the scene is planar; take \"planar\" out");
+    }
+  }
+  for (int k = 0; k < e.m; ++k) {
+    const int own = e.own[static_cast<std::size_t>(k)];
+    block.C(k) = all.C(own), block.Ct(k) = all.Ct(own), block.Qhat(k) = all.Qhat(own);
+    for (int i = 0; i < e.slots.n; ++i) {
+      const auto r = all.J(i, own);
+      block.set(i, k, std::array{r[0], r[1], r[2]}, std::array{r[3], r[4], r[5]});
+    }
   }
 }
 
 void System::gather_forces(const Inputs& in, VecX& f) const {
   for (int k = 0; k < n_slots(); ++k) {
-    const Body& b = body_of_slot(k);
-    f.segment<3>(6 * k) = b.mass.mass * options_.gravity;
+    const Slot& b = slot(k);
+    f.segment<3>(6 * k) = b.mass * options_.gravity;
     if (b.freedoms == Freedoms::particle) {
       f.segment<3>(6 * k + 3).setZero();
     } else {
       const Vec3& w = in.slot(k).w;
-      f.segment<3>(6 * k + 3) = cross(Vec3(b.mass.J * w), w);  // (2.8): -w x J w
+      f.segment<3>(6 * k + 3) = cross(Vec3(b.J * w), w);  // (2.8): -w x J w
     }
   }
   WrenchSum sum(in.motions, f);
   for (const auto& force : forces_) force->apply(in, sum);
+  if (plane_ && !forces_.empty()) check_plane(in, f);
+}
+
+// A force that leaves the plane later than setup looked.
+void System::check_plane(const Inputs& in, const VecX& f) const {
+  double inside = 0, outside = 0;
+  for (int k = 0; k < n_slots(); ++k) {
+    inside = std::max({inside, std::abs(f[6 * k + plane_.i()]), std::abs(f[6 * k + plane_.j()])});
+    outside = std::max(outside, std::abs(f[6 * k + plane_.n]));
+  }
+  if (!(outside > 1e-9 * inside)) return;
+  VecX one(f.size());
+  for (const auto& force : forces_) {
+    one.setZero();
+    WrenchSum sum(in.motions, one);
+    force->apply(in, sum);
+    for (int k = 0; k < n_slots(); ++k)
+      if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
+        throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
+                         " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out");
+  }
 }
 
 void System::state_rates(const Evaluated& values, VecX& sd) const {
@@ -106,7 +171,8 @@ std::string System::row_name(const RowTable& table, int row) const {
   for (const RowEntry& e : table.entries)
     if (row >= e.first_row && row < e.first_row + e.m) {
       const Lock& link = *links_[static_cast<std::size_t>(e.link)];
-      return "row " + link.row_name(row - e.first_row) + " of link '" + link.name() + "'";
+      return "row " + link.row_name(e.own[static_cast<std::size_t>(row - e.first_row)]) + " of link '" + link.name() +
+             "'";
     }
   return "row " + std::to_string(row);
 }

@@ -11,6 +11,8 @@
 #include "framework/force/force.h"
 #include "framework/kkt/auxiliary.h"
 #include "framework/lock/lock.h"
+#include "framework/model/plane.h"
+#include "framework/model/slot.h"
 #include "framework/model/state.h"
 
 namespace lockstep {
@@ -19,6 +21,13 @@ namespace lockstep {
 inline Pose at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
 /// The same with the markers' z axis along `z` (any length; x and y are chosen).
 LOCKSTEP_API Pose at(const Vec3& x, const Vec3& z);
+
+/// Which rows of a link lie in the plane of a planar mechanism.
+struct PlanarRows {
+  int m = 0;
+  std::array<int, kMaxRows> own{};
+  bool by_link = false;  ///< the link gathers them itself
+};
 
 class LOCKSTEP_API System {
  public:
@@ -62,6 +71,22 @@ class LOCKSTEP_API System {
   Vec3 gravity() const { return options_.gravity; }
   void set_gravity(const Vec3& g) { options_.gravity = g; }
 
+  /// Motion in the plane whose normal is this axis of the world (0 x, 1 y, 2 z): three velocities a body, rows out of
+  /// the plane left out. Exact where axes, forces and starts lie in that plane; setup() refuses by name what leaves it.
+  void set_planar(Plane plane) { plane_ = plane, ready_ = false; }
+  Plane plane() const { return plane_; }
+
+  /// Bodies that are held to one another by a fixed link without a law, at its place at the start, move as one slot and
+  /// the link has no rows. `keep`: fixed links whose reactions are wanted; they stay links.
+  void set_merge(bool merge, std::vector<const Lock*> keep = {}) {
+    merge_ = merge, kept_ = std::move(keep), ready_ = false;
+  }
+  /// After setup: whether the link went into a slot, so that it has neither rows nor reaction.
+  bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
+  /// After setup in a plane: whether rows or forces have arms along its normal. The motion is exact all the same, but
+  /// moments of the links about axes in the plane are left out.
+  bool has_offsets() const { return offsets_; }
+
   // -- finding; throws ModelError with the closest name
   Body& body(const std::string& name) const;
   Marker& marker(const std::string& name) const;
@@ -79,9 +104,10 @@ class LOCKSTEP_API System {
   /// To be said after a body, marker or gravity was altered in place: the next evaluation sets up anew.
   void changed() { ready_ = false; }
   long revision() const { return revision_; }  ///< counts the setups that did something
-  int n_slots() const { return static_cast<int>(slot_bodies_.size()); }
-  const Body& body_of_slot(int slot) const { return *slot_bodies_[static_cast<std::size_t>(slot)]; }
-  int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle
+  int n_slots() const { return static_cast<int>(slots_.size()); }
+  const Slot& slot(int k) const { return slots_[static_cast<std::size_t>(k)]; }
+  const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }  ///< for messages
+  int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle; planar 3 and 2
   int n_states() const { return n_states_; }
   int n_memory() const { return n_memory_; }
   /// The first so many of State::s steer the step of an adaptive integrator; the others are only quadratures.
@@ -117,6 +143,12 @@ class LOCKSTEP_API System {
  private:
   void check_new_name(const std::string& kind, const std::string& name) const;
   void setup_slots();
+  void setup_plane();
+  void setup_merge();
+  void fill_slot(Slot&);
+  std::size_t index_of(const Lock&) const;
+  void check_plane(const Inputs&, const VecX& f) const;
+  void gather_from_space(const Inputs&, RowTable&, int entry) const;
   void setup_links();
   void setup_forces();
   void setup_states();
@@ -131,13 +163,24 @@ class LOCKSTEP_API System {
   Body* ground_ = nullptr;
 
   bool ready_ = false;
-  std::vector<Body*> slot_bodies_;
-  std::vector<const Lock*> ordered_;  // links, groups one after another
-  std::vector<int> group_;            // group of each of them
+  Plane plane_;
+  bool merge_ = false;
+  std::vector<const Lock*> kept_;
+  std::vector<bool> merged_;          // by number of the link
+  std::vector<std::size_t> part_of_;  // of each body: the first body of its slot
+  std::vector<Slot> slots_;
+  bool offsets_ = false;
+  std::vector<PlanarRows> planar_rows_;  // of each link, while planar
+  std::vector<const Lock*> ordered_;     // links, groups one after another
+  std::vector<int> group_;               // group of each of them
   int n_velocities_ = 0, n_states_ = 0, n_steering_ = 0, n_memory_ = 0;
   long revision_ = 0;
   double length_ = 1e-6;
 };
+
+/// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres
+/// lie in it. No plane if there is none. The system's own choice of plane is left as it was.
+LOCKSTEP_API Plane find_plane(System&);
 
 /// Pose of a body's frame in the world.
 LOCKSTEP_API Pose pose(const Body&, const State&);

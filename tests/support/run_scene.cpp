@@ -10,10 +10,12 @@
 
 namespace lockstep {
 
-SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change) {
+SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change,
+                   const std::function<void(Scene&)>& describe) {
   const Registry registry = builtin_registry();
   Scene scene = read_scene(path);
   if (change) change(scene.run);
+  if (describe) describe(scene);
   Mechanism mechanism = build(scene, registry);
   const RunSettings& run = mechanism.run;
   const std::unique_ptr<Recorder> recorder = make_recorder(mechanism);
@@ -30,6 +32,7 @@ SceneRun run_scene(const std::string& path, const std::function<void(RunSettings
   for (Event& event : events) simulation.add_event(std::move(event));
   result.report = simulation.run_until(run.until);
   result.work = dynamics.work();
+  result.n_velocities = mechanism.system.n_velocities();
   result.table = recorder->table();
   return result;
 }

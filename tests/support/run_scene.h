@@ -14,10 +14,13 @@ struct SceneRun {
   SimulationReport report;
   WorkCount work;
   AssemblyReport assembly;
+  int n_velocities = 0;
 };
 
 /// `change` may alter the run settings before the mechanism is built.
-SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change = {});
+/// `describe` the scene itself.
+SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change = {},
+                   const std::function<void(Scene&)>& describe = {});
 
 /// Largest difference of a column from the trusted one over the whole history, and the column's size (its largest
 /// trusted value).

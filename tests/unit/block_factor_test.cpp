@@ -109,16 +109,15 @@ TEST_CASE("Block LU solves unsymmetric systems, real and complex", "[unit][kkt]"
   for (const int n : {4, 5, 12, 40}) {
     CAPTURE(n);
     BlockPlan plan;
-    const auto never = [](const BlockPlan::Node&, double ratio) { return ratio == 0; };
     const System real(n, false, false), complex(n, false, true);
     plan.lay_out(real.graph, false);
     BlockFactor<double> one;
     fill(real, plan, one);
-    REQUIRE(one.factor(plan, never));
+    REQUIRE(one.factor(plan));
     CHECK(error_of(real, plan, one) <= 1e-12);
     BlockFactor<C> two;
     fill(complex, plan, two);
-    REQUIRE(two.factor(plan, never));
+    REQUIRE(two.factor(plan));
     CHECK(error_of(complex, plan, two) <= 1e-12);
   }
 }
@@ -156,7 +155,7 @@ TEST_CASE("Block LDL^T refuses a slot that is not positive, block LU one without
   BlockGraph alone{{6}, {0}, 1, {}};
   lu_plan.lay_out(alone, false);
   lu.lay_out(lu_plan);
-  CHECK_FALSE(lu.factor(lu_plan, [](const BlockPlan::Node&, double ratio) { return ratio == 0; }));
+  CHECK_FALSE(lu.factor(lu_plan));
 }
 
 TEST_CASE("Factor and solution allocate nothing", "[unit][kkt]") {
@@ -168,7 +167,7 @@ TEST_CASE("Factor and solution allocate nothing", "[unit][kkt]") {
   fill(s, plan, factor);
   Eigen::VectorXcd b = Eigen::VectorXcd::Ones(s.A.rows());
   CHECK(allocations_of([&] {
-          factor.factor(plan, [](const BlockPlan::Node&, double ratio) { return ratio == 0; });
+          factor.factor(plan);
           factor.solve(plan, b.data());
         }) == 0);
 }

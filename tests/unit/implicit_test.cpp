@@ -177,6 +177,47 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   CHECK(l[0] == Approx(F).epsilon(1e-12));
 }
 
+TEST_CASE("NewtonMatrix in a plane solves what it solves in space", "[unit][dynamics]") {
+  // a particle and two rods in the xz plane, a spring between them; the normal is y
+  VecX x[2], l[2];
+  for (const bool planar : {false, true}) {
+    System sys({.gravity = {0, 0, -9.81}});
+    const auto rod = [&](const std::string& name, const Vec3& at, double angle) -> Body& {
+      Body& b = sys.add_body(name, {1.5, Vec3::Zero(), Vec3(0.01, 0.2, 0.2).asDiagonal()},
+                             {at, axis_angle(Vec3::UnitY(), angle)});
+      b.start = {Vec3(0.3, 0, -0.2), Vec3(0, 1.1, 0)};
+      return b;
+    };
+    Body& one = rod("one", Vec3(0.5, 0, 0), 0.0);
+    Body& two = rod("two", Vec3(1.2, 0, -0.4), 0.6);
+    Body& ball = sys.add_particle("ball", 0.7, Vec3(2, 0, 0.3));
+    sys.add<Revolute>("A", one, sys.ground(), at(Vec3::Zero(), Vec3(0, 1, 0)));
+    sys.add<Revolute>("B", two, one, at(Vec3(1, 0, 0), Vec3(0, 1, 0)));
+    Marker& P = sys.add_marker("P", ball);
+    Marker& S = sys.add_marker("S", two, {Vec3(0.3, 0, 0), {}});
+    sys.add<SpringDamper>("spring", P, S, {.stiffness = 300, .damping = 2, .free_length = 0.3});
+    sys.add<Distance>("string", P, S);
+    if (planar) sys.set_planar(Plane{1});
+    Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+    const Evaluated& values = dynamics.evaluate(sys.start());
+    NewtonMatrix N;
+    N.gather(dynamics, values.lambda);
+    N.factor(1.0, 0.05, 0.01);
+    VecX f = VecX::Zero(18), some = f, r = VecX::Zero(values.lambda.size());
+    for (int k = 0; k < 3; ++k) {
+      f[6 * k] = 1 + k, f[6 * k + 2] = 3 - k, some[6 * k] = 0.3 * k, some[6 * k + 2] = 1 - k;
+      if (k < 2) f[6 * k + 4] = 0.2 * k - 1, some[6 * k + 4] = 0.7;
+    }
+    N.add_J_times(some, r);
+    const std::size_t i = planar ? 1 : 0;
+    CHECK(N.solve(f, r, x[i], l[i]).residual <= 1e-12);
+    CHECK(N.n_dense() == 0);
+    CHECK(r.size() == (planar ? 5 : 11));
+  }
+  CHECK((x[0] - x[1]).lpNorm<Eigen::Infinity>() <= 1e-12 * x[0].lpNorm<Eigen::Infinity>());
+  CHECK(x[1].lpNorm<Eigen::Infinity>() > 0.1);
+}
+
 TEST_CASE("A hanging pendulum has its frequency: the geometric stiffness of the hinge", "[unit][dynamics]") {
   // (9.27) w = sqrt(m g d / (I + m d^2)): with w^2 = shift, [w^2 M - K] is singular along the hinge
   System sys({.gravity = {0, -9.81, 0}});

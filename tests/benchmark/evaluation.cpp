@@ -1,0 +1,160 @@
+// Time of one evaluation of the equations of motion a body: trees, redundant ladders and stars, in space and in their
+// plane, against the articulated-body yardstick in the same run. A table, and evaluation.csv.
+#include <fstream>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/analysis/work_precision.h"
+#include "framework/dynamics/dynamics.h"
+#include "framework/kkt/schur_solver.h"
+#include "framework/kkt/sparse_solver.h"
+#include "framework/links/joints.h"
+#include "samples/shared/output.h"
+#include "tests/benchmark/articulated.h"
+
+using namespace lockstep;
+
+namespace {
+
+const Vec3 kJ(0.01, 1.0 / 12, 1.0 / 12);
+
+Body& add_rod(System& s, const std::string& name, const Vec3& middle, double angle = 0) {
+  return s.add_body(name, {1.0, Vec3::Zero(), kJ.asDiagonal()}, {middle, axis_angle(Vec3(0, 0, 1), angle)});
+}
+
+/// n rods end to end along x; axes z, or z and y in turn.
+System chain(int n, bool spatial) {
+  System s({.gravity = Vec3(0, -9.81, 0)});
+  Body* last = &s.ground();
+  for (int i = 0; i < n; ++i) {
+    Body& b = add_rod(s, "rod" + std::to_string(i), Vec3(i + 0.5, 0, 0));
+    s.add<Revolute>("hinge" + std::to_string(i), b, *last,
+                    at(Vec3(i, 0, 0), spatial && i % 2 == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
+    last = &b;
+  }
+  return s;
+}
+
+/// n bays of parallel four-bars at 1.2 rad from flat: redundant in space, and closed n times.
+System ladder(int n) {
+  System s({.gravity = Vec3(0, -9.81, 0)});
+  const Vec3 up(std::cos(1.2), std::sin(1.2), 0);
+  std::vector<Body*> uprights;
+  for (int i = 0; i <= n; ++i) {
+    uprights.push_back(&add_rod(s, "upright" + std::to_string(i), Vec3(i, 0, 0) + 0.5 * up, 1.2));
+    s.add<Revolute>("foot" + std::to_string(i), *uprights.back(), s.ground(), at(Vec3(i, 0, 0)));
+  }
+  for (int i = 0; i < n; ++i) {
+    Body& bar = add_rod(s, "bar" + std::to_string(i), Vec3(i + 0.5, 0, 0) + up);
+    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], at(Vec3(i, 0, 0) + up));
+    s.add<Revolute>("right" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
+                    at(Vec3(i + 1, 0, 0) + up));
+  }
+  return s;
+}
+
+/// A plate with n rods on ball joints around it.
+System star(int n) {
+  System s({.gravity = Vec3(0, -9.81, 0)});
+  Body& plate = s.add_body("plate", MassProperties{10.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
+  s.add<Spherical>("pivot", plate, s.ground(), at(Vec3(0, 0, 0)));
+  for (int i = 0; i < n; ++i) {
+    const double angle = kTwoPi * i / n;
+    const Vec3 out(std::cos(angle), std::sin(angle), 0);
+    s.add<Spherical>("arm" + std::to_string(i), add_rod(s, "rod" + std::to_string(i), 1.5 * out, angle), plate,
+                     at(out));
+  }
+  return s;
+}
+
+/// Nanoseconds of one call a body: the least of nine rounds of 20 ms.
+template <class F>
+double nanoseconds(int bodies, F&& call) {
+  double best = HUGE_VAL;
+  for (int round = 0; round < 9; ++round) {
+    long n = 0;
+    const double begin = thread_seconds();
+    double spent = 0;
+    for (; spent < 0.02; spent = thread_seconds() - begin)
+      for (int i = 0; i < 4; ++i, ++n) call();
+    best = std::min(best, 1e9 * spent / static_cast<double>(n));
+  }
+  return best / bodies;
+}
+
+struct Line {
+  std::string mechanism;
+  int bodies = 0;
+  double schur = 0, sparse = 0, planar = 0, articulated = 0;
+  int corrections = 0;
+};
+
+double time_of(System& s, bool turning, std::unique_ptr<LinearSolver> solver, int* corrections = nullptr) {
+  Dynamics dynamics(s, std::move(solver));
+  State state = s.start();
+  if (turning)
+    for (int k = 0; k < s.n_slots(); ++k) state.v[6 * k + 5] = 0.3 + 0.1 * k;
+  StateRate rate;
+  dynamics.project_velocity(state);
+  const double time = nanoseconds(s.n_slots(), [&] { state.v[5] += 1e-13, dynamics.rate(state, rate); });
+  if (corrections) *corrections = dynamics.last_solve().corrections;
+  return time;
+}
+
+Line measure(const std::string& name, const std::function<System()>& make, bool planar) {
+  Line line;
+  line.mechanism = name;
+  System s = make();
+  line.schur = time_of(s, true, std::make_unique<SchurSolver>(), &line.corrections);
+  line.bodies = s.n_slots();
+  if (line.bodies <= 1000) line.sparse = time_of(s, true, std::make_unique<SparseSolver>());
+  if (!planar) return line;
+  System flat = make();
+  flat.set_planar(find_plane(flat));
+  line.planar = time_of(flat, true, std::make_unique<SchurSolver>());
+  return line;
+}
+
+double articulated(int n, bool spatial) {
+  benchmark::ArticulatedChain c;
+  c.gravity = Vec3(0, -9.81, 0);
+  for (int i = 0; i < n; ++i)
+    c.links.push_back({spatial && i % 2 == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1), 1.0, 1.0, kJ, 0.1 * i, 0.3, 0});
+  return nanoseconds(n, [&] { c.links[0].q += 1e-13, c.evaluate(); });
+}
+
+}  // namespace
+
+int main() {
+  std::vector<Line> lines;
+  for (const int n : {1, 2, 4, 10, 100, 1000, 10000}) {
+    lines.push_back(measure(
+        "chain in space", [n] { return chain(n, true); }, false));
+    lines.back().articulated = articulated(n, true);
+  }
+  for (const int n : {1, 10, 100, 1000}) {
+    lines.push_back(measure(
+        "planar chain", [n] { return chain(n, false); }, true));
+    lines.back().articulated = articulated(n, false);
+  }
+  for (const int n : {2, 40, 500})
+    lines.push_back(measure(
+        "ladder", [n] { return ladder(n); }, true));
+  for (const int n : {10, 50})
+    lines.push_back(measure(
+        "star", [n] { return star(n); }, false));
+
+  const std::string file = samples::output("evaluation.csv");
+  std::ofstream csv(file);
+  csv << "mechanism,bodies,schur [ns/body],corrections,sparse [ns/body],planar [ns/body],articulated body [ns/body]\n";
+  fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>12}   ns a body and evaluation\n", "", "bodies", "schur", "corr",
+             "sparse", "planar", "articulated");
+  const auto shown = [](double x) { return x > 0 ? fmt::format("{:.0f}", x) : std::string("-"); };
+  for (const Line& l : lines) {
+    csv << fmt::format("{},{},{:.1f},{},{:.1f},{:.1f},{:.1f}\n", l.mechanism, l.bodies, l.schur, l.corrections,
+                       l.sparse, l.planar, l.articulated);
+    fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>12}\n", l.mechanism, l.bodies, shown(l.schur), l.corrections,
+               shown(l.sparse), shown(l.planar), shown(l.articulated));
+  }
+  fmt::print("{}\n", file);
+}

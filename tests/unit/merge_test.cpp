@@ -1,0 +1,117 @@
+// Bodies bolted together move as one slot: equal motion with fewer unknowns, and what must stay a link stays one.
+#include "framework/dynamics/dynamics.h"
+#include "framework/kkt/schur_solver.h"
+#include "framework/links/joints.h"
+#include "tests/support/catch.h"
+
+using namespace lockstep;
+
+namespace {
+
+/// A pendulum of two rods bolted at an angle, on a hinge at the origin; both turn with it.
+struct Bent {
+  System system{{.gravity = Vec3(0.3, -9.81, 0.2)}};
+  Body& a = system.add_body("a", {1.0, Vec3(0.1, 0, 0), Vec3(0.02, 0.1, 0.11).asDiagonal()},
+                            {Vec3(0.4, 0, 0), axis_angle(Vec3(1, 2, 3), 0.3)});
+  Body& b = system.add_body("b", {2.0, Vec3(0, 0.05, 0), Vec3(0.05, 0.06, 0.1).asDiagonal()},
+                            {Vec3(1.0, 0.5, 0.1), axis_angle(Vec3(0, 1, -1), 1.1)});
+  Spherical& hinge = system.add<Spherical>("hinge", a, system.ground(), at(Vec3(0, 0, 0)));
+  Fixed& bolt = system.add<Fixed>("bolt", b, a, at(Vec3(0.8, 0.1, 0)));
+
+  Bent() {
+    const Vec3 w(0.7, -0.4, 1.3);  // world
+    for (Body* body : {&a, &b}) {
+      body->start.v = cross(w, body->home.x);
+      body->start.w = rotation(body->home.q).transpose() * w;
+    }
+  }
+};
+
+struct Motions {
+  Vec3 va, wa, vb, wb;
+};
+// Velocities of both bodies after one small step of the accelerations: what the user sees, whatever the slots are.
+Motions after(System& system, double h) {
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  State s = system.start();
+  const Evaluated& v = dynamics.evaluate(s);
+  s.v += h * v.a;
+  const Twist a = twist(system.body("a"), s), b = twist(system.body("b"), s);
+  return {a.v, a.w, b.v, b.w};
+}
+
+}  // namespace
+
+TEST_CASE("bolted bodies move as one slot, as the link would have moved them", "[unit][system]") {
+  Bent linked, merged;
+  merged.system.set_merge(true);
+  const Motions truth = after(linked.system, 0.01), found = after(merged.system, 0.01);
+  CHECK(linked.system.n_slots() == 2);
+  CHECK(merged.system.n_slots() == 1);
+  CHECK(merged.system.n_velocities() == 6);
+  CHECK(merged.system.merged(merged.bolt));
+  CHECK_FALSE(merged.system.merged(merged.hinge));
+  CHECK((truth.va - found.va).norm() <= 1e-12);
+  CHECK((truth.wa - found.wa).norm() <= 1e-12);
+  CHECK((truth.vb - found.vb).norm() <= 1e-12);
+  CHECK((truth.wb - found.wb).norm() <= 1e-12);
+}
+
+TEST_CASE("slots keep the whole: mass, places, and poses of their bodies", "[unit][system]") {
+  Bent m;
+  m.system.set_merge(true);
+  m.system.setup();
+  const State s = m.system.start();
+  CHECK(m.system.slot(0).mass == Approx(3.0));
+  for (const Body* body : {&m.a, &m.b}) {
+    const Pose p = pose(*body, s);
+    CHECK((p.x - body->home.x).norm() <= 1e-14);
+    CHECK(rotation(p.q).isApprox(rotation(body->home.q), 1e-14));
+    const Twist t = twist(*body, s);
+    CHECK((t.v - body->start.v).norm() <= 1e-14);
+    CHECK((t.w - body->start.w).norm() <= 1e-14);
+  }
+}
+
+TEST_CASE("a bolt to the ground makes ground of the body", "[unit][system]") {
+  System system;
+  Body& foot = system.add_body("foot", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(1, 0, 0), {}});
+  Body& arm = system.add_body("arm", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(2, 0, 0), {}});
+  system.add<Fixed>("bolt", foot, system.ground(), at(Vec3(0, 0, 0)));
+  system.add<Revolute>("hinge", arm, foot, at(Vec3(1, 0, 0)));
+  system.set_merge(true);
+  system.setup();
+  CHECK(foot.slot == kGround);
+  CHECK(system.n_slots() == 1);
+  CHECK((pose(foot, system.start()).x - Vec3(1, 0, 0)).norm() == 0);
+}
+
+TEST_CASE("what must stay a link stays one", "[unit][system]") {
+  {
+    Bent m;  // its reaction is wanted
+    m.system.set_merge(true, {&m.bolt});
+    m.system.setup();
+    CHECK(m.system.n_slots() == 2);
+  }
+  {
+    Bent m;  // another link works between the two
+    m.system.add<Revolute>("parallel", m.b, m.a, at(Vec3(0.8, 0.2, 0)));
+    m.system.set_merge(true);
+    m.system.setup();
+    CHECK(m.system.n_slots() == 2);
+  }
+  {
+    Bent m;  // not in place at the start
+    m.system.marker("bolt.P").local.x[0] += 1e-3;
+    m.system.set_merge(true);
+    m.system.setup();
+    CHECK(m.system.n_slots() == 2);
+  }
+  {
+    Bent m;  // in force only later
+    m.bolt.active_at_start = false;
+    m.system.set_merge(true);
+    m.system.setup();
+    CHECK(m.system.n_slots() == 2);
+  }
+}
