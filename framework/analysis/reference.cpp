@@ -118,7 +118,7 @@ class Search {
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;
   double begin_;
-  double limit_;  // s by the clock, of one try
+  double limit_;  // s, of one try
   std::vector<Found> found_;
   std::pair<std::size_t, std::size_t> pair_{0, 0};  // those of them that agree best; equal: none do yet
   std::string why_ = "no adaptive method was offered";

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <optional>
@@ -20,12 +19,10 @@ constexpr double kFalls = 0.8;   // an error that falls at all falls below this 
 constexpr double kWrong = 1e-2;  // of the motion's size
 constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
 constexpr long kManySteps = 10;    // steps an output: then outputs cost nothing beside them
-constexpr double kPatience = 4;    // for each place of the form beyond the first that differs from the base's
-constexpr double kTooDear = 10;    // times the cheapest that met the target
-
-double clock_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+constexpr double kPatience =
+    4;  // for each place of the form that differs from the base's, and for each turn that was too short
+constexpr double kOther = 2;     // for another integrator than the base's
+constexpr double kTooDear = 10;  // times the cheapest that met the target
 
 /// One combination on its ladder.
 struct Lane {
@@ -36,7 +33,7 @@ struct Lane {
   bool adaptive;
   double patience;         // how much dearer another combination's next rung may be and still comes later
   std::size_t rung = 0;    // the next
-  double expected = 0;     // s by the clock that the next rung takes
+  double expected = 0;     // s that the next rung takes
   double last_cpu = 0;     // of the rung before
   double best = HUGE_VAL;  // error so far, as a part of the motion's size
   int n_stuck = 0;         // rungs since it fell
@@ -50,7 +47,7 @@ class Survey {
   Survey(const Course& course, const WorkPrecisionOptions& options)
       : course_(course),
         options_(options),
-        clocks_{options.clock ? options.clock : clock_seconds, options.cpu ? options.cpu : thread_seconds},
+        clocks_{options.clock ? options.clock : thread_seconds, options.cpu ? options.cpu : thread_seconds},
         begin_(clocks_.clock()) {}
 
   WorkPrecision run() {
@@ -88,7 +85,7 @@ class Survey {
                                 differs(kind != o.stabilizations.front()) + differs(&solver != &o.solvers.front());
             const int n = in_form + differs(&method != &o.integrators.front());
             if (o.separately && n > 1) continue;
-            const double patience = std::pow(kPatience, std::max(0, in_form - 1));
+            const double patience = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
             all.emplace_back(n, Lane{&method, &solver, formulation, kind, *adaptive, patience});
           }
     }
@@ -112,7 +109,10 @@ class Survey {
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
   // The open combination whose next rung is cheapest and fits; those near the base before the others.
-  static double weight(const Lane& lane) { return lane.patience * lane.expected; }
+  double weight(const Lane& lane) const {
+    const bool begun = lane.rung > 0 || lane.given_up;
+    return lane.patience * (begun ? lane.expected : first_);
+  }
   Lane* next() {
     const double time = left();
     Lane* best = nullptr;
@@ -141,8 +141,10 @@ class Survey {
       return;
     }
     const double spent = clocks_.clock() - begin;
+    if (first_ == 0) first_ = spent;
     if (last.given_up) {  // once more when the others have had their turn, with more time
       lane.expected = 2 * spent;
+      lane.patience *= kPatience;
       lane.given_up = run;
       return;
     }
@@ -259,6 +261,7 @@ class Survey {
   Clocks clocks_;
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
+  double first_ = 0;  // s that the base's first run took: what one that did not begin yet is taken for
   History reference_;
   std::vector<Lane> lanes_;
   WorkPrecision result_;

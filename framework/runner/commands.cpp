@@ -55,7 +55,7 @@ CLI::App& add_run(CLI::App& app, Words& w) {
   CLI::Option* certify = verb.add_flag(
       "--certify", w.certify,
       "run it again with a tighter tolerance and with a second method; say how many digits of each column agree");
-  verb.add_option("--budget", w.budget, "time that the runs of --certify may take together; default 60 s")
+  verb.add_option("--budget", w.budget, "computing time that the runs of --certify may take together; default 60 s")
       ->type_name("T")
       ->needs(certify);
   verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")
@@ -119,8 +119,7 @@ void add_survey(CLI::App& verb, Words& w) {
   verb.add_option("--steps", w.steps, "range for fixed steps, s; default: a hundredth of the run and 2^14 times less")
       ->type_name("COARSE:FINE");
   verb.add_option("--until", w.until, "end of the runs, s")->type_name("T");
-  verb.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")
-      ->type_name("T");
+  verb.add_option("--budget", w.budget, "computing time that all runs together may take; default 60 s")->type_name("T");
   verb.add_flag("--quiet", w.quiet, "do not print each run");
 }
 

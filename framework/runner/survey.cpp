@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -253,9 +252,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
     std::fflush(stdout);
   };
   survey.options.clock = [&] {  // when somebody asks for the end, no time is left
-    return interrupt.asked()
-               ? HUGE_VAL
-               : std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return interrupt.asked() ? HUGE_VAL : thread_seconds();
   };
   auto result = std::make_unique<WorkPrecision>();
   try {
