@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framework/analysis/assembly.h"
+#include "framework/analysis/grid.h"
 #include "framework/analysis/mobility.h"
 #include "framework/builtins.h"
 #include "framework/dynamics/simulation.h"
@@ -24,6 +25,7 @@
 #include "framework/record/recorder.h"
 #include "framework/scene/observe.h"
 #include "framework/scene/scene.h"
+#include "framework/scene/sweep.h"
 #include "framework/support/text.h"
 #include "framework/version.h"
 #include "integrators/dop853.h"

@@ -65,8 +65,7 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
   const System& system = dynamics.system();
   turning_.clear();
   for (int k = 0; k < system.n_slots(); ++k)
-    if (system.body_of_slot(k).freedoms == Freedoms::spatial)
-      turning_.push_back({k, FreeRotation(system.body_of_slot(k).mass.J)});
+    if (system.slot(k).freedoms == Freedoms::spatial) turning_.push_back({k, FreeRotation(system.slot(k).J)});
   dynamics.gather(state);
   const Eigen::Index n = state.v.size(), m = dynamics.rows().n_rows;
   v_half_ = guess_ = f_ = d_ = VecX::Zero(n);
@@ -199,7 +198,7 @@ void Rattle::kick(Dynamics& dynamics, double h) {
   f_ = dynamics.force();
   for (const Turning& body : turning_) {  // the drift has -w x J w in it
     const Vec3 w = next_.v.segment<3>(6 * body.slot + 3);
-    f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(dynamics.system().body_of_slot(body.slot).mass.J * w));
+    f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(dynamics.system().slot(body.slot).J * w));
   }
   f_ *= 0.5 * h;
   Cd_ = -Cd_;

@@ -36,7 +36,7 @@ struct Clocks {
   std::function<double()> clock, cpu;
 };
 
-/// `limit`: s by the clock after which the run is given up. What goes wrong stands in the outcome.
+/// `limit`: s by that clock after which the run is given up. What goes wrong stands in the outcome.
 Outcome try_run(const Course&, const Recipe&, double limit, const Clocks&, TrialKind kind = TrialKind::looked);
 
 }  // namespace lockstep

@@ -3,32 +3,26 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <optional>
 
-#include "framework/analysis/trial.h"
+#include "framework/analysis/reference.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kReferenceShare = 0.15;  // of the budget, that one try for a reference may take
-constexpr double kSecondTime = 0.45;      // of the budget, after which no second method is tried
-constexpr double kReferenceTime = 0.6;    // of the budget, after which no wider reference is tried
-constexpr double kFirstDecade = 1.5;      // cost of the second tolerance against the first
-constexpr double kFirstTurn = 0.25;  // of its equal share of the time, that a combination gets to show what it takes
+constexpr double kFirstDecade = 1.5;  // cost of the second tolerance against the first
+constexpr double kFirstTurn = 0.25;   // of its equal share of the time, that a combination gets to show what it takes
 constexpr double kFalls = 0.8;   // an error that falls at all falls below this part of the best so far (order 1: half)
 constexpr double kWrong = 1e-2;  // of the motion's size
 constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
 constexpr long kManySteps = 10;    // steps an output: then outputs cost nothing beside them
-constexpr double kPatience = 4;    // for each place of the form beyond the first that differs from the base's
-constexpr double kTooDear = 10;    // times the cheapest that met the target
-
-double clock_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+constexpr double kPatience =
+    4;  // for each place of the form that differs from the base's, and for each turn that was too short
+constexpr double kOther = 2;     // for another integrator than the base's
+constexpr double kTooDear = 10;  // times the cheapest that met the target
 
 /// One combination on its ladder.
 struct Lane {
@@ -39,7 +33,7 @@ struct Lane {
   bool adaptive;
   double patience;         // how much dearer another combination's next rung may be and still comes later
   std::size_t rung = 0;    // the next
-  double expected = 0;     // s by the clock that the next rung takes
+  double expected = 0;     // s that the next rung takes
   double last_cpu = 0;     // of the rung before
   double best = HUGE_VAL;  // error so far, as a part of the motion's size
   int n_stuck = 0;         // rungs since it fell
@@ -53,11 +47,11 @@ class Survey {
   Survey(const Course& course, const WorkPrecisionOptions& options)
       : course_(course),
         options_(options),
-        clocks_{options.clock ? options.clock : clock_seconds, options.cpu ? options.cpu : thread_seconds},
+        clocks_{options.clock ? options.clock : thread_seconds, options.cpu ? options.cpu : thread_seconds},
         begin_(clocks_.clock()) {}
 
   WorkPrecision run() {
-    make_references();
+    take_reference();
     plan();
     while (Lane* lane = next()) climb(*lane);
     for (const Lane& lane : lanes_)
@@ -69,63 +63,13 @@ class Survey {
   }
 
  private:
-  // -- references
-  std::optional<History> reference(const MethodChoice& method, double tolerance, std::string& why) {
-    tell(fmt::format("reference: {} at {:g}", method.name, tolerance));
-    Stabilization tight = options_.gains;
-    tight.kind = Stabilization::Kind::project;
-    tight.tolerance = std::min(tight.tolerance, 1e-12);
-    const Recipe recipe{&method,
-                        &options_.solvers.front(),
-                        {Formulation::omega, tight},
-                        {tolerance, 1e-2 * tolerance},
-                        options_.largest_step};
-    Outcome out = try_run(course_, recipe, kReferenceShare * options_.budget, clocks_, TrialKind::truth);
-    if (out.failure.empty()) return std::move(out.history);
-    why = method.name + ": " + out.failure;
-    return std::nullopt;
-  }
-
-  // Two different methods; wider tolerances where the tightest cannot be met; in need one method at two tolerances.
-  void make_references() {
-    std::vector<std::pair<const MethodChoice*, History>> found;
-    double r = options_.reference_tolerance;
-    std::string why = "no adaptive method was offered";
-    const auto name = [](const MethodChoice& m, double tolerance) {
-      return fmt::format("{} at {:.0e}", m.name, tolerance);
-    };
-    std::vector<std::string> names;
-    for (int k = 0; k < 4 && found.size() < 2; ++k, r *= 10) {
-      if (k > 0 && clocks_.clock() - begin_ > kReferenceTime * options_.budget) break;
-      for (const MethodChoice& method : options_.references) {
-        if (found.size() == 2 || (found.size() == 1 && found.front().first == &method)) continue;
-        if (!found.empty() && clocks_.clock() - begin_ > kSecondTime * options_.budget) continue;
-        std::optional<History> history = reference(method, r, why);
-        if (!history) continue;
-        found.emplace_back(&method, std::move(*history));
-        names.push_back(name(method, r));
-      }
-    }
-    if (found.empty())
-      throw StepError("no reference can be made at a tolerance of " +
-                          fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why +
-                          "; chart a shorter run (--until), or give a larger budget (--budget)",
-                      0);
-    if (found.size() == 1) {
-      const double wider = 100 * options_.reference_tolerance;
-      std::optional<History> history = reference(*found.front().first, wider, why);
-      names.push_back(name(*found.front().first, wider));
-      found.emplace_back(found.front().first, history ? std::move(*history) : History{});
-    }
-    const Subject subject = course_.make();
-    length_ = subject.system->length();
-    reference_ = std::move(found[0].second);
-    result_.reference = names[0], result_.second = names[1];
-    result_.agreement = difference(found[1].second, reference_, length_);
+  void take_reference() {
+    Reference r = make_reference(course_, options_, clocks_);
+    reference_ = std::move(r.truth), length_ = r.length;
+    result_.reference = r.name, result_.second = r.second, result_.agreement = r.agreement;
     result_.size = size_of(reference_, length_);
   }
 
-  // -- combinations
   // The base, then what differs from it in one place, then the others.
   void plan() {
     const WorkPrecisionOptions& o = options_;
@@ -141,7 +85,7 @@ class Survey {
                                 differs(kind != o.stabilizations.front()) + differs(&solver != &o.solvers.front());
             const int n = in_form + differs(&method != &o.integrators.front());
             if (o.separately && n > 1) continue;
-            const double patience = std::pow(kPatience, std::max(0, in_form - 1));
+            const double patience = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
             all.emplace_back(n, Lane{&method, &solver, formulation, kind, *adaptive, patience});
           }
     }
@@ -165,7 +109,10 @@ class Survey {
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
   // The open combination whose next rung is cheapest and fits; those near the base before the others.
-  static double weight(const Lane& lane) { return lane.patience * lane.expected; }
+  double weight(const Lane& lane) const {
+    const bool begun = lane.rung > 0 || lane.given_up;
+    return lane.patience * (begun ? lane.expected : first_);
+  }
   Lane* next() {
     const double time = left();
     Lane* best = nullptr;
@@ -194,8 +141,10 @@ class Survey {
       return;
     }
     const double spent = clocks_.clock() - begin;
+    if (first_ == 0) first_ = spent;
     if (last.given_up) {  // once more when the others have had their turn, with more time
       lane.expected = 2 * spent;
+      lane.patience *= kPatience;
       lane.given_up = run;
       return;
     }
@@ -312,6 +261,7 @@ class Survey {
   Clocks clocks_;
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
+  double first_ = 0;  // s that the base's first run took: what one that did not begin yet is taken for
   History reference_;
   std::vector<Lane> lanes_;
   WorkPrecision result_;

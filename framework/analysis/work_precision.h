@@ -81,17 +81,18 @@ struct WorkPrecisionOptions {
                          256, 512, 1024, 2048, 4096, 8192, 16384};  ///< fixed steps in an output interval, rising
   double largest_step = 0;                                          ///< of adaptive methods, s; 0: no limit
 
-  std::vector<MethodChoice> references;  ///< adaptive ones of different kinds, the best first; two of them are used
-  double reference_tolerance = 1e-13;    ///< up to 1000 times wider where it cannot be met
-  double budget = 60;                    ///< s by the clock; what would not fit is left out and says so
-  int repeats = 3;                       ///< of runs below `quick`; the least time counts
-  double quick = 0.02;                   ///< s
+  /// Adaptive ones, the likeliest first; the two of different kinds (names up to ":") that agree best are used.
+  std::vector<MethodChoice> references;
+  double reference_tolerance = 1e-13;  ///< up to 1000 times wider where it cannot be met
+  double budget = 60;                  ///< s of CPU time; what would not fit is left out and says so
+  int repeats = 3;                     ///< of runs below `quick`; the least time counts
+  double quick = 0.02;                 ///< s
   double hopeless = 100;  ///< a combination ends where it costs so many times what another took for the same error
 
   ErrorKind target_kind = ErrorKind::position;
   double target = 0;  ///< above 0: a combination ends when it met this error and the next finer run confirmed it
 
-  std::function<double()> clock{};                          ///< s; default: steady clock
+  std::function<double()> clock{};                          ///< s, what the budget goes by; default: thread_seconds
   std::function<double()> cpu{};                            ///< s; default: thread_seconds
   std::function<void(const std::string&)> progress{};       ///< told of every run before it begins
   std::function<void(const WorkPrecisionRun&)> measured{};  ///< and of every one that was made

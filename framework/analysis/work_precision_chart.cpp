@@ -12,7 +12,8 @@
 namespace lockstep {
 namespace {
 
-constexpr double kLeast = 1e-16;  // nothing is zero on a logarithmic axis
+constexpr double kNothing = 1e-9;  // m, m/s, J, N
+constexpr double kLeast = 1e-16;   // nothing is zero on a logarithmic axis
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
@@ -155,7 +156,8 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   panel.series.push_back(front_of(result, kind, by));
   for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
   const Range y = extent(panel.series, false);
-  if (!(y.second > 2 * kLeast)) return std::nullopt;  // nothing of this kind: no link, no energy
+  // Nothing of this kind: no link, no energy, or round-off alone.
+  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNothing)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);
   std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });

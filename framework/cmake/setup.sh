@@ -79,6 +79,14 @@ install_missing() {
   fi
 }
 
+# wish PACKAGE COMMAND WHAT_FOR: as need, for what a few tests use; where it cannot be installed, all goes on without it.
+wish() {
+  missing=()
+  need "$1" "$2"
+  if [ "${#missing[@]}" -eq 0 ]; then return 0; fi
+  (install_missing) || say "going on without $1: $3"
+}
+
 # The first version of the two is the lower one or the same.
 version_reached() { [ "$(printf '%s\n%s\n' "$1" "$2" | sort -V | head -n 1)" = "$1" ]; }
 

@@ -146,6 +146,11 @@ void of_run(Entries& out) {
     s.values();
     return static_cast<double>(s.dynamics().last_solve().corrections);
   });
+  add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
+      [](const Sample& s) {
+        s.values();
+        return s.dynamics().last_solve().detector;
+      });
   add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution", [](const Sample& s) {
     s.values();
     return s.dynamics().last_solve().smallest_pivot;

@@ -42,6 +42,8 @@ std::string command_line(const Words& w, const WorkPrecisionRun& run) {
           number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
           to_string(run.stabilization) + " --solver " + in_quotes(run.solver);
   if (!w.until.empty()) text += " --until " + in_quotes(w.until);
+  if (!w.planar.empty()) text += " --planar " + w.planar;
+  if (w.full) text += " --full";
   return text;
 }
 
@@ -80,6 +82,9 @@ void print_choice(const char* what, const CostAtError& c, ErrorKind kind) {
              c.run->error.of(kind), unit_of(kind), cost_text(c.run->cpu, c.upper_bound), c.run->evaluations,
              c.run->steps, c.upper_bound ? "; no coarser setting was tried" : "");
 }
+
+// "dopri5" of "dopri5:stages=manifold".
+std::string type_of(const std::string& integrator) { return integrator.substr(0, integrator.find(':')); }
 
 // How near the best came, when none met it.
 void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
@@ -121,7 +126,7 @@ int advise_command(const Words& w) {
   const CostAtError& best = sure != all.end() ? *sure : all.front();
   print_choice("cheapest", best, kind);
   const auto other = std::find_if(all.begin(), all.end(), [&](const CostAtError& c) {
-    return c.run->integrator != best.run->integrator && c.confirmed;
+    return type_of(c.run->integrator) != type_of(best.run->integrator) && c.confirmed;
   });
   const auto form = std::find_if(all.begin(), all.end(), [&](const CostAtError& c) { return c.run != best.run; });
   if (other != all.end())

@@ -29,8 +29,8 @@ void add_scene(CLI::App& verb, Words& w) {
   verb.add_flag("--full", w.full, "leave nothing out: neither planar motion nor merged bodies");
 }
 
-CLI::App& add_run(CLI::App& app, Words& w) {
-  CLI::App& verb = *app.add_subcommand("run", "Compute the motion of a scene, write CSV and a picture");
+// What run and sweep share.
+void add_settings(CLI::App& verb, Words& w) {
   add_scene(verb, w);
   verb.add_option("--integrator", w.integrator, "see `lockstep list integrators`; with keys: dopri5:fixed=true")
       ->type_name("N");
@@ -47,16 +47,56 @@ CLI::App& add_run(CLI::App& app, Words& w) {
       ->check(CLI::IsMember({"project", "baumgarte", "none"}))
       ->type_name("S");
   verb.add_option("--solver", w.solver, "see `lockstep list solvers`")->type_name("N");
+}
+
+CLI::App& add_run(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand("run", "Compute the motion of a scene, write CSV and a picture");
+  add_settings(verb, w);
   CLI::Option* certify = verb.add_flag(
       "--certify", w.certify,
       "run it again with a tighter tolerance and with a second method; say how many digits of each column agree");
-  verb.add_option("--budget", w.budget, "time that the runs of --certify may take together; default 60 s")
+  verb.add_option("--budget", w.budget, "computing time that the runs of --certify may take together; default 60 s")
       ->type_name("T")
       ->needs(certify);
   verb.add_option("--record", w.record, "where the columns go; default: <scene>.csv in LOCKSTEP_OUTPUT or here")
       ->type_name("FILE.csv");
   verb.add_flag("--quiet", w.quiet, "say nothing but errors");
   verb.footer("Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv");
+  return verb;
+}
+
+constexpr const char* kSweepFooter =
+    R"(NAME is a path into the scene: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; things of a
+list go by their name or by their number from 0 on. Units are those of scenes: bodies.arm.mass=200g:1kg:5. Several --vary
+make the full grid. Each run is one row: its number, the values, final, min and max of each recorded column, steps,
+CPU seconds, status. A run that fails is a row with its reason; then the exit code is 1. Ctrl-C keeps the rows so far.
+
+Example:
+  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
+With GNU parallel, eight shares on all cores of this machine (units without blanks):
+  parallel lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard {}/8 --record mass_{}.csv ::: $(seq 8)
+Under Slurm, sbatch of a script with these lines:
+  #SBATCH --array=1-8
+  i=$SLURM_ARRAY_TASK_ID n=$SLURM_ARRAY_TASK_COUNT
+  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard $i/$n --record mass_$i.csv
+The shares have one header and become one table, in the order of the whole grid, by
+  awk 'FNR > 1 || NR == 1' mass_*.csv | sort -t , -k 1,1n > mass.csv)";
+
+CLI::App& add_sweep(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand("sweep", "Run a scene many times with other values, one row a run");
+  add_settings(verb, w);
+  verb.add_option("--vary", w.vary, "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be given again")
+      ->required()
+      ->type_name("NAME=...")
+      ->allow_extra_args(false);
+  verb.add_option("--shard", w.shard, "only every n-th run from the i-th on; i counts from 1")->type_name("i/n");
+  verb.add_option("--record", w.record,
+                  "where the rows go; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or "
+                  "here")
+      ->type_name("FILE.csv");
+  verb.add_option("--histories", w.histories, "folder for the columns of each run, <its number>.csv")->type_name("DIR");
+  verb.add_flag("--quiet", w.quiet, "say nothing but errors");
+  verb.footer(kSweepFooter);
   return verb;
 }
 
@@ -79,8 +119,7 @@ void add_survey(CLI::App& verb, Words& w) {
   verb.add_option("--steps", w.steps, "range for fixed steps, s; default: a hundredth of the run and 2^14 times less")
       ->type_name("COARSE:FINE");
   verb.add_option("--until", w.until, "end of the runs, s")->type_name("T");
-  verb.add_option("--budget", w.budget, "time that all runs together may take, by the clock; default 60 s")
-      ->type_name("T");
+  verb.add_option("--budget", w.budget, "computing time that all runs together may take; default 60 s")->type_name("T");
   verb.add_flag("--quiet", w.quiet, "do not print each run");
 }
 
@@ -187,6 +226,7 @@ int run_program(int argc, const char* const* argv) {
   std::string name;
 
   CLI::App& run = add_run(app, w);
+  CLI::App& sweep = add_sweep(app, w);
   CLI::App& check =
       *app.add_subcommand("check", "Read and build a scene; say its bodies, unknowns, rows and degrees of freedom");
   add_scene(check, w);
@@ -226,6 +266,7 @@ int run_program(int argc, const char* const* argv) {
   }
   return guarded([&] {
     if (run.parsed()) return run_command(w);
+    if (sweep.parsed()) return sweep_command(w);
     if (check.parsed()) return check_command(w);
     if (chart.parsed()) return chart_command(w);
     if (advise.parsed()) return advise_command(w);

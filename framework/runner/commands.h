@@ -36,7 +36,9 @@ struct Words {
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, channels = false, separately = false, certify = false;
-  bool full = false;  ///< every economy off
+  bool full = false;              ///< every economy off
+  std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
+  std::string shard, histories;   ///< "2/8"; a folder
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -47,14 +49,19 @@ struct Loaded {
 
 /// Built-in things and those of the plugins.
 Registry make_registry(const std::vector<std::string>& plugins);
-/// Reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws UsageError
-/// too.
+/// Reads the scene and loads plugins; the run settings are the scene's own.
+Loaded read_with_plugins(const Words&);
+/// What the command line says of the run, over what the scene says. Throws UsageError.
+void put_over(RunSettings&, const Words&, const Registry&);
+/// Both: reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws
+/// UsageError too.
 Loaded load(const Words&);
 
 int run_command(const Words&);
 int check_command(const Words&);
 int chart_command(const Words&);
 int advise_command(const Words&);
+int sweep_command(const Words&);
 int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);

@@ -67,7 +67,7 @@ void put_integrator(RunSettings& run, const Words& w, const Registry& registry) 
   if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
 }
 
-void put_over(RunSettings& run, const Words& w, const Registry& registry) {
+void put_settings(RunSettings& run, const Words& w, const Registry& registry) {
   put_integrator(run, w, registry);
   if (!w.solver.empty()) run.solver = read_way("--solver", w.solver, types_of(registry.solvers));
   if (!w.step.empty()) run.step = positive_number("--step", w.step, Unit::time);
@@ -101,16 +101,25 @@ Registry make_registry(const std::vector<std::string>& plugins) {
   return registry;
 }
 
-Loaded load(const Words& w) {
+Loaded read_with_plugins(const Words& w) {
   refuse_picture(w.record);
   Scene scene = read_scene(w.scene);
   std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
   plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
   Registry registry = make_registry(plugins);
   put_economies(scene, w);
-  put_over(scene.run, w, registry);
-  refuse_missing_step(scene.run, w, registry);
   return {std::move(registry), std::move(scene)};
+}
+
+void put_over(RunSettings& run, const Words& w, const Registry& registry) {
+  put_settings(run, w, registry);
+  refuse_missing_step(run, w, registry);
+}
+
+Loaded load(const Words& w) {
+  Loaded loaded = read_with_plugins(w);
+  put_over(loaded.scene.run, w, loaded.registry);
+  return loaded;
 }
 
 }  // namespace lockstep

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 
 namespace lockstep {
@@ -41,7 +42,7 @@ Interrupt::~Interrupt() {
 }
 bool Interrupt::asked() const { return interrupted != 0; }
 
-std::string progress_line(double t, double until, double seconds, bool bar) {
+std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {
   constexpr int kWidth = 30;
   const double part = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
   std::string line;
@@ -50,13 +51,21 @@ std::string progress_line(double t, double until, double seconds, bool bar) {
     line = "[" + std::string(static_cast<std::size_t>(n), '#') +
            std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
   }
-  line += fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
-  if (seconds > 0 && t > 0) line += fmt::format("  {:.3g} s/s  {:.0f} s to go", t / seconds, (until - t) * seconds / t);
+  const bool runs = counts == Counts::runs;
+  line += runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * part, std::floor(t), until)
+               : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
+  if (seconds > 0 && t > 0)
+    line += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
   return line;
 }
 
-Progress::Progress(double until, bool quiet)
-    : until_(until), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), begin_(Clock::now()), last_(begin_) {}
+Progress::Progress(double until, bool quiet, Counts counts)
+    : until_(until),
+      counts_(counts),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      begin_(Clock::now()),
+      last_(begin_) {}
 
 double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
 
@@ -65,7 +74,7 @@ void Progress::at(double t) {
   const Clock::time_point now = Clock::now();
   if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kBarSeconds : kLineSeconds)) return;
   last_ = now;
-  const std::string line = progress_line(t, until_, seconds(), terminal_);
+  const std::string line = progress_line(t, until_, seconds(), terminal_, counts_);
   if (terminal_) {
     fmt::print(stderr, "\r{:<{}}", line.substr(0, line_width()), line_width());
     std::fflush(stderr);

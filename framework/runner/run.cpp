@@ -21,14 +21,6 @@ namespace {
 
 constexpr double kSayMove = 1e-6;  // m, rad, m/s: an assembly that changed less goes without saying
 
-// Where nothing is recorded: the places of the bodies that move.
-void record_places(Mechanism& m) {
-  if (!m.run.record.empty()) return;
-  for (const Body& body : m.system.bodies())
-    if (!body.fixed)
-      for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
-}
-
 std::string assembly_text(const AssemblyReport& r) {
   std::string text = fmt::format(
       "assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",

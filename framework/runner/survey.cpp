@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -162,15 +161,21 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
   struct Candidate {
     MethodChoice method;
     IntegratorInfo info;
+    bool usual;
   };
   std::vector<Candidate> all;
-  for (const TypeInfo& type : types_of(registry.integrators)) {
-    MethodChoice method = method_of(with_known_keys(type, run.integrator.keys), run, registry);
-    if (!is_adaptive(method)) method = method_of({type.name, Value(Value::Object{}), {}}, run, registry);
-    if (is_adaptive(method)) all.push_back({method, method.make()->info()});
-  }
+  const auto add = [&](const Typed& way, bool usual) {
+    const MethodChoice method = method_of(way, run, registry);
+    const auto same = [&](const Candidate& c) { return c.method.name == method.name; };
+    if (is_adaptive(method) && std::none_of(all.begin(), all.end(), same))
+      all.push_back({method, method.make()->info(), usual});
+  };
+  const std::vector<TypeInfo> types = types_of(registry.integrators);
+  for (const TypeInfo& type : types) add(with_known_keys(type, run.integrator.keys), true);
+  for (const Typed& way : all_ways(run.integrator, types)) add(way, spelled(way) == way.type);
   std::stable_sort(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
     const bool a_like = a.info.implicit == implicit, b_like = b.info.implicit == implicit;
+    if (a.usual != b.usual) return a.usual;
     return a_like != b_like ? a_like : a.info.order > b.info.order;
   });
   std::vector<MethodChoice> methods;
@@ -247,9 +252,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
     std::fflush(stdout);
   };
   survey.options.clock = [&] {  // when somebody asks for the end, no time is left
-    return interrupt.asked()
-               ? HUGE_VAL
-               : std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return interrupt.asked() ? HUGE_VAL : thread_seconds();
   };
   auto result = std::make_unique<WorkPrecision>();
   try {

@@ -27,8 +27,9 @@ struct SceneSurvey {
 /// outlive it. Throws UsageError for words that cannot be, SceneError for a scene without an end.
 SceneSurvey survey_of(const Loaded& loaded, const Words&, const Interrupt& interrupt);
 
-/// Adaptive methods of the registry: those first that are implicit or explicit as wanted, then the higher order; with
-/// those keys of the settings' own integrator that they know. `registry` must outlive them.
+/// Adaptive methods of the registry, with those keys of the settings' own integrator that they know before other
+/// choices of keys; those first that are implicit or explicit as wanted, then the higher order. `registry` must outlive
+/// them.
 std::vector<MethodChoice> references_of(const RunSettings&, const Registry& registry, bool implicit);
 
 /// Seconds that --budget says.

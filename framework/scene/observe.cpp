@@ -4,6 +4,13 @@
 
 namespace lockstep {
 
+void record_places(Mechanism& m) {
+  if (!m.run.record.empty()) return;
+  for (const Body& body : m.system.bodies())
+    if (!body.fixed)
+      for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
+}
+
 std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
   auto recorder = std::make_unique<Recorder>(m.system);
   for (const ChannelRequest& request : m.run.record) {

@@ -8,6 +8,9 @@
 
 namespace lockstep {
 
+/// Asks for the places of the bodies that move where the scene asks for nothing.
+LOCKSTEP_API void record_places(Mechanism&);
+
 /// A recorder with the channels that the scene asks for. Make it before the Simulation; the mechanism must stay where
 /// it is in memory. Throws SceneError with the place of a channel that does not exist.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);

@@ -5,6 +5,7 @@
 
 #include "framework/analysis/assembly.h"
 #include "framework/analysis/work_precision.h"
+#include "framework/dynamics/implicit.h"
 #include "framework/record/chart.h"
 #include "framework/record/recorder.h"
 #include "integrators/rk4.h"
@@ -16,20 +17,30 @@ using namespace lockstep::economies;
 
 namespace {
 
-/// Microseconds of an evaluation, the least of nine rounds.
-double microseconds(Chain chain) {
+/// Microseconds of an evaluation, the least of nine rounds; with the tangents and the matrix of an implicit method, if
+/// they are wanted.
+double microseconds(Chain chain, bool tangents = false) {
   Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
   State state = chain.sys->start();
   assemble(dynamics, state);
   StateRate rate;
   dynamics.rate(state, rate);
+  NewtonMatrix matrix;
+  const auto implicit = [&] {
+    matrix.gather(dynamics, dynamics.values().lambda);
+    matrix.factor(1.0, 1e-3, 1e-6);
+  };
   double best = HUGE_VAL;
   for (int round = 0; round < 9; ++round) {
     long n = 0;
     const double begin = thread_seconds();
     double spent = 0;
     for (; spent < 0.03; spent = thread_seconds() - begin)
-      for (int i = 0; i < 10; ++i, ++n) state.v[0] += 1e-12, dynamics.rate(state, rate);
+      for (int i = 0; i < 10; ++i, ++n) {
+        state.v[0] += 1e-12;
+        dynamics.rate(state, rate);
+        if (tangents) implicit();
+      }
     best = std::min(best, 1e6 * spent / static_cast<double>(n));
   }
   return best;
@@ -78,6 +89,8 @@ int main() {
     add(e.name, e.absent_is, e.present_is, microseconds(e.absent()), microseconds(e.present()), size(e.absent()),
         size(e.present()));
   const Size s = size(plain());
+  add("tangent matrices", "an explicit method's evaluation", "the same with the matrix of an implicit one",
+      microseconds(plain()), microseconds(plain(), true), s, s);
   const double bare = microseconds_recorded({});
   add("energies", "rk4: nothing recorded", "energy recorded at every step", bare,
       microseconds_recorded({"energy.total"}), s, s);

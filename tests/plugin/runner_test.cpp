@@ -1,9 +1,4 @@
 // The program, called as a person calls it.
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -13,52 +8,26 @@
 #include "framework/record/table.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/program.h"
 
 using namespace lockstep;
+using namespace lockstep::testing;
 namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kFolder = std::string(paths::kBuild) + "/output/runner";
+const std::string& kFolder = kRunnerFolder;
 const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
-
-struct Result {
-  int exit = -1;
-  std::string text;  // both streams
-};
-
-Result call(const std::string& words, const std::string& before = {}) {
-  fs::create_directories(kFolder);
-  const std::string command = "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' " + before + " '" +
-                              paths::kProgram + "' " + words + " 2>&1";
-  Result result;
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  std::array<char, 4096> part;
-  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) result.text.append(part.data(), n);
-  const int status = pclose(pipe);
-  result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return result;
-}
-
-std::string scene(const std::string& name, const std::string& members) {
-  fs::create_directories(kFolder);
-  const std::string path = kFolder + "/" + name + ".json";
-  std::ofstream(path) << "{\"lockstep\": 1,\n" << members << "\n}\n";
-  return path;
-}
 
 const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
 const std::string kHinge = R"("name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])";
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
 TEST_CASE("run writes the columns and says what moved", "[runner]") {
   const std::string csv = kFolder + "/bar.csv";
   fs::remove(csv);
-  const Result r = call("run '" + kFourBar + "' --record bar.csv");
+  const Called r = call("run '" + kFourBar + "' --record bar.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   for (const char* word : {"crank", "work of drives", "energy balance", "bar.csv"}) CHECK(contains(r.text, word));
@@ -73,22 +42,22 @@ TEST_CASE("run writes the columns and says what moved", "[runner]") {
 }
 
 TEST_CASE("options of the command line stand over the scene", "[runner]") {
-  const Result r = call("run '" + kFourBar +
+  const Called r = call("run '" + kFourBar +
                         "' --integrator rk4 --step 1ms --until '50 ms' --solver dense --formulation quaternion"
                         " --stabilization baumgarte --record short.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "50 steps of rk4"));
   CHECK(read_csv(kFolder + "/short.csv").last("t") == Approx(0.05));
-  const Result quiet = call("run '" + kFourBar + "' --quiet --until 0.02");
+  const Called quiet = call("run '" + kFourBar + "' --quiet --until 0.02");
   CHECK(quiet.exit == 0);
   CHECK(quiet.text.empty());
   CHECK(fs::exists(kFolder + "/four_bar.csv"));
 }
 
 TEST_CASE("every verb has help with an example", "[runner]") {
-  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise"}) {
-    const Result r = call(std::string(verb) + " --help");
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise", "sweep"}) {
+    const Called r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);
     CHECK(contains(r.text, "Example:\n  lockstep "));
@@ -100,7 +69,7 @@ TEST_CASE("wrong words are a usage error", "[runner]") {
        std::vector<std::string>{"", "fly", "run", "run '" + kFourBar + "' --fast", "run '" + kFourBar + "' --step 0",
                                 "run '" + kFourBar + "' --step x", "run '" + kFourBar + "' --integrator rk5",
                                 "list wheels", "describe revolut", "run '" + kFourBar + "' --step 1 --tolerance 1"}) {
-    const Result r = call(words);
+    const Called r = call(words);
     INFO(words << "\n" << r.text);
     CHECK(r.exit == 2);
     CHECK_FALSE(r.text.empty());
@@ -109,41 +78,41 @@ TEST_CASE("wrong words are a usage error", "[runner]") {
 
 TEST_CASE("each kind of failure has its number", "[runner]") {
   const auto exit_of = [](const std::string& words, const std::string& part) {
-    const Result r = call(words);
+    const Called r = call(words);
     INFO(words << "\n" << r.text);
     CHECK(contains(r.text, part));
     return r.exit;
   };
-  CHECK(exit_of("run '" + scene("bad", R"("boddies": [])") + "'",
+  CHECK(exit_of("run '" + scene_file("bad", R"("boddies": [])") + "'",
                 "bad.json:2:1: scene: unknown key \"boddies\"; did you mean \"bodies\"?") == 3);
-  CHECK(exit_of("run '" + scene("endless", kArm + R"("run": {})") + "'", "--until") == 3);
+  CHECK(exit_of("run '" + scene_file("endless", kArm + R"("run": {})") + "'", "--until") == 3);
   CHECK(exit_of("run '" + kFourBar + "' --plugin no_such_plugin", "not found") == 4);
   CHECK(exit_of("run no_such_scene.json", "no_such_scene.json") == 8);
   CHECK(exit_of("run '" + kFourBar + "' --record /dev/null/out.csv", "/dev/null") == 8);
-  const std::string apart = scene("apart", kArm + R"("links": [{)" + kHinge + R"(},
+  const std::string apart = scene_file("apart", kArm + R"("links": [{)" + kHinge + R"(},
     {"name": "L", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0], "at_s": [0,0,0], "length": 3}], "run": {"until": 1})");
   CHECK(exit_of("run '" + apart + "'", "link 'L'") == 5);
   // Two laws for one angle that agree in value and speed at the start, not in acceleration.
   const std::string torn =
-      scene("torn", kArm + R"("links": [{)" + kHinge +
-                        R"(, "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 1]}}},
+      scene_file("torn", kArm + R"("links": [{)" + kHinge +
+                             R"(, "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 1]}}},
     {"name": "B", "type": "lock", "mask": "e1 e2", "p": "arm", "s": "ground", "at": [0,0,0],
      "drive": {"axis": "rz", "law": {"type": "polynomial", "coefficients": [0, 0, 2]}}}], "run": {"integrator": "rk4", "step": 0.01, "until": 1})");
   CHECK(exit_of("run '" + torn + "'", "cannot hold together") == 6);
 }
 
 TEST_CASE("a number that is none stops the run, what was computed is kept", "[runner]") {
-  const std::string blow = scene("blow", kArm + R"("links": [{)" + kHinge + R"(,
+  const std::string blow = scene_file("blow", kArm + R"("links": [{)" + kHinge + R"(,
     "drive": {"axis": "rz", "law": {"type": "sequence", "laws": [{"type": "constant", "value": 0}, {"type": "polynomial", "coefficients": [0, 1e308, 1e308]}],
     "durations": [0.5, 9]}}}], "run": {"integrator": "rk4", "step": 0.1, "until": 2, "record": ["arm.x"]})");
-  const Result r = call("run '" + blow + "' --record blow.csv");
+  const Called r = call("run '" + blow + "' --record blow.csv");
   INFO(r.text);
   CHECK(r.exit == 7);
   CHECK(contains(r.text, "link 'A'"));
   CHECK(contains(r.text, "t = 0.5 s"));
   CHECK(contains(r.text, "rows up to there are in"));
   CHECK(read_csv(kFolder + "/blow.csv").n_rows() >= 5);
-  const Result full = call("run '" + blow + "' --record /dev/full");
+  const Called full = call("run '" + blow + "' --record /dev/full");
   INFO(full.text);
   CHECK(full.exit == 7);  // the run's own error, not the disk's
   CHECK(contains(full.text, "could not be written"));
@@ -153,9 +122,9 @@ TEST_CASE("a number that is none stops the run, what was computed is kept", "[ru
 // `timeout --foreground` signals the program once; without it the group is signalled too, and a second signal ends the
 // program at once.
 TEST_CASE("an interrupted run ends after its step with everything written", "[runner]") {
-  const std::string swing = scene("swing", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
+  const std::string swing = scene_file("swing", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "rk4", "step": 1e-3, "until": 1e6, "output": 1, "record": ["arm.x"]})");
-  const Result r = call("run '" + swing + "' --record swing.csv", "timeout --foreground --preserve-status -s INT 3");
+  const Called r = call("run '" + swing + "' --record swing.csv", "timeout --foreground --preserve-status -s INT 3");
   INFO(r.text);
   CHECK(r.exit == 130);
   CHECK(contains(r.text, "interrupted at t = "));
@@ -167,7 +136,7 @@ TEST_CASE("an interrupted run ends after its step with everything written", "[ru
 TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
   fs::remove(kFolder + "/charts/four_bar_chart.csv");
   // The first runs, the references, take longer on a busy machine: wait longer until one run is done before the signal.
-  Result r;
+  Called r;
   for (const char* seconds : {"3", "8", "20"}) {
     r = call("chart '" + kFourBar + "' --until 0.05 --budget 60 --out charts --quiet",
              std::string("timeout --foreground --preserve-status -s INT ") + seconds);
@@ -196,13 +165,13 @@ TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]")
   CHECK_FALSE(check["left_out"].empty());
   CHECK(contains(call("check '" + kFourBar + "'").text, "degrees of freedom  0"));
 
-  const std::string off = scene("off", R"("bodies": [{"name": "bob", "particle": 1, "position": [1.1, 0, 0]}],
+  const std::string off = scene_file("off", R"("bodies": [{"name": "bob", "particle": 1, "position": [1.1, 0, 0]}],
     "links": [{"name": "L", "type": "distance", "p": "bob", "s": "ground", "at_s": [0,0,0], "length": 1}], "run": {"until": 0.1})");
   const auto report = nlohmann::json::parse(call("assemble '" + off + "' --json").text);
   CHECK(report["largest_move"].get<double>() == Approx(0.1));
   CHECK(report["moved_most"] == "bob");
   CHECK(report["bodies"]["bob"]["position"][0].get<double>() == Approx(1.0));
-  const Result run = call("run '" + off + "' --record off.csv");
+  const Called run = call("run '" + off + "' --record off.csv");
   CHECK(run.exit == 0);
   CHECK(contains(run.text, "moved 'bob' by 0.1 m"));
 }
@@ -221,12 +190,12 @@ TEST_CASE("list, describe and schema speak of the same things", "[runner]") {
 TEST_CASE("several plugins stand before, between and after the other words", "[runner]") {
   const std::string plugins = std::string(paths::kPlugins);
   const std::string one = "--plugin '" + plugins + "/bump.so'", two = "--plugin '" + plugins + "/cam_follower.so'";
-  const Result both = call("list " + one + " " + two);
+  const Called both = call("list " + one + " " + two);
   INFO(both.text);
   CHECK(both.exit == 0);
   CHECK(contains(both.text, "[plugin bump]"));
   CHECK(contains(both.text, "[plugin cam_follower]"));
-  const Result before = call("check " + one + " '" + kFourBar + "' " + two);
+  const Called before = call("check " + one + " '" + kFourBar + "' " + two);
   INFO(before.text);
   CHECK(before.exit == 0);
   CHECK(call("list " + one + " laws").exit == 0);
@@ -234,7 +203,7 @@ TEST_CASE("several plugins stand before, between and after the other words", "[r
 
 TEST_CASE("a table is never written where its picture goes", "[runner]") {
   for (const char* ending : {"png", "svg", "PNG"}) {
-    const Result r = call("run '" + kFourBar + "' --record way." + ending);
+    const Called r = call("run '" + kFourBar + "' --record way." + ending);
     INFO(r.text);
     CHECK(r.exit == 2);
     CHECK(contains(r.text, "--record way.csv"));
@@ -246,16 +215,16 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   const std::string gnuplot = kFolder + "/broken/gnuplot";
   std::ofstream(gnuplot) << "#!/bin/sh\necho out of ink\nexit 1\n";
   fs::permissions(gnuplot, fs::perms::owner_all);
-  const Result broken = call("run '" + kFourBar + "' --record inkless.csv", "PATH='" + kFolder + "/broken':\"$PATH\"");
+  const Called broken = call("run '" + kFourBar + "' --record inkless.csv", "PATH='" + kFolder + "/broken':\"$PATH\"");
   INFO(broken.text);
   CHECK(broken.exit == 0);
   CHECK(contains(broken.text, "inkless.csv (71 rows)"));
   CHECK(broken.text.find("inkless.csv (71 rows)") < broken.text.find("no picture: gnuplot could not draw"));
   CHECK(contains(broken.text, "out of ink"));
-  const Result none = call("run '" + kFourBar + "' --record bare.csv", "PATH=/nowhere");
+  const Called none = call("run '" + kFourBar + "' --record bare.csv", "PATH=/nowhere");
   CHECK(none.exit == 0);
   CHECK(contains(none.text, "no picture: gnuplot is not installed"));
-  const Result torn = call("run '" + kFourBar + "' --record /dev/full");
+  const Called torn = call("run '" + kFourBar + "' --record /dev/full");
   INFO(torn.text);
   CHECK(torn.exit == 8);
   CHECK(contains(torn.text, "energy balance"));
@@ -263,7 +232,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
 
 TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {
   const auto text_of = [](const std::string& words) {
-    const Result r = call(words);
+    const Called r = call(words);
     CHECK(r.exit == 2);
     CHECK(r.text.rfind("lockstep: ", 0) == 0);
     return r.text;
@@ -271,7 +240,7 @@ TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {
   CHECK(contains(text_of("chek"), "unknown verb \"chek\"; did you mean \"check\"?"));
   CHECK(contains(text_of("run '" + kFourBar + "' --untill 3"), "did you mean \"--until\"?"));
   CHECK(contains(text_of("run '" + kFourBar + "' more"), "one word too many"));
-  const std::string free = scene("free", kArm + R"("run": {"until": 1})");
+  const std::string free = scene_file("free", kArm + R"("run": {"until": 1})");
   CHECK(contains(text_of("run '" + free + "' --integrator rk4"), "--step"));
 }
 
@@ -297,9 +266,9 @@ TEST_CASE("check lists the channels, describe says what stands under a key", "[r
 }
 
 TEST_CASE("what is said without effect gives a warning, what is nothing is not said", "[runner]") {
-  const std::string idle = scene("idle", kArm + R"("events": [{"name": "late", "at": 5, "stop": true}],
+  const std::string idle = scene_file("idle", kArm + R"("events": [{"name": "late", "at": 5, "stop": true}],
     "run": {"until": 1, "integrator": "rk4", "step": 0.5, "tolerance": 1e-6, "times": [1, 3], "record": ["arm.x"]})");
-  const Result r = call("run '" + idle + "' --record idle.csv");
+  const Called r = call("run '" + idle + "' --record idle.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "run.times: 3 s lies beyond"));
@@ -313,10 +282,10 @@ TEST_CASE("what is said without effect gives a warning, what is nothing is not s
 }
 
 TEST_CASE("a picture of some columns says how many", "[runner]") {
-  const std::string wide = scene("wide", kArm + R"("gravity": [0, -9.81, 0], "run": {"until": 0.1, "record":
+  const std::string wide = scene_file("wide", kArm + R"("gravity": [0, -9.81, 0], "run": {"until": 0.1, "record":
     ["arm.x", "arm.y", "arm.z", "arm.vx", "arm.vy", "arm.vz", "arm.qw", "arm.qx", "arm.qy", "arm.qz",
      "arm.ax", "arm.ay", "arm.az", {"x2": "arm.x"}, {"x3": "arm.x"}, {"x4": "arm.x"}, {"x5": "arm.x"}]})");
-  const Result r = call("run '" + wide + "' --record wide.csv");
+  const Called r = call("run '" + wide + "' --record wide.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));

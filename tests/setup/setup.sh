@@ -72,6 +72,25 @@ set_up catch2
 check "apt-get fails: exit code" code_is 69
 check "apt-get fails: next move" said "apt-get could not install catch2"
 
+# What only a few tests use.
+wish() {  # wish MISSING: asks for a package that is held to be absent
+  : >"$place/log"
+  LOCKSTEP_PRETEND_MISSING="$1" PATH="$place/bin:$PATH" \
+    bash -c 'set -euo pipefail; root="$1"; source "$root/framework/cmake/setup.sh"; wish parallel sh "one test less"' - "$root" \
+    >"$place/said" 2>&1
+  code=$?
+}
+wish ""
+check "wish, there: success" code_is 0
+check "wish, there: no word" lines_are 0
+wish parallel
+check "wish, apt-get fails: success all the same" code_is 0
+check "wish, apt-get fails: says what is lost" said "going on without parallel: one test less"
+stand_in apt-get "echo \"apt-get \$*\" >>'$place/log'"
+wish parallel
+check "wish, root: success" code_is 0
+check "wish, root: installs it" logged "apt-get install --yes --no-install-recommends parallel"
+
 # samples/run through a symbolic link, from another folder.
 ln -s "$root/samples/run" "$place/run_sample"
 cd /

@@ -110,17 +110,39 @@ inline Chain pearls(bool bodies) {
   return c;
 }
 
+/// The chain in its plane, whose normal is y.
+inline Chain flat() {
+  Chain c = plain();
+  c.sys->set_planar(Plane{1});
+  return c;
+}
+
+/// A lump bolted to every rod.
+inline Chain lumps(bool merged) {
+  Chain c = plain();
+  for (int i = 0; i < kRods; ++i) {
+    const Vec3 x(i + 0.7, 0, 0.1);
+    const std::string name = "lump" + std::to_string(i);
+    Body& lump = c.sys->add_body(name, sphere(0.5, 0.05), {x, {}});
+    c.sys->add<Fixed>("bolt" + std::to_string(i), lump, *c.rods[static_cast<std::size_t>(i)], at(x));
+  }
+  c.sys->set_merge(merged);
+  return c;
+}
+
 inline std::vector<Economy> all() {
-  return {
-      {"mounting plate", "a fixed body", "a body held by a fixed link", [] { return on_a_plate(false); },
-       [] { return on_a_plate(true); }},
-      {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); },
-       [] { return balls(true); }},
-      {"drives", "no law", "a law on every hinge", plain, driven},
-      {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
-      {"switched links", "six links out of force", "six links in force", [] { return stayed(false); },
-       [] { return stayed(true); }},
-      {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }}};
+  return {{"mounting plate", "a fixed body", "a body held by a fixed link", [] { return on_a_plate(false); },
+           [] { return on_a_plate(true); }},
+          {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); },
+           [] { return balls(true); }},
+          {"drives", "no law", "a law on every hinge", plain, driven},
+          {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
+          {"switched links", "six links out of force", "six links in force", [] { return stayed(false); },
+           [] { return stayed(true); }},
+          {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }},
+          {"planar", "in its plane", "in space", flat, plain},
+          {"merged bodies", "bolted bodies move as one", "bolts are links", [] { return lumps(true); },
+           [] { return lumps(false); }}};
 }
 
 /// Size of the equations that an evaluation solves.

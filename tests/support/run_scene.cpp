@@ -7,12 +7,18 @@
 #include "framework/builtins.h"
 #include "framework/record/recorder.h"
 #include "framework/scene/observe.h"
+#include "tests/support/run_with_registry.h"
 
 namespace lockstep {
 
 SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change,
                    const std::function<void(Scene&)>& describe) {
-  const Registry registry = builtin_registry();
+  return run_with_registry(builtin_registry(), path, change, describe);
+}
+
+SceneRun run_with_registry(const Registry& registry, const std::string& path,
+                           const std::function<void(RunSettings&)>& change,
+                           const std::function<void(Scene&)>& describe) {
   Scene scene = read_scene(path);
   if (change) change(scene.run);
   if (describe) describe(scene);

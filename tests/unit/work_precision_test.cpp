@@ -152,7 +152,7 @@ TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   CHECK(text.find("position error [m]") != std::string::npos);
   CHECK(text.find("reaction error [N]") != std::string::npos);
-  CHECK(text.find("frozen,omega,project,schur,,0.125,,,,,") != std::string::npos);
+  CHECK(text.find("frozen,omega,project,sparse,,0.125,,,,,") != std::string::npos);
   CHECK(text.find("\"frozen: too cold\"") != std::string::npos);
 
   const GridSpec chart = integrators_chart(result, "two runs", result.runs.front(), CostKind::evaluations);

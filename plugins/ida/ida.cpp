@@ -1,0 +1,308 @@
+// BDF of orders 1 to 5 with variable steps, by IDA of SUNDIALS, as a plugin: for stiff mechanisms.
+//
+//   F(t, u, u') = u' - f(t, u + d) = 0,   y = (q, v, s) = u + d
+//
+// f = Dynamics::rate, the equations of motion solved for the accelerations. The state that is handed out is projected
+// after each step and its quaternions are normalised; IDA is not told. Instead this move goes into the shift d, so that
+// IDA goes on with u, which nobody touched, while its equation sees the projected state. To a multistep method this is
+// as if its whole history had been moved along by one constant vector: differences stay, and with them order and step.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+
+#include "framework/plugin/plugin.h"
+#include "ida_memory.h"
+#include "integrators/step_control.h"
+
+namespace {
+
+using namespace lockstep;
+using namespace lockstep::ida_plugin;
+
+/// Works for a State and for a StateRate: both have q, v, s.
+template <class Parts>
+void flatten(const Parts& in, VecX& out) {
+  out << in.q, in.v, in.s;
+}
+template <class Parts>
+void unflatten(const VecX& in, Parts& out) {
+  out.q = in.head(out.q.size());
+  out.v = in.segment(out.q.size(), out.v.size());
+  out.s = in.tail(out.s.size());
+}
+
+/// Error weights are increments, as everywhere (step_control.h), counted by the rates and the step at the beginning of
+/// each step; quadratures are not looked at. The Jacobian is found by differences, one evaluation a number of the
+/// state, and is dense: for mechanisms of some ten bodies. Dense output is IDA's own. A run that is taken up again from
+/// a checkpoint begins with order 1, since IDA does not give its history away.
+class Ida final : public Integrator {
+ public:
+  explicit Ida(int max_order) : max_order_(max_order) {}
+
+  static TypeInfo type_info() {
+    return {"ida",
+            "BDF of orders 1 to 5 with error control and dense output, from SUNDIALS: stiff mechanisms",
+            {{"max_order", Form::integer, Unit::none, "5", "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
+  }
+
+  static std::unique_ptr<Integrator> make(const Params& p) {
+    const int order = p.integer("max_order");
+    if (order < 1 || order > 5) p.refuse("max_order", "is " + std::to_string(order) + "; IDA has the orders 1 to 5");
+    return std::make_unique<Ida>(order);
+  }
+
+  IntegratorInfo info() const override { return {"ida", max_order_, true, true, 2}; }
+
+  void begin(Dynamics& dynamics, const State& state) override {
+    start_ = stage_ = end_ = state;
+    rate_ = difference_ = {state.q, state.v, state.s};  // for their sizes
+    const Eigen::Index n = state.q.size() + state.v.size() + state.s.size();
+    for (VecX* x : {&y_, &f_, &shift_, &shift_before_, &scale_}) x->setZero(n);
+    norm_.set_states(dynamics.system().n_steering_states());
+    memory_ = std::make_unique<Memory>(n);
+    started_ = followed_ = false;
+  }
+
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    dynamics_ = &dynamics;
+    start_.z = stage_.z = end_.z = state.z;
+    start_.t = state.t, start_.q = state.q, start_.v = state.v, start_.s = state.s;
+    StepReport report;
+    const long rejected = rejections();
+    bool again = !followed_ || !is_end_of_last_step(state);
+    followed_ = false;
+    for (report.h = h;; report.h *= 0.5, ++report.rejected, again = true) {
+      if (state.t + report.h == state.t) refuse(state.t, report.h, "the step shrank to nothing");
+      if (again) restart(report.h);
+      advance(report);
+      if (land(report)) break;
+    }
+    IDAGetCurrentStep(memory_->ida, &h_next_);
+    report.h_next = h_next_;
+    report.rejected += static_cast<int>(std::max(rejections() - rejected, 0L));
+    followed_ = true;
+    state.t = end_.t, state.q = end_.q, state.v = end_.v, state.s = end_.s;
+    return report;
+  }
+
+  bool dense(double t, State& out) const override {
+    out.z = start_.z, out.modes = start_.modes;
+    out.t = t;
+    if (!followed_) {
+      out.q = start_.q, out.v = start_.v, out.s = start_.s;
+      return t == start_.t;
+    }
+    if (IDAGetDky(memory_->ida, t, 0, memory_->inside) != IDA_SUCCESS) return false;
+    y_ = numbers(memory_->inside) + shift_before_;
+    unflatten(y_, out);
+    dynamics_->normalize(out);
+    return true;
+  }
+
+  void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance), tolerance_ = tolerance; }
+
+  double first_step(Dynamics& dynamics, const State& state, double largest) override {
+    return guess_first_step(dynamics, state, 1, largest, norm_, rate_, difference_, stage_);
+  }
+
+  void restore(const Snapshot&) override { followed_ = false; }
+
+ private:
+  // -- what IDA calls; an exception must not pass through it, so it waits in thrown_
+  template <class Act>
+  int guarded(Act&& act) {
+    try {
+      act();
+      return 0;
+    } catch (const NonFiniteError&) {
+      thrown_ = std::current_exception();
+      return 1;  // IDA takes a smaller step
+    } catch (const SolveError&) {
+      thrown_ = std::current_exception();
+      return 1;
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return -1;
+    }
+  }
+
+  // r = u' - f(t, u + d)
+  static int residual(double t, N_Vector u, N_Vector ud, N_Vector r, void* self) {
+    Ida& ida = *static_cast<Ida*>(self);
+    return ida.guarded([&] {
+      ida.y_ = numbers(u) + ida.shift_;
+      ida.evaluate(t);
+      numbers(r) = numbers(ud) - ida.f_;
+    });
+  }
+
+  // dF/du + cj dF/du' = cj - f', column by column; f at u itself is u' - r.
+  static int jacobian(double t, double cj, N_Vector u, N_Vector ud, N_Vector r, SUNMatrix J, void* self, N_Vector,
+                      N_Vector, N_Vector) {
+    Ida& ida = *static_cast<Ida*>(self);
+    return ida.guarded([&] {
+      ida.y_ = numbers(u) + ida.shift_;
+      const double L = ida.dynamics_->system().length();
+      const Sizes v = largest(ida.y_.segment(ida.start_.q.size(), ida.start_.v.size()));
+      ida.set_scale({L, 1}, {std::max(v.linear, L), std::max(v.angular, 1.0)});
+      ida.scale_.tail(ida.start_.s.size()).setOnes();
+      for (Eigen::Index j = 0; j < ida.y_.size(); ++j) {
+        const double y = ida.y_[j];
+        ida.y_[j] = y + kMove * std::max(std::abs(y), ida.scale_[j]);
+        const double d = ida.y_[j] - y;
+        ida.evaluate(t);
+        ida.y_[j] = y;
+        Flat(SUNDenseMatrix_Column(J, j), ida.y_.size()) = (numbers(ud) - numbers(r) - ida.f_) / d;
+        SUNDenseMatrix_Column(J, j)[j] += cj;
+      }
+    });
+  }
+
+  // Weights 1/(atol + rtol increment), increment = h |rate|. IDA takes the root of the mean square: by sqrt(n), the sum
+  // counts.
+  static int weights(N_Vector u, N_Vector w, void* self) {
+    Ida& ida = *static_cast<Ida*>(self);
+    return ida.guarded([&] {
+      ida.y_ = numbers(u) + ida.shift_;
+      ida.f_ = numbers(ida.memory_->ud);
+      const auto n_q = ida.start_.q.size(), n_v = ida.start_.v.size(), n_s = ida.start_.s.size();
+      const Sizes v = largest(ida.y_.segment(n_q, n_v)), a = largest(ida.f_.segment(n_q, n_v));
+      ida.set_scale({v.linear, 0.5 * v.angular}, a);  // e' = e (0, w)/2
+      ida.scale_.tail(n_s) = ida.f_.tail(n_s).cwiseAbs();
+      ida.scale_ = (ida.tolerance_.atol_x + kTiny + ida.tolerance_.relative * ida.h_ * ida.scale_.array()).matrix();
+      ida.scale_.tail(n_s - ida.dynamics_->system().n_steering_states()).setConstant(kNoWeight);
+      numbers(w) = std::sqrt(static_cast<double>(ida.y_.size())) * ida.scale_.cwiseInverse();
+    });
+  }
+
+  /// f_ = f(t, y_).
+  void evaluate(double t) {
+    unflatten(y_, stage_);
+    stage_.t = t;
+    dynamics_->rate(stage_, rate_);
+    flatten(rate_, f_);
+  }
+
+  struct Sizes {
+    double linear = 0, angular = 0;
+  };
+  /// Of velocities or accelerations, over all slots.
+  static Sizes largest(Eigen::Ref<const VecX> v) {
+    Sizes most;
+    for (Eigen::Index i = 0; i < v.size(); i += 6) {
+      most.linear = std::max(most.linear, v.segment<3>(i).norm());
+      most.angular = std::max(most.angular, v.segment<3>(i + 3).norm());
+    }
+    return most;
+  }
+  /// One number for each kind of quantity; states s apart.
+  void set_scale(const Sizes& q, const Sizes& v) {
+    const Eigen::Index n_q = start_.q.size(), n_v = start_.v.size();
+    for (Eigen::Index i = 0; i < n_q; i += 7)
+      scale_.segment<3>(i).setConstant(q.linear), scale_.segment<4>(i + 3).setConstant(q.angular);
+    for (Eigen::Index i = n_q; i < n_q + n_v; i += 6)
+      scale_.segment<3>(i).setConstant(v.linear), scale_.segment<3>(i + 3).setConstant(v.angular);
+  }
+
+  // -- a step
+  /// The state that step() left, or was it moved since (an event, a jump of a law, another run)?
+  bool is_end_of_last_step(const State& state) const {
+    return std::abs(state.t - end_.t) <= kSameInstant * std::max(1.0, std::abs(state.t)) && state.q == end_.q &&
+           state.v == end_.v && state.s == end_.s;
+  }
+
+  /// From start_ with order 1 and a first step of at most h.
+  void restart(double h) {
+    flatten(start_, y_);
+    numbers(memory_->u) = y_;
+    shift_.setZero();
+    evaluate(start_.t);
+    numbers(memory_->ud) = f_;
+    if (!started_)
+      memory_->start(start_.t, residual, jacobian, weights, max_order_, this);
+    else
+      IDAReInit(memory_->ida, start_.t, memory_->u, memory_->ud);
+    started_ = true;
+    IDASetInitStep(memory_->ida, h);
+    h_next_ = h;
+  }
+
+  /// One step of IDA, of at most report.h, which becomes what was made; its end stands in end_.
+  void advance(StepReport& report) {
+    const double to = start_.t + report.h;
+    double t = start_.t;
+    int flag = IDASetStopTime(memory_->ida, to);
+    h_ = std::min(report.h, h_next_);
+    thrown_ = nullptr;
+    shift_before_ = shift_;
+    // more than once where the last step ended a rounding before the instant that was asked for
+    while (flag >= 0 && t - start_.t <= 1e-3 * kSameInstant * std::abs(t))
+      flag = IDASolve(memory_->ida, to, &t, memory_->u, memory_->ud, IDA_ONE_STEP);
+    if (flag < 0) {
+      if (thrown_) std::rethrow_exception(thrown_);
+      refuse(start_.t, report.h, "IDA gave up (code " + std::to_string(flag) + ")");
+    }
+    if (t < to) report.h = t - start_.t;
+    y_ = numbers(memory_->u) + shift_;
+    unflatten(y_, end_);
+    end_.t = t < to ? t : to;
+  }
+
+  /// Unit quaternions, then onto the constraints where the dynamics says so; the move goes into the shift. False: that
+  /// was too far away.
+  bool land(StepReport& report) {
+    if (dynamics_->options().stabilization.kind != Stabilization::Kind::project) {
+      dynamics_->normalize(end_);
+      report.violation = report.violation_after = dynamics_->violation(end_);
+    } else {
+      const ProjectReport landed = dynamics_->project(end_);
+      report.violation = landed.before, report.violation_after = landed.after;
+      if (!landed.converged || landed.before > 1e-3 * dynamics_->system().length()) return false;
+    }
+    flatten(end_, y_);
+    shift_ = y_ - numbers(memory_->u);
+    return true;
+  }
+
+  long rejections() const {
+    if (!started_) return 0;
+    long of_error = 0, of_newton = 0;
+    IDAGetNumErrTestFails(memory_->ida, &of_error);
+    IDAGetNumNonlinSolvConvFails(memory_->ida, &of_newton);
+    return of_error + of_newton;
+  }
+
+  [[noreturn]] static void refuse(double t, double h, const std::string& what) {
+    throw StepError(fmt::format("ida: {} (t = {:.9g} s, step {:.3g} s); take another method (--integrator), a wider "
+                                "tolerance, or look for a singular place (lockstep check)",
+                                what, t, h),
+                    t);
+  }
+
+  static constexpr double kMove = 1.5e-8;        // of a number's size, for differences: the root of the rounding unit
+  static constexpr double kTiny = 1e-300;        // nothing moves and no absolute tolerance
+  static constexpr double kNoWeight = 1e30;      // whatever their error
+  static constexpr double kSameInstant = 1e-12;  // of the time
+
+  int max_order_;
+  Tolerance tolerance_;
+  ErrorNorm norm_;  // of the first step
+  Dynamics* dynamics_ = nullptr;
+  std::unique_ptr<Memory> memory_;
+  double h_ = 0, h_next_ = 0;  // that weights count with, that IDA wants to make
+  bool started_ = false;       // IDA has begun somewhere
+  bool followed_ = false;      // a step was made, and the next one may go on from it
+  State start_, stage_, end_;
+  StateRate rate_, difference_;
+  mutable VecX y_;  // scratch
+  VecX f_, scale_;
+  VecX shift_, shift_before_;  // d, now and during the last step
+  std::exception_ptr thrown_;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.integrators.add(Ida::type_info(), &Ida::make); }

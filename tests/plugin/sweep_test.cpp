@@ -1,0 +1,204 @@
+// The verb sweep, called as a person, GNU parallel and Slurm call it.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "framework/record/table.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+using namespace lockstep;
+using namespace lockstep::testing;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kRod = std::string(paths::kScenes) + "/rod_pendulum.json";
+
+std::vector<std::string> lines_of(const std::string& name) {
+  std::ifstream file(kRunnerFolder + "/" + name);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ',' && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  return cells;
+}
+
+// A table without the times of computing, which are never the same twice.
+std::vector<std::vector<std::string>> results_of(const std::string& name) {
+  std::vector<std::vector<std::string>> rows;
+  std::size_t cpu = 0;
+  for (const std::string& line : lines_of(name)) {
+    rows.push_back(cells_of(line));
+    if (rows.size() == 1)
+      cpu = static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), "cpu [s]") - rows[0].begin());
+    REQUIRE(cpu < rows.back().size());
+    rows.back().erase(rows.back().begin() + static_cast<std::ptrdiff_t>(cpu));
+  }
+  return rows;
+}
+
+const std::string kGrid =
+    "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1:3:3 --vary gravity.1=-9.81,-1.62 ";
+
+}  // namespace
+
+TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
+  for (const char* name : {"whole", "half_1", "half_2", "joined"}) fs::remove(kRunnerFolder + "/" + name + ".csv");
+  const Called whole = call(kGrid + "--record whole.csv --histories sweep_histories");
+  INFO(whole.text);
+  CHECK(whole.exit == 0);
+  CHECK(contains(whole.text, "6, 0 failed"));
+  CHECK(call(kGrid + "--record half_1.csv --shard 1/2 --quiet").exit == 0);
+  CHECK(call(kGrid + "--record half_2.csv --shard 2/2 --quiet").text.empty());
+  CHECK(lines_of("half_1.csv").size() == 4);
+  CHECK(lines_of("half_2.csv").front() == lines_of("whole.csv").front());
+  CHECK(shell("awk 'FNR > 1 || NR == 1' half_*.csv | sort -t , -k 1,1n > joined.csv").exit == 0);
+  const auto rows = results_of("whole.csv");
+  REQUIRE(rows.size() == 7);
+  CHECK(results_of("joined.csv") == rows);
+  CHECK(rows[0][1] == "bodies.rod.rod.mass [kg]");
+  CHECK(rows[2][1] == "1");
+  CHECK(rows[2][2] == "-1.62");
+  // The row's numbers are those of the run's own columns.
+  const Table history = read_csv(kRunnerFolder + "/sweep_histories/2.csv");
+  CHECK(std::stod(rows[2][3]) == history.last("t"));
+  CHECK(std::stod(rows[2][4]) == history.last("phi"));
+  CHECK(std::stod(rows[2][5]) == *std::min_element(history["phi"].begin(), history["phi"].end()));
+  CHECK(std::stod(rows[2][6]) == *std::max_element(history["phi"].begin(), history["phi"].end()));
+}
+
+TEST_CASE("a sweep writes next to other files under a name of its own", "[runner][sweep]") {
+  for (const char* name : {"rod_pendulum_sweep", "rod_pendulum_sweep_7of9"})
+    fs::remove(kRunnerFolder + "/" + name + ".csv");
+  CHECK(call(kGrid + "--quiet").exit == 0);
+  CHECK(call(kGrid + "--quiet --shard 7/9").exit == 0);
+  CHECK(lines_of("rod_pendulum_sweep.csv").size() == 7);
+  CHECK(lines_of("rod_pendulum_sweep_7of9.csv").size() == 1);  // more shares than runs: the header alone
+}
+
+TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runner][sweep]") {
+  const Called r = call("sweep '" + kRod + "' --until 0.1 --vary bodies.rod.rod.to.0=-1,0,1 --record middle.csv");
+  INFO(r.text);
+  CHECK(r.exit == 1);
+  CHECK(contains(r.text, "run 2 (bodies.rod.rod.to.0 = 0 m) failed: "));
+  CHECK(contains(r.text, "a rod needs a length"));
+  const auto rows = results_of("middle.csv");
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[1].back() == "ok");
+  CHECK(contains(rows[2].back(), "failed: "));
+  CHECK(rows[2][2].empty());
+  CHECK(rows[3].back() == "ok");
+}
+
+TEST_CASE("words that cannot be are refused before the first run", "[runner][sweep]") {
+  const auto refused = [](const std::string& words, int exit, const std::string& part) {
+    const Called r = call("sweep '" + kRod + "' --record never.csv " + words);
+    INFO(words << "\n" << r.text);
+    CHECK(r.exit == exit);
+    CHECK(contains(r.text, part));
+    CHECK_FALSE(fs::exists(kRunnerFolder + "/never.csv"));
+  };
+  fs::remove(kRunnerFolder + "/never.csv");
+  refused("", 2, "--vary is required");
+  refused("--vary bodies.rod.rod.mas=1", 2, "did you mean \"bodies.rod.rod.mass\"?");
+  refused("--vary bodies.rod.mass=1,2", 2, "did you mean \"bodies.rod.rod.mass\"?");
+  refused("--vary gravity.1=1 --shard 3/2", 2, "the last is 2/2");
+  refused("--vary gravity.1=1 --vary gravity.1=2", 2, "varies twice");
+  refused("--vary run.tolerance=1e-4,1e-6 --tolerance 1e-8", 2, "--tolerance: \"run.tolerance\" varies");
+  refused("--vary bodies.rod.rod.mass=-1,-2", 3, "must be greater than 0");
+  const Called full = call("sweep '" + kRod + "' --until 0.1 --vary gravity.1=1 --record /dev/full");
+  INFO(full.text);
+  CHECK(full.exit == 8);
+}
+
+TEST_CASE("integrators, steps and options of the command line go together with what varies", "[runner][sweep]") {
+  const Called r =
+      call("sweep '" + kRod + "' --until 0.2 --integrator rk4 --vary run.step=0.1,10ms --record steps.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  const auto rows = results_of("steps.csv");
+  REQUIRE(rows.size() == 3);
+  const auto steps = static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), "steps") - rows[0].begin());
+  CHECK(rows[1][steps] == "2");
+  CHECK(rows[2][steps] == "20");
+}
+
+TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]") {
+  const std::string swing = scene_file("long_swing", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
+    "run": {"integrator": "rk4", "step": 1e-3, "until": 1, "record": ["arm.x"], "output": 1})");
+  const Called r = call("sweep '" + swing + "' --vary run.until=0.1,1e6,0.1 --record swing_sweep.csv",
+                        "timeout --foreground --preserve-status -s INT 3");
+  INFO(r.text);
+  CHECK(r.exit == 130);
+  CHECK(contains(r.text, "interrupted; the rows of 1 of 3 runs are in"));
+  const auto rows = results_of("swing_sweep.csv");
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[1].back() == "ok");
+}
+
+// The recipes are taken from the help, so that what is printed there is what works.
+TEST_CASE("the recipe for GNU parallel makes the table of one sweep", "[runner][sweep]") {
+  if (!contains(shell("parallel --version").text, "GNU parallel")) {
+    WARN("skipped: GNU parallel is not installed (tests/run installs it where it may)");
+    return;
+  }
+  const std::string help = call("sweep --help").text;
+  const auto line_with = [&](const std::string& begin) {
+    const std::size_t at = help.find("\n  " + begin);
+    REQUIRE(at != std::string::npos);
+    return help.substr(at + 3, help.find('\n', at + 1) - at - 3);
+  };
+  const std::string folder = kRunnerFolder + "/parallel";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  fs::copy_file(kRod, folder + "/pendulum.json");
+  const Called shards = shell("cd parallel && " + line_with("parallel "));
+  INFO(shards.text);
+  CHECK(shards.exit == 0);
+  CHECK(shell("cd parallel && " + line_with("awk ")).exit == 0);
+  const Called whole =
+      call("sweep parallel/pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --record parallel/one.csv");
+  CHECK(whole.exit == 0);
+  const auto rows = results_of("parallel/one.csv");
+  CHECK(rows.size() == 101);
+  CHECK(results_of("parallel/mass.csv") == rows);
+}
+
+// Slurm itself is not there: its variables are, one task after the other.
+TEST_CASE("the recipe for Slurm makes the table of one sweep", "[runner][sweep]") {
+  const std::string help = call("sweep --help").text;
+  std::string script;
+  const std::size_t begin = help.find("\n  #SBATCH");
+  REQUIRE(begin != std::string::npos);
+  script = help.substr(begin, help.find("\nThe shares", begin) - begin);
+  CHECK(contains(script, "--array=1-8"));
+  const std::string folder = kRunnerFolder + "/slurm";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  fs::copy_file(kRod, folder + "/pendulum.json");
+  std::ofstream(folder + "/job.sh") << script << "\n";
+  for (int i = 1; i <= 8; ++i) {
+    const Called task =
+        shell("cd slurm && SLURM_ARRAY_TASK_COUNT=8 SLURM_ARRAY_TASK_ID=" + std::to_string(i) + " sh job.sh");
+    INFO(task.text);
+    CHECK(task.exit == 0);
+  }
+  CHECK(shell("cd slurm && cat mass_*.csv | grep -c ',ok$'").text == "100\n");
+}

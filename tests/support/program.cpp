@@ -1,0 +1,47 @@
+#include "tests/support/program.h"
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+namespace lockstep::testing {
+
+namespace fs = std::filesystem;
+
+const std::string kRunnerFolder = std::string(paths::kBuild) + "/output/runner";
+
+Called shell(const std::string& line) {
+  fs::create_directories(kRunnerFolder);
+  const std::string command = "cd '" + kRunnerFolder + "' && PATH='" +
+                              fs::path(paths::kProgram).parent_path().string() + "':\"$PATH\" LOCKSTEP_OUTPUT='" +
+                              kRunnerFolder + "' && export PATH LOCKSTEP_OUTPUT && { " + line + "\n} 2>&1";
+  Called result;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::array<char, 4096> part;
+  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) result.text.append(part.data(), n);
+  const int status = pclose(pipe);
+  result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+Called call(const std::string& words, const std::string& before) {
+  return shell(before + " '" + paths::kProgram + "' " + words);
+}
+
+std::string scene_file(const std::string& name, const std::string& members) {
+  fs::create_directories(kRunnerFolder);
+  const std::string path = kRunnerFolder + "/" + name + ".json";
+  std::ofstream(path) << "{\"lockstep\": 1,\n" << members << "\n}\n";
+  return path;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace lockstep::testing

@@ -1,0 +1,26 @@
+// The program, called as a person calls it.
+#pragma once
+
+#include <string>
+
+namespace lockstep::testing {
+
+/// Where the calls work and write: a folder of the build tree.
+extern const std::string kRunnerFolder;
+
+struct Called {
+  int exit = -1;     ///< 128 + signal when one ended it
+  std::string text;  ///< both streams
+};
+
+/// `words` follow the program's name on a line of the shell, `before` stands before it.
+Called call(const std::string& words, const std::string& before = {});
+/// A whole line of the shell, the program on its PATH.
+Called shell(const std::string& line);
+
+/// Writes a scene of these members into the folder; its path.
+std::string scene_file(const std::string& name, const std::string& members);
+
+bool contains(const std::string& text, const std::string& part);
+
+}  // namespace lockstep::testing
