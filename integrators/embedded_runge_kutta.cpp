@@ -17,6 +17,9 @@ constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
 constexpr double kViolation = 1e-3;      // of the scene's length, before projection
 constexpr double kTurn = 0.5;            // rad a step, with the stages on the constraints
 constexpr double kSingular = 1e-2;       // detector below which the stages go onto the constraints,
+constexpr double kLeave = 0.1;           // rad: a first step that leads out of a singular position
+constexpr double kNowhere = 1e-7;        // detector below which it says no more than the proximal term
+constexpr double kRedundant = 1e-6;      // pivot of a row that others make redundant
 constexpr double kRoundOff = 1e-17;      // of the accelerations, times the detector
 constexpr double kShift = 0.93;          // a step that avoids such a place,
 constexpr int kShifts = 12;              // tried so often; then the best of them is taken,
@@ -74,7 +77,8 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   norm_.scale(state, 1.0);
   control_.begin();
   watch_.begin();
-  singular_ = false;
+  singular_ = looked_aside_ = false;
+  through_.begin(state);
   h_ = 0;
   dense_ready_ = false;
 }
@@ -130,13 +134,36 @@ void EmbeddedRungeKutta::start_step(Dynamics& dynamics, const State& state) {
   h_ = 0;
   dense_ready_ = false;
   on_ = options_.stages == StagesWhen::manifold || singular_ ? StagesOn::manifold : StagesOn::plain;
-  first_done_ = stages_.evaluate(dynamics, start_, 0, 0, 1, on_);
+  first_done_ = first_stage(dynamics);
   if (follows && first_done_ && !fixed()) watch_stiffness(dynamics, h);
+}
+
+// Where the step begins. In a singular position no solve tells the branch: the rates there come from both sides of it.
+// A start in one looks like any with redundant rows until one has looked aside.
+bool EmbeddedRungeKutta::first_stage(Dynamics& dynamics) {
+  if (!stages_.evaluate(dynamics, start_, 0, 0, 1, on_)) return false;
+  if (options_.stages == StagesWhen::plain) return true;
+  const bool starts = !looked_aside_ && stages_.sight(0).pivot < kRedundant;
+  looked_aside_ = true;
+  if (!starts && !blind(0)) return true;
+  const bool found = through_.find(dynamics, start_, error_);
+  if (starts && !stages_.evaluate(dynamics, start_, 0, 0, 1, on_)) return false;
+  if (!blind(0)) return true;
+  from_both_sides_ = found;
+  if (found) stages_.put(0, error_);
+  if (!found && starts)
+    throw StepError(
+        fmt::format(
+            "{}: the state at t = {:.9g} s is a singular position from which more than one motion goes on; start "
+            "a little beside it, and with the velocity that is meant",
+            scheme_.name, start_.t),
+        start_.t);
+  return true;
 }
 
 EmbeddedRungeKutta::Try EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h, double limit) {
   Try t;
-  if (!first_done_) first_done_ = stages_.evaluate(dynamics, start_, 0, 0, 1, on_);
+  if (!first_done_) first_done_ = first_stage(dynamics);
   const bool evaluated = first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, on_);
   t.singular = options_.stages == StagesWhen::automatic && on_ == StagesOn::plain && detector() < kSingular;
   if (t.singular || !evaluated) return t;
@@ -205,14 +232,18 @@ double EmbeddedRungeKutta::detector() const {
 // Accelerations are uncertain where the rows could not be met, and by round-off over the detector.
 bool EmbeddedRungeKutta::blind(int stage) const {
   const Sight& s = stages_.sight(stage);
-  return s.residual > kRowTolerance || s.detector * norm_.tolerance().relative < kRoundOff;
+  return s.residual > kRowTolerance || s.detector < kNowhere || s.detector * norm_.tolerance().relative < kRoundOff;
 }
 
 double EmbeddedRungeKutta::longest(double h) const {
-  if (fixed() || on_ == StagesOn::plain) return h;
+  return fixed() || on_ == StagesOn::plain ? h : std::min(h, time_to_turn(kTurn));
+}
+
+// s, by the body that turns fastest at the start of the step.
+double EmbeddedRungeKutta::time_to_turn(double angle) const {
   double w2 = 0;
   for (Eigen::Index i = 3; i < start_.v.size(); i += 6) w2 = std::max(w2, start_.v.segment<3>(i).squaredNorm());
-  return h * std::sqrt(w2) > kTurn ? kTurn / std::sqrt(w2) : h;
+  return w2 > 0 ? angle / std::sqrt(w2) : HUGE_VAL;
 }
 
 // The rate at the end of the last step, which the new one begins with, against its late stage's.
@@ -232,7 +263,7 @@ void EmbeddedRungeKutta::watch_stiffness(const Dynamics& dynamics, double h) {
 std::string EmbeddedRungeKutta::blame(double h, double t, int rejected) const {
   const std::string text = fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; ",
                                        scheme_.name, h, t, rejected);
-  if (watch_.stiff())
+  if (watch_.stiff() && detector() > kSingular)
     return text +
            "damped fast modes limit it (stiffness): take an implicit method (--integrator radau5 or "
            "generalized_alpha)";
@@ -295,7 +326,14 @@ double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, do
   if (fixed()) return 0;
   h_ = 0;  // its scratch is the dense output's
   dense_ready_ = false;
-  return guess_first_step(dynamics, state, scheme_.tableau.order, largest, norm_, poly_[0], poly_[1], end_);
+  const double guess =
+      guess_first_step(dynamics, state, scheme_.tableau.order, largest, norm_, poly_[0], poly_[1], end_);
+  if (options_.stages == StagesWhen::plain) return guess;
+  copy_motion(state, start_);
+  on_ = StagesOn::manifold;
+  from_both_sides_ = false;
+  first_stage(dynamics);
+  return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kLeave))) : guess;
 }
 
 }  // namespace lockstep

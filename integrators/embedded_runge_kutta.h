@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/singular_rate.h"
 #include "framework/model/params.h"
 #include "integrators/runge_kutta.h"
 #include "integrators/step_control.h"
@@ -66,6 +67,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
     bool singular = false;  ///< to be made again with the stages on the constraints
   };
   void start_step(Dynamics&, const State&);
+  bool first_stage(Dynamics&);
   Try attempt(Dynamics&, double h, double limit);
   void finish_step(const Try&, double h, int shifts, State&, StepReport&);
   double estimate(double h);
@@ -73,6 +75,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   double detector() const;
   bool blind(int stage) const;
   double longest(double h) const;
+  double time_to_turn(double angle) const;
   void watch_stiffness(const Dynamics&, double h);
   std::string blame(double h, double t, int rejected) const;
   void prepare_dense() const;
@@ -88,11 +91,14 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   State start_, end_, landed_;  // of the step: where it began, its end before and after normalisation and projection
   StateRate error_, gap_;       // gap_: end of the last step less its late stage
   VecX a_before_;               // at the beginning of the watch's window
+  SingularRate through_;
   StagesOn on_ = StagesOn::plain;
-  double h_ = 0;             // of the last step; 0: there is none
-  double landed_t_ = 0;      // its end
-  bool singular_ = false;    // automatic: the next step begins with its stages on the constraints
-  bool first_done_ = false;  // the first stage of the present step stands
+  double h_ = 0;                  // of the last step; 0: there is none
+  double landed_t_ = 0;           // its end
+  bool singular_ = false;         // automatic: the next step begins with its stages on the constraints
+  bool looked_aside_ = false;     // at the beginning of the run, for a singular position there
+  bool from_both_sides_ = false;  // the first stage's rates are SingularRate's
+  bool first_done_ = false;       // the first stage of the present step stands
 
   mutable Stages stages_;  // dense() adds its stages when it is called first
   mutable bool dense_ready_ = false;

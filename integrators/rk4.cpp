@@ -1,6 +1,8 @@
 // Source of the tableau: W. Kutta, Zeitschrift fuer Mathematik und Physik 46 (1901) 435.
 #include "integrators/rk4.h"
 
+#include "integrators/schemes.h"
+
 namespace lockstep {
 
 namespace {
@@ -11,6 +13,8 @@ constexpr double kB[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
 constexpr Tableau kTableau{4, 4, 4, 3, kA[0], kB, kC};
 
 }  // namespace
+
+const Tableau& rk4_tableau() { return kTableau; }
 
 TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: teaching and comparison", {}}; }
 

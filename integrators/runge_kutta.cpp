@@ -103,6 +103,12 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
   return true;
 }
 
+void Stages::put(int i, const StateRate& k) {
+  const auto at = static_cast<std::size_t>(i);
+  k_[at].q = k.q, k_[at].v = k.v, k_[at].s = k.s;
+  sight_[at] = {};
+}
+
 void Stages::combine(const State& y, double h, const Weights& w, State& out) const {
   add_part(y.q.data(), k_.data(), &StateRate::q, h, w, out.q);
   add_part(y.v.data(), k_.data(), &StateRate::v, h, w, out.v);

@@ -61,6 +61,8 @@ class LOCKSTEP_API Stages {
   /// The end of the step: combine() with b.
   void end(const State& y, double h, State& out) const { combine(y, h, b_, out); }
   const StateRate& k(int i) const { return k_[static_cast<std::size_t>(i)]; }
+  /// Puts the rates of stage i, known by other means.
+  void put(int i, const StateRate& k);
   /// Of stage i when watched; else nothing is the matter.
   const Sight& sight(int i) const { return sight_[static_cast<std::size_t>(i)]; }
 

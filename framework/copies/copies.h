@@ -15,6 +15,9 @@
 
 namespace lockstep {
 
+/// Instructions of the processor; `best` takes the widest that the machine has.
+enum class Instructions { best, plain, fma, avx512 };
+
 struct CopiesOptions {
   std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step)
   Tolerance tolerance;                ///< of dop853 and dopri5
@@ -22,6 +25,7 @@ struct CopiesOptions {
   double max_step = 0;                ///< s; 0: no limit
   Stabilization stabilization;        ///< project or none
   bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
+  Instructions instructions = Instructions::best;  ///< others for comparison
 };
 
 /// How a copy came through a run.

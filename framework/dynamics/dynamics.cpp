@@ -228,7 +228,8 @@ void Dynamics::check_gathered(const State& state) const {
     const std::string law = link.blame(state.t);
     throw NonFiniteError(
         when() + "link '" + link.name() + "' (" + std::string(link.type()) + ") made a number that is not finite" +
-            (law.empty() ? "; look at its function and at the pose it is in" : ": " + law + "; look at its parameters"),
+            (law.empty() ? std::string("; look at its function and at the pose it is in, or ") + kShorter
+                         : ": " + law + "; look at its parameters"),
         state.t);
   }
   if (f_.allFinite()) return;

@@ -94,6 +94,9 @@ CLI::App& add_sweep(CLI::App& app, Words& w) {
                   "where the rows go; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or "
                   "here")
       ->type_name("FILE.csv");
+  verb.add_option("--lanes", w.lanes, "auto: eight runs at once where the mechanism is suited; off: one by one")
+      ->check(CLI::IsMember({"auto", "off"}))
+      ->type_name("MODE");
   verb.add_option("--histories", w.histories, "folder for the columns of each run, <its number>.csv")->type_name("DIR");
   verb.add_flag("--quiet", w.quiet, "say nothing but errors");
   verb.footer(kSweepFooter);

@@ -39,6 +39,7 @@ struct Words {
   bool full = false;              ///< every economy off
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
+  std::string lanes;              ///< "off": one run at a time
 };
 
 /// A scene with the plugins that it and the command line ask for.

@@ -13,6 +13,7 @@
 #include "framework/runner/commands.h"
 #include "framework/runner/files.h"
 #include "framework/runner/progress.h"
+#include "framework/scene/sweep_lanes.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -20,6 +21,8 @@ namespace {
 
 constexpr long kMostTries = 100;  // runs that are built to find the columns
 constexpr long kMostReasons = 5;  // failures that are said at once
+constexpr long kLanes = 8;        // runs at once
+constexpr long kFewest = 3;       // runs for which lanes are worth it
 
 // Bad words of an option, whoever found them.
 template <class F>
@@ -137,10 +140,11 @@ class Rows {
 };
 
 struct Tally {
-  long done = 0, failed = 0, histories = 0;
+  long done = 0, failed = 0, histories = 0, in_lanes = 0;
+  std::string alone{};  // why no run can be in lanes
 };
 
-/// The runs of one shard, one after the other.
+/// The runs of one shard in their order, eight at a time where the mechanism is suited.
 class Sweep {
  public:
   Sweep(const Plan& plan, Rows& rows, const Interrupt& interrupt)
@@ -148,30 +152,51 @@ class Sweep {
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
         interrupt_(interrupt),
-        progress_(static_cast<double>(n_runs_), plan.words.quiet, Counts::runs) {}
+        progress_(static_cast<double>(n_runs_), plan.words.quiet, Counts::runs) {
+    if (plan.words.lanes == "off") tally_.alone = "as asked for";
+  }
 
   Tally go() {
     rows_.put(sweep_header(plan_.variables, plan_.columns));
-    while (tally_.done < n_runs_ && !interrupt_.asked() && one(Grid::run(plan_.shard, tally_.done)))
-      progress_.at(static_cast<double>(++tally_.done));
+    while (tally_.done < n_runs_ && !interrupt_.asked())
+      if (!together() && !one()) break;
     progress_.finish();
     return tally_;
   }
   long n_runs() const { return n_runs_; }
 
  private:
-  // False when it was broken off; then it leaves no row.
-  bool one(long number) {
-    Table history;
-    const SweepRun run = compute(number, plan_.words.histories.empty() ? nullptr : &history);
-    if (run.broken_off) return false;
-    if (history.n_columns() > 0) keep(number, history);
-    rows_.put(sweep_row(number, plan_.variables, plan_.grid.at(number), plan_.columns, run));
-    if (run.failed) say(number, run.status);
+  // The next eight in lanes. False when they cannot be: the next one goes alone, and seven more before lanes are tried
+  // again.
+  bool together() {
+    const long n = std::min<long>(kLanes, n_runs_ - tally_.done);
+    if (!tally_.alone.empty() || n < kFewest || tally_.done < next_try_) return false;
+    next_try_ = tally_.done + n;
+    std::vector<Scene> scenes;
+    std::vector<Table> histories(static_cast<std::size_t>(n));
+    try {
+      for (long k = 0; k < n; ++k) scenes.push_back(plan_.scene(number(tally_.done + k)));
+    } catch (const std::exception&) {
+      return false;
+    }
+    const LaneRuns lanes = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
+                                       watch(scenes.front().run.until, static_cast<double>(n)), &histories);
+    tally_.alone = lanes.unsuited;
+    if (lanes.runs.empty() || lanes.runs.front().broken_off) return false;
+    for (std::size_t k = 0; k < lanes.runs.size() && !lanes.runs[k].broken_off; ++k) take(lanes.runs[k], histories[k]);
+    tally_.in_lanes += n;
     return true;
   }
 
-  SweepRun compute(long number, Table* history) {
+  // False when it was broken off; then it leaves no row.
+  bool one() {
+    Table history;
+    const SweepRun run = compute(number(tally_.done), history);
+    if (!run.broken_off) take(run, history);
+    return !run.broken_off;
+  }
+
+  SweepRun compute(long number, Table& history) {
     Scene scene;
     try {
       scene = plan_.scene(number);
@@ -180,12 +205,23 @@ class Sweep {
       failed.failed = true, failed.status = error.what();
       return failed;
     }
-    const double until = scene.run.until;
-    const auto go_on = [&](const State& s) {
-      progress_.at(static_cast<double>(tally_.done) + std::min(s.t / until, 0.999));
+    return sweep_run(scene, plan_.loaded.registry, plan_.columns, watch(scene.run.until, 1), &history);
+  }
+
+  void take(const SweepRun& run, const Table& history) {
+    const long n = number(tally_.done);
+    if (!plan_.words.histories.empty() && history.n_columns() > 0) keep(n, history);
+    rows_.put(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, run));
+    if (run.failed) say(n, run.status);
+    progress_.at(static_cast<double>(++tally_.done));
+  }
+
+  long number(long k) const { return Grid::run(plan_.shard, k); }
+  std::function<bool(const State&)> watch(double until, double n) {
+    return [this, until, n](const State& s) {
+      progress_.at(static_cast<double>(tally_.done) + std::min(n * s.t / until, n - 0.001));
       return !interrupt_.asked();
     };
-    return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, history);
   }
 
   void keep(long number, const Table& history) {
@@ -208,6 +244,7 @@ class Sweep {
   const Interrupt& interrupt_;
   Progress progress_;
   Tally tally_;
+  long next_try_ = 0;  // at lanes
 };
 
 void print_heading(const Plan& plan, long n) {
@@ -221,7 +258,10 @@ void print_heading(const Plan& plan, long n) {
 }
 
 void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
-  fmt::print("  done       {}, {} failed\n  files      {} ({} rows)\n", tally.done, tally.failed, csv, tally.done);
+  fmt::print("  done       {}, {} failed\n", tally.done, tally.failed);
+  if (tally.in_lanes > 0) fmt::print("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
+  if (tally.in_lanes == 0 && !tally.alone.empty()) fmt::print("             one by one: {}\n", tally.alone);
+  fmt::print("  files      {} ({} rows)\n", csv, tally.done);
   if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.words.histories, tally.histories);
 }
 

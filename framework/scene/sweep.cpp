@@ -24,12 +24,6 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
-void take_columns(SweepRun& result, const Table& table) {
-  if (table.n_rows() == 0) return;
-  result.t = table.columns().front().values.back();
-  for (std::size_t k = 1; k < table.n_columns(); ++k) result.columns.push_back(range_of(table.columns()[k].values));
-}
-
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on) {
   std::vector<Event> events = make_events(m, recorder);
@@ -79,6 +73,15 @@ std::string titled(const std::string& name, const std::string& unit) {
 
 }  // namespace
 
+SweepRun recorded_run(const Table& table) {
+  SweepRun run;
+  run.status = "ok";
+  if (table.n_rows() == 0) return run;
+  run.t = table.columns().front().values.back();
+  for (std::size_t k = 1; k < table.n_columns(); ++k) run.columns.push_back(range_of(table.columns()[k].values));
+  return run;
+}
+
 Table recorded_columns(const Scene& scene, const Registry& registry) {
   Mechanism m = build(scene, registry);
   record_places(m);
@@ -102,7 +105,8 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
       if (history != nullptr) *history = recorder->table();
       throw;
     }
-    take_columns(result, recorder->table());
+    SweepRun recorded = recorded_run(recorder->table());
+    result.columns = std::move(recorded.columns), result.t = recorded.t;
     if (history != nullptr) *history = recorder->table();
   } catch (const std::exception& error) {
     result.failed = true;

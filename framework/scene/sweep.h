@@ -35,6 +35,9 @@ LOCKSTEP_API Table recorded_columns(const Scene&, const Registry&);
 LOCKSTEP_API SweepRun sweep_run(const Scene&, const Registry&, const Table& like,
                                 const std::function<bool(const State&)>& go_on = {}, Table* history = nullptr);
 
+/// What a run left behind that came to its end: status "ok", steps and time of computing still to be said.
+LOCKSTEP_API SweepRun recorded_run(const Table&);
+
 /// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],steps,cpu [s],status", with a line end.
 LOCKSTEP_API std::string sweep_header(const std::vector<Variable>&, const Table& columns);
 /// One line; the cells of results are empty when the run failed.

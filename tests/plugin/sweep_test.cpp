@@ -91,6 +91,27 @@ TEST_CASE("a sweep writes next to other files under a name of its own", "[runner
   CHECK(lines_of("rod_pendulum_sweep_7of9.csv").size() == 1);  // more shares than runs: the header alone
 }
 
+TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
+  const std::string arm = scene_file("arm", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
+    "run": {"integrator": "dop853", "tolerance": 1e-10, "until": 0.5, "output": 0.1,
+            "record": ["arm.x", {"Fy": "A.force_on_p_world_y"}]})");
+  const std::string words = "sweep '" + arm + "' --vary bodies.arm.rod.to.0=0.5:1.5:11 ";
+  const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
+  INFO(many.text << single.text);
+  CHECK(many.exit == 0);
+  CHECK(contains(many.text, "11 of them eight at a time"));
+  CHECK(contains(single.text, "one by one: as asked for"));
+  const auto a = results_of("lanes.csv"), b = results_of("single.csv");
+  REQUIRE(a.size() == 12);
+  REQUIRE(b.size() == 12);
+  CHECK(a[0] == b[0]);
+  for (std::size_t i = 1; i < a.size(); ++i)
+    for (std::size_t k = 0; k + 2 < a[i].size(); ++k)  // all but steps and status
+      CHECK(std::stod(a[i][k]) == Approx(std::stod(b[i][k])).margin(1e-6));
+}
+
 TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runner][sweep]") {
   const Called r = call("sweep '" + kRod + "' --until 0.1 --vary bodies.rod.rod.to.0=-1,0,1 --record middle.csv");
   INFO(r.text);

@@ -1,0 +1,84 @@
+#pragma once
+/// @file Families of mechanisms of one topology and different numbers, for the copies.
+
+#include <memory>
+#include <vector>
+
+#include "framework/analysis/assembly.h"
+#include "framework/force/spring_damper.h"
+#include "framework/kkt/schur_solver.h"
+#include "motionlaws/from.h"
+#include "tests/support/mechanism.h"
+
+namespace lockstep::test {
+
+/// Every member is made by `make(k)`, k = 0, 1, ...
+struct Family {
+  std::vector<std::unique_ptr<System>> systems;
+  template <class Make>
+  Family(int n, Make&& make) {
+    for (int k = 0; k < n; ++k) systems.push_back(make(k));
+  }
+  std::vector<System*> pointers() const {
+    std::vector<System*> out;
+    for (const auto& s : systems) out.push_back(s.get());
+    return out;
+  }
+  std::vector<State> starts() const {
+    std::vector<State> out;
+    for (const auto& s : systems) s->setup(), out.push_back(s->start());
+    return out;
+  }
+  std::vector<State> assembled() const {
+    std::vector<State> out = starts();
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      Dynamics dynamics(*systems[k], std::make_unique<SchurSolver>());
+      assemble(dynamics, out[k]);
+    }
+    return out;
+  }
+};
+
+/// Chain of n rods that hang on hinges, each about an axis that is turned against the one before by `twist`, rad.
+inline std::unique_ptr<System> chain(int n, int k, double twist = 0.0) {
+  auto sys = std::make_unique<System>(System::Options{Vec3(0.1 * k, 0, -9.81)});
+  Body* before = &sys->ground();
+  for (int i = 0; i < n; ++i) {
+    const double x = i, mass = 1.0 + 0.1 * k + 0.05 * i;
+    Body& rod = sys->add_body("rod " + std::to_string(i),
+                              {mass, Vec3::Zero(), (mass * Vec3(0.02 + 0.01 * k, 0.09, 0.1 + 0.01 * k)).asDiagonal()},
+                              {Vec3(x + 0.5, 0, 0), Quat{}});
+    const double angle = twist * i;
+    sys->add<Revolute>("hinge " + std::to_string(i), rod, *before,
+                       at(Vec3(x, 0, 0), Vec3(std::sin(angle), std::cos(angle), 0)));
+    before = &rod;
+  }
+  return sys;
+}
+
+/// Row of four-bars, `bays` of them, in the plane of x and z; in space its rows are redundant.
+inline std::unique_ptr<System> ladder(int bays, int k) {
+  auto sys = std::make_unique<System>(System::Options{Vec3(0, 0, -9.81)});
+  const Vec3 axis(0, 1, 0);
+  const double tilt = 0.3 + 0.1 * k, c = std::cos(tilt), s = std::sin(tilt);
+  std::vector<Body*> uprights;
+  const auto rod = [&](const std::string& name, const Vec3& middle) -> Body& {
+    const double m = 1.0 + 0.1 * k;
+    return sys->add_body(name, {m, Vec3::Zero(), (m * Vec3(0.08, 0.09, 0.1)).asDiagonal()}, {middle, Quat{}});
+  };
+  for (int i = 0; i <= bays; ++i) {
+    Body& up = rod("upright " + std::to_string(i), Vec3(i + 0.5 * s, 0, 0.5 * c));
+    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), at(Vec3(i, 0, 0), axis));
+    uprights.push_back(&up);
+  }
+  for (int i = 0; i < bays; ++i) {
+    Body& bar = rod("bar " + std::to_string(i), Vec3(i + 0.5 + s, 0, c));
+    sys->add<Revolute>("left " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)],
+                       at(Vec3(i + s, 0, c), axis));
+    sys->add<Revolute>("right " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
+                       at(Vec3(i + 1 + s, 0, c), axis));
+  }
+  return sys;
+}
+
+}  // namespace lockstep::test

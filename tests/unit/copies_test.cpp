@@ -1,0 +1,296 @@
+#include "framework/copies/copies.h"
+
+#include "framework/force/torsion_spring_damper.h"
+#include "framework/support/error.h"
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using namespace lockstep::test;
+using lockstep::testing::check_words;
+using lockstep::testing::message_of;
+
+namespace {
+
+double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
+
+// Largest difference of the rates from those of the ordinary evaluation, relative to the largest rate of their kind.
+double difference(Family& family, std::vector<State> states, Instructions set = Instructions::best) {
+  CopiesOptions options;
+  options.instructions = set;
+  Copies copies(family.pointers(), options);
+  std::vector<StateRate> rates(states.size());
+  for (const bool met : copies.rate(states, rates)) CHECK(met);
+  double worst = 0;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
+    StateRate truth;
+    dynamics.rate(states[k], truth);
+    for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
+      worst = std::max(worst, largest(rates[k].*part - truth.*part) / std::max(1.0, largest(truth.*part)));
+  }
+  return worst;
+}
+
+// A random mechanism by its links; the same for every seed, but for all numbers.
+template <class Links>
+Family random_family(int bodies, Links&& links, int particles = 0) {
+  return Family(8, [&](int k) {
+    inputs::Mechanism m(static_cast<std::uint64_t>(100 + k), Vec3(0.1 * k, -1, -9));
+    for (int i = 0; i < bodies; ++i) m.add_body();
+    for (int i = 0; i < particles; ++i) m.add_particle();
+    links(m);
+    return std::make_unique<System>(std::move(m.system));
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]") {
+  SECTION("chains, flat and twisted") {
+    for (const double twist : {0.0, 0.7}) {
+      Family family(8, [&](int k) { return chain(6, k, twist); });
+      std::vector<State> states = family.starts();
+      for (std::size_t k = 0; k < states.size(); ++k)
+        states[k].v.setRandom(), states[k].q += 0.01 * VecX::Random(states[k].q.size());  // off the constraints too
+      CHECK(difference(family, states) < 1e-12);
+    }
+  }
+  SECTION("free bodies and particles") {
+    Family family = random_family(
+        2, [](inputs::Mechanism&) {}, 1);
+    CHECK(difference(family, family.starts()) < 1e-12);
+  }
+  SECTION("every mask") {
+    for (int mask = 1; mask < 64; ++mask) {
+      Family family = random_family(2, [&](inputs::Mechanism& m) {
+        m.link(0, -1, Mask(mask));
+        m.link(0, 1, Mask(64 - mask));
+      });
+      INFO("mask " << mask);
+      CHECK(difference(family, family.starts()) < 1e-12);
+    }
+  }
+  SECTION("a side on the ground, particles, and a loop") {
+    Family family = random_family(
+        3,
+        [](inputs::Mechanism& m) {
+          m.link(-1, 0, Mask::xyz);
+          m.link(0, 1, Mask::xyz | Mask::e1 | Mask::e2);
+          m.link(2, 1, Mask::x | Mask::y | Mask::e3);
+          m.link(2, 0, Mask::z);
+          m.link(3, 2, Mask::xyz);
+        },
+        1);
+    CHECK(difference(family, family.starts()) < 1e-11);  // a loop: the proximal term leaves its own trace
+  }
+  SECTION("imposed laws and drives") {
+    Family family = random_family(3, [](inputs::Mechanism& m) {
+      m.link(0, -1, Mask::all, oracle::kP | oracle::kQD);
+      m.link(1, 0, Mask::x | Mask::z | Mask::e1, oracle::kP | oracle::kQD);
+      m.driven(2, 1, Mask::xyz | Mask::e1 | Mask::e2, Axis::rz);
+    });
+    CHECK(difference(family, family.starts()) < 1e-12);
+  }
+  SECTION("driven speeds and forces") {
+    Family family(5, [&](int k) {
+      auto sys = chain(3, k, 0.4);
+      static_cast<MarkerLock&>(*sys->links()[1]).drive_speed(Axis::rz, law([k](auto t) { return 0.1 * k + sin(t); }));
+      Marker& p = sys->add_marker("p", sys->body("rod 2"), {Vec3(0.5, 0, 0), {}});
+      Marker& s = sys->add_marker("s", sys->ground(), {Vec3(0, 1, 2), {}});
+      sys->add<SpringDamper>("spring", p, s, {.stiffness = 40.0 + k, .damping = 1.0, .free_length = 0.5});
+      return sys;
+    });
+    std::vector<State> states = family.starts();
+    for (std::size_t k = 0; k < states.size(); ++k) states[k].t = 0.3 * double(k), states[k].v.setRandom();
+    CHECK(difference(family, states) < 1e-12);
+  }
+}
+
+TEST_CASE("rows that are redundant do not disturb the lanes", "[unit][copies]") {
+  Family family(8, [](int k) { return ladder(3, k); });
+  CHECK(difference(family, family.assembled()) < 1e-10);  // both solve with E = 1e-9, corrected once
+}
+
+TEST_CASE("plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
+  Family family = random_family(3, [](inputs::Mechanism& m) {
+    m.link(0, -1, Mask::xyz | Mask::e1 | Mask::e2);
+    m.link(1, 0, Mask::x | Mask::y | Mask::e3, oracle::kP);
+    m.link(2, 1, Mask::all, oracle::kQD);
+  });
+  const std::vector<State> states = family.starts();
+  int compared = 0;
+  for (const Instructions set : {Instructions::plain, Instructions::fma, Instructions::avx512}) try {
+      CHECK(difference(family, states, set) < 1e-12);
+      ++compared;
+    } catch (const ModelError& absent) {
+      check_words(absent.what(), {"this machine has no"});
+    }
+  CHECK(compared >= 1);
+}
+
+TEST_CASE("lanes are projected as single states are", "[unit][copies]") {
+  for (const bool loops : {false, true}) {
+    Family family(8, [&](int k) { return loops ? ladder(2, k) : chain(4, k, 0.5); });
+    std::vector<State> states = family.assembled();
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      states[k].q += (k == 3 ? 1e-4 : 1e-5) * VecX::Random(states[k].q.size());
+      states[k].v += 1e-3 * VecX::Random(states[k].v.size());
+    }
+    std::vector<State> lanes = states;
+    for (const bool converged : Copies(family.pointers()).project(lanes)) CHECK(converged);
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
+      INFO("loops " << loops << ", copy " << k);
+      CHECK(dynamics.violation(lanes[k]) < 1e-12);
+      const double left_v = dynamics.violation_v(lanes[k]);
+      dynamics.project(states[k]);
+      CHECK(left_v <= 1.1 * dynamics.violation_v(states[k]) + 1e-12);
+      CHECK(largest(lanes[k].q - states[k].q) < 1e-10);
+      CHECK(largest(lanes[k].v - states[k].v) < 1e-9);
+    }
+  }
+}
+
+namespace {
+
+struct Told {
+  std::vector<std::vector<State>> states;  // of each copy, time after time
+  std::vector<CopyReport> reports;
+};
+Told told(Family& family, const std::vector<State>& starts, const std::vector<double>& times, CopiesOptions options) {
+  Copies copies(family.pointers(), options);
+  Told out;
+  out.states.resize(starts.size());
+  out.reports = copies.run(starts, times, [&](int copy, std::size_t time, const State& state) {
+    auto& mine = out.states[static_cast<std::size_t>(copy)];
+    CHECK(time == mine.size());
+    CHECK(state.t == times[time]);
+    mine.push_back(state);
+  });
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
+  const std::vector<double> times{0.0, 0.1, 0.25, 0.5};
+  for (const char* method : {"rk4", "dopri5", "dop853"}) {
+    Family family(11, [](int k) { return chain(3, k, 0.3); });  // more than one batch, the second one not full
+    const std::vector<State> starts = family.assembled();
+    CopiesOptions options;
+    options.integrator = method;
+    options.tolerance = {1e-9, 1e-11};
+    options.step = std::string(method) == "rk4" ? 1e-3 : 0.0;
+    const Told lanes = told(family, starts, times, options);
+    options.lanes = false;
+    const Told alone = told(family, starts, times, options);
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      INFO(method << ", copy " << k);
+      REQUIRE(lanes.states[k].size() == times.size());
+      CHECK(lanes.reports[k].finished);
+      CHECK_FALSE(lanes.reports[k].alone);
+      CHECK(alone.reports[k].alone);
+      CHECK(lanes.reports[k].steps == alone.reports[k].steps);
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        CHECK(largest(lanes.states[k][i].q - alone.states[k][i].q) < 1e-9);
+        CHECK(largest(lanes.states[k][i].v - alone.states[k][i].v) < 1e-8);
+      }
+    }
+    CHECK(largest(lanes.states[0].back().q - lanes.states[7].back().q) > 1e-3);  // they are not all the same
+  }
+}
+
+TEST_CASE("a copy whose law fails is named, the others go on", "[unit][copies]") {
+  Family family(8, [](int k) {
+    auto sys = chain(2, k, 0.2);
+    const double end = k == 3 ? 0.2 : 10.0;
+    static_cast<MarkerLock&>(*sys->links()[0]).drive(Axis::rz, law([end](auto t) {
+                                                       return 0.1 * t + 0.0 * sqrt(end - t);
+                                                     }));
+    return sys;
+  });
+  const Told run = told(family, family.assembled(), {0.1, 0.5}, {});
+  for (std::size_t k = 0; k < 8; ++k) {
+    CHECK(run.reports[k].finished == (k != 3));
+    CHECK(run.states[k].size() == (k == 3 ? 1u : 2u));
+  }
+  check_words(run.reports[3].error, {"hinge 0"});
+  CHECK(run.reports[3].t < 0.2);
+}
+
+TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
+  const auto kink = [](int k) {
+    auto sys = chain(1, k);
+    const double t1 = 0.21 + 0.01 * k;
+    static_cast<MarkerLock&>(*sys->links()[0])
+        .drive(Axis::rz, law([t1](auto t) { return t < t1 ? 0.0 * t : 5.0 * (t - t1) * (t - t1); }, {t1}));
+    return sys;
+  };
+  Family family(4, kink);
+  CopiesOptions options;
+  options.tolerance = {1e-8, 1e-10};
+  const Told run = told(family, family.assembled(), {1.0}, options);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double turned = 5.0 * (0.79 - 0.01 * double(k)) * (0.79 - 0.01 * double(k));
+    CHECK(run.reports[k].rejected <= 2);
+    CHECK(std::abs(run.states[k][0].q[3]) == Approx(std::abs(std::cos(0.5 * turned))).margin(1e-9));
+  }
+}
+
+TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
+  if (!allocations_are_counted()) return;
+  Family family(8, [](int k) { return ladder(2, k); });
+  const std::vector<State> starts = family.assembled();
+  CopiesOptions options;
+  options.integrator = "dopri5";
+  Copies copies(family.pointers(), options);
+  const auto run_to = [&](double t) {
+    const std::vector<double> times{t};
+    return allocations_of([&] { copies.run(starts, times, [](int, std::size_t, const State&) {}); });
+  };
+  run_to(0.1);
+  const long once = run_to(0.1);
+  CHECK(once > 0);  // the library's are counted
+  CHECK(run_to(1.0) == once);
+}
+
+TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
+  const auto message = [](auto&& act) { return message_of<ModelError>(act); };
+  CHECK(Copies::unsuited(*chain(2, 0)) == "");
+  {
+    auto planar = chain(2, 0);
+    planar->set_planar(Plane{1});
+    check_words(Copies::unsuited(*planar), {"planar"});
+  }
+  {
+    inputs::Mechanism m(1);
+    m.add_body();
+    m.link(0, -1, Mask::xyz, oracle::kUP);
+    check_words(Copies::unsuited(m.system), {"link 0.P", "slides"});
+  }
+  {
+    Family family(2, [](int k) { return chain(2 + k, 0); });
+    check_words(message([&] { Copies c(family.pointers()); }), {"copy 1", "moving bodies"});
+  }
+  {
+    Family family = Family(2, [](int k) {
+      auto sys = chain(2, 0);
+      if (k == 1) static_cast<MarkerLock&>(*sys->links()[1]).drive(Axis::rz, law([](auto t) { return t; }));
+      return sys;
+    });
+    check_words(message([&] { Copies c(family.pointers()); }), {"hinge 1"});
+  }
+  Family family(2, [](int k) { return chain(2, k); });
+  CopiesOptions options;
+  options.integrator = "radau5";
+  check_words(message([&] { Copies c(family.pointers(), options); }), {"radau5"});
+  Copies copies(family.pointers());
+  const std::vector<State> one{family.starts()[0]};
+  std::vector<StateRate> rates(1);
+  check_words(message([&] { copies.rate(one, rates); }), {"1 states for 2 copies"});
+  check_words(message([&] { copies.run(family.starts(), std::vector<double>{1.0, 0.5}, {}); }), {"ascending"});
+  check_words(message([&] { Copies c({}); }), {"at least one"});
+}

@@ -1,0 +1,114 @@
+#include "framework/dynamics/singular_rate.h"
+
+#include <cmath>
+
+#include "framework/lockstep.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+
+namespace {
+
+/// Parallelograms in a row: uprights and bars of 1 m and 1 kg at the angle theta, turning at w; hinges in space.
+struct Bays {
+  int n;
+  System system{System::Options{{0, -9.81, 0}}};
+
+  Bays(int n_bays, double theta, double w) : n(n_bays) {
+    const Vec3 d(std::cos(theta), std::sin(theta), 0), z = Vec3::UnitZ(), x = Vec3::UnitX();
+    std::vector<Body*> uprights;
+    for (int k = 0; k <= n; ++k) {
+      const std::string number = std::to_string(k);
+      Body& b = system.add_body("upright " + number, slender_rod(1, k * x, k * x + d, 0.01));
+      b.start = {cross(Vec3(w * z), Vec3(0.5 * d)), w * z};
+      system.add<Revolute>("A" + number, b, system.ground(), at(k * x, z));
+      uprights.push_back(&b);
+    }
+    for (int k = 0; k < n; ++k) {
+      const std::string number = std::to_string(k);
+      Body& b = system.add_body("bar " + number, slender_rod(1, k * x + d, (k + 1) * x + d, 0.01));
+      b.start = {cross(Vec3(w * z), d), Vec3::Zero()};
+      system.add<Revolute>("B" + number, b, *uprights[static_cast<std::size_t>(k)], at(k * x + d, z));
+      system.add<Revolute>("C" + number, b, *uprights[static_cast<std::size_t>(k + 1)], at((k + 1) * x + d, z));
+    }
+    system.setup();
+  }
+  /// A theta'' = -G cos theta, with all rods in one motion.
+  double acceleration(double theta) const {
+    return -9.81 * (0.5 * (n + 1) + n) * std::cos(theta) / ((n + 1) / 3.0 + n);
+  }
+  /// The angle after t from `theta` at w, by a small step of order 4 of its own.
+  double angle(double theta, double w, double t) const {
+    const int n_steps = 20000;
+    const double h = t / n_steps;
+    for (int i = 0; i < n_steps; ++i) {
+      const double k1 = acceleration(theta), k2 = acceleration(theta + 0.5 * h * w);
+      const double k3 = acceleration(theta + 0.5 * h * (w + 0.5 * h * k1)),
+                   k4 = acceleration(theta + h * (w + 0.5 * h * k2));
+      theta += h * (w + h / 6 * (k1 + k2 + k3));
+      w += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    return theta;
+  }
+};
+
+Dynamics dynamics_of(System& system) {
+  return Dynamics(system, builtin_registry().solvers.make("schur", Params{}, nullptr, "run.solver"));
+}
+
+}  // namespace
+
+TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamics]") {
+  const int n = GENERATE(1, 2, 6);
+  Bays bays(n, 0, 1.5);
+  Dynamics dynamics = dynamics_of(bays.system);
+  const State s = bays.system.start();
+  SingularRate through;
+  through.begin(s);
+  StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)}, solved = k;
+  REQUIRE(through.find(dynamics, s, k));
+  const double exact = bays.acceleration(0);
+  CAPTURE(n, exact);
+  for (int i = 0; i <= n; ++i) {
+    const int slot = bays.system.body("upright " + std::to_string(i)).slot;
+    CHECK(k.v[6 * slot + 5] == Approx(exact).epsilon(1e-8));
+  }
+  dynamics.rate(s, solved);
+  CHECK((k.q - solved.q).norm() < 1e-15);
+  if (n > 1) CHECK((k.v - solved.v).norm() > 0.1);  // what one solve makes of it
+}
+
+TEST_CASE("at rest in a flat position no motion is preferred", "[unit][dynamics]") {
+  Bays bays(2, 0, 0);
+  Dynamics dynamics = dynamics_of(bays.system);
+  const State s = bays.system.start();
+  SingularRate through;
+  through.begin(s);
+  StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)};
+  CHECK_FALSE(through.find(dynamics, s, k));
+}
+
+TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dynamics]") {
+  const char* method = GENERATE("dop853", "dopri5");
+  const char* stages = GENERATE("auto", "manifold");
+  Bays bays(2, 0, 1.5);
+  Dynamics dynamics = dynamics_of(bays.system);
+  Simulation run(dynamics,
+                 builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
+                 {.tolerance = {1e-9, 1e-11}});
+  run.run_until(0.5);
+  const Vec3 top = pose(bays.system.body("bar 0"), run.state()).x - Vec3(0.5, 0, 0);
+  const double theta = bays.angle(0, 1.5, 0.5);
+  CAPTURE(method, stages, theta);
+  CHECK((top - Vec3(std::cos(theta), std::sin(theta), 0)).norm() < 2e-8);
+}
+
+TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
+  Bays bays(2, 0, 0);
+  Dynamics dynamics = dynamics_of(bays.system);
+  Simulation run(dynamics,
+                 builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
+  testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
+                       {"dop853", "singular position", "start a little beside it"});
+}

@@ -1,0 +1,95 @@
+// Runs of a sweep eight at a time against the same runs one by one.
+#include "framework/scene/sweep_lanes.h"
+
+#include <cmath>
+
+#include "framework/builtins.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+std::string scene_text(const std::string& run, const std::string& more = "") {
+  return R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+               {"name": "bob", "sphere": {"mass": 2, "radius": 0.1}, "position": [1.3, 0, 0.2]}],
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]},
+              {"name": "B", "type": "spherical", "p": "bob", "s": "rod", "at": [1, 0, 0]}],)" +
+         more + R"("run": {)" + run + "}}";
+}
+const std::string kRun = R"("until": 1, "output": 0.1, "integrator": "dop853", "tolerance": 1e-10,
+  "record": ["bob.x", "bob.y", "A.force_on_p_world_y"])";
+
+struct Runs {
+  Registry registry = builtin_registry();
+  std::vector<Scene> scenes;
+  Table columns;
+  Runs(const std::string& text, const std::string& vary) {
+    const Scene scene = scene_from_text(text, "scene.json");
+    const std::vector<Variable> variables = read_variables({vary}, scene, registry);
+    for (std::size_t k = 0; k < variables[0].values.size(); ++k)
+      scenes.push_back(varied(scene, variables, {k}, registry));
+    columns = recorded_columns(scene, registry);
+  }
+  LaneRuns lanes(std::vector<Table>* histories = nullptr) {
+    return sweep_lanes(scenes, registry, columns, {}, histories);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("lanes record what single runs record, from start to end", "[unit][scene]") {
+  Runs group(scene_text(kRun), "bodies.bob.sphere.mass=0.5:4:8");
+  std::vector<Table> histories(8);
+  const LaneRuns lanes = group.lanes(&histories);
+  INFO(lanes.unsuited);
+  REQUIRE(lanes.runs.size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    Table history;
+    const SweepRun alone = sweep_run(group.scenes[k], group.registry, group.columns, {}, &history);
+    INFO("copy " << k << ": " << alone.status << ", " << lanes.runs[k].status);
+    CHECK(lanes.runs[k].status == "ok");
+    CHECK(lanes.runs[k].t == alone.t);
+    CHECK(lanes.runs[k].steps > 0);
+    REQUIRE(histories[k].n_rows() == history.n_rows());
+    for (const char* column : {"t", "bob.x", "bob.y", "A.force_on_p_world_y"})
+      for (std::size_t i = 0; i < history.n_rows(); ++i)
+        CHECK(std::abs(histories[k][column][i] - history[column][i]) < 1e-6);
+    for (std::size_t c = 0; c < alone.columns.size(); ++c) {
+      CHECK(std::abs(lanes.runs[k].columns[c].least - alone.columns[c].least) < 1e-6);
+      CHECK(std::abs(lanes.runs[k].columns[c].most - alone.columns[c].most) < 1e-6);
+    }
+  }
+  CHECK(std::abs(lanes.runs[0].columns[0].last - lanes.runs[7].columns[0].last) > 1e-3);  // the runs do differ
+}
+
+TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit][scene]") {
+  const auto why = [](const std::string& text) {
+    const LaneRuns lanes = Runs(text, "bodies.bob.sphere.mass=1,2,3").lanes();
+    CHECK(lanes.runs.empty());
+    return lanes.unsuited;
+  };
+  const std::string event = R"("events": [{"name": "low", "when": {"channel": "bob.y"}, "stop": true}],)";
+  CHECK(says(why(scene_text(kRun, event)), {"events"}));
+  CHECK(says(why(scene_text(R"("until": 1)")), {"every step is recorded"}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "integrator": "rk4", "step": 0.01)")), {"dop853"}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["A.angle_z"])")), {"\"A.angle_z\""}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "solver": "dense")")), {"schur"}));
+  for (const char* vary : {"bodies.bob.sphere.mass=1,-1,2", "run.until=1,2,3"}) {
+    const LaneRuns lanes = Runs(scene_text(kRun), vary).lanes();
+    INFO(vary << ": " << lanes.unsuited);
+    CHECK(lanes.runs.empty());
+    CHECK(lanes.unsuited.empty());
+  }
+}
+
+TEST_CASE("lanes can be broken off", "[unit][scene]") {
+  Runs group(scene_text(kRun), "bodies.bob.sphere.mass=1,2,3");
+  const LaneRuns lanes =
+      sweep_lanes(group.scenes, group.registry, group.columns, [](const State& s) { return s.t < 0.5; });
+  REQUIRE(lanes.runs.size() == 3);
+  CHECK(lanes.runs.front().broken_off);
+}
