@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/kkt/rows.h"
+#include "framework/support/export.h"
 
 namespace lockstep::schur {
 
@@ -65,6 +66,6 @@ struct Plan {
   static constexpr int kHub = 6;
 };
 
-Plan make_plan(const RowTable& rows, int n_slots, bool planar);
+LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar);
 
 }  // namespace lockstep::schur
