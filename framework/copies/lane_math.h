@@ -1,6 +1,8 @@
-// Vectors, matrices and quaternions of which every number is eight: one a copy. Private to the room.
+// Vectors, matrices and quaternions of which every number is a pack: one number a copy. Private to the room.
 //
-// Everything is always inlined, so that it is compiled for the instruction set of the pass that calls it.
+// Compiled once for each set of instructions, into a namespace of its own: LOCKSTEP_SET, with packs of LOCKSTEP_WIDE
+// lanes, as many as a register holds. Everything is always inlined, so that it is compiled for the set of the pass that
+// calls it. Lanes stand eight in a row in every case; narrower packs make several rounds (lane_all.h).
 #pragma once
 
 #include "framework/copies/lane_plan.h"
@@ -8,10 +10,10 @@
 
 #define LOCKSTEP_LANE [[gnu::always_inline]] inline
 
-namespace lockstep::lanes {
+namespace lockstep::lanes::LOCKSTEP_SET {
 
-using V = Pack<kLanes>;
-typedef long Bits __attribute__((vector_size(64)));  ///< of a comparison: -1 true, 0 false
+inline constexpr int kWide = LOCKSTEP_WIDE;  ///< lanes in one register
+using V = Pack<kWide>;                       ///< of the eight that stand in a row
 
 LOCKSTEP_LANE V load(const double* p, std::size_t at) { return *reinterpret_cast<const V*>(p + kLanes * at); }
 LOCKSTEP_LANE void store(double* p, std::size_t at, const V& v) { *reinterpret_cast<V*>(p + kLanes * at) = v; }
@@ -70,4 +72,4 @@ LOCKSTEP_LANE M3 rotation(const Q4& q) {
       {1.0 - (yy + zz), xy - wz, xz + wy}, {xy + wz, 1.0 - (xx + zz), yz - wx}, {xz - wy, yz + wx, 1.0 - (xx + yy)}};
 }
 
-}  // namespace lockstep::lanes
+}  // namespace lockstep::lanes::LOCKSTEP_SET

@@ -39,23 +39,15 @@ struct Passes {
 /// Throws ModelError where the machine has not got these instructions.
 Passes passes(Instructions);
 
-// What passes() is made of.
-void set_row_passes(Instructions, Passes&);
-void set_factor_passes(Instructions, Passes&);
-
-// Three functions of one pass: name_avx512, name_fma, name_plain. `arguments` is how they call the pass `name`.
-#if defined(__x86_64__)
-#define LOCKSTEP_SETS(name, parameters, arguments)                             \
-  [[gnu::target("avx512f")]] void name##_avx512 parameters { name arguments; } \
-  [[gnu::target("fma")]] void name##_fma parameters { name arguments; }        \
-  void name##_plain parameters { name arguments; }
-#else
-#define LOCKSTEP_SETS(name, parameters, arguments)  \
-  void name##_avx512 parameters { name arguments; } \
-  void name##_fma parameters { name arguments; }    \
-  void name##_plain parameters { name arguments; }
-#endif
-#define LOCKSTEP_CHOOSE(set, passes, name) \
-  passes.name = set == Instructions::avx512 ? name##_avx512 : set == Instructions::fma ? name##_fma : name##_plain
+// What it chooses from, each compiled in a file of its own.
+namespace avx512 {
+Passes all_passes();
+}
+namespace fma {
+Passes all_passes();
+}
+namespace plain {
+Passes all_passes();
+}
 
 }  // namespace lockstep::lanes

@@ -5,7 +5,7 @@
 #include "framework/copies/lane_math.h"
 #include "framework/copies/lane_numbers.h"
 
-namespace lockstep::lanes {
+namespace lockstep::lanes::LOCKSTEP_SET {
 
 /// What the rows are asked for: the right side Qhat, or what projection moves to zero: C and Ct.
 enum class For { acceleration, projection };
@@ -167,4 +167,4 @@ LOCKSTEP_LANE void rows(const Plan& plan, const Node& node, const Numbers& z) {
   }
 }
 
-}  // namespace lockstep::lanes
+}  // namespace lockstep::lanes::LOCKSTEP_SET

@@ -8,7 +8,7 @@
 #include "framework/copies/lane_math.h"
 #include "framework/copies/lane_numbers.h"
 
-namespace lockstep::lanes {
+namespace lockstep::lanes::LOCKSTEP_SET {
 
 inline constexpr double kPivotFloor = 1e-14;                        ///< of the diagonal it started from
 inline constexpr int kI[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  ///< xx xy xz yy yz zz
@@ -277,4 +277,4 @@ LOCKSTEP_LANE void times(const Plan& plan, const Node& node, const Numbers& z, c
   }
 }
 
-}  // namespace lockstep::lanes
+}  // namespace lockstep::lanes::LOCKSTEP_SET

@@ -3,7 +3,7 @@
 
 #include "framework/copies/lane_schur.h"
 
-namespace lockstep::lanes {
+namespace lockstep::lanes::LOCKSTEP_SET {
 
 /// Calls f with the number of rows, and whether they begin with a triple, as constants.
 template <class F>
@@ -52,4 +52,4 @@ LOCKSTEP_LANE void with_size(const Node& node, F&& f) {
   }
 }
 
-}  // namespace lockstep::lanes
+}  // namespace lockstep::lanes::LOCKSTEP_SET

@@ -36,6 +36,7 @@ struct BlockSolver::Work {
   BlockFactor<double> factor;
   std::vector<BlockPlan::Place> mass, jacobian, proximal;  // of slots; of links and their slots; of links
   VecX rhs, pivots;
+  std::vector<double> relative, scratch;  // pivots of the rows against their scales
   StopRule rule;
   int n_small = 0, n_small_usual = 0;
   double smallest_pivot = 0.0;
@@ -73,7 +74,7 @@ void BlockSolver::Work::measure_pivots(const Kkt& kkt) {
   smallest_pivot = std::numeric_limits<double>::infinity();
   n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = pivots[kkt.pattern.n + j] / kkt.E[j];
+    const double pivot = relative[static_cast<std::size_t>(j)] = pivots[kkt.pattern.n + j] / kkt.E[j];
     smallest_pivot = std::min(smallest_pivot, pivot);
     if (pivot < kSmallPivot) ++n_small;
   }
@@ -104,6 +105,8 @@ void BlockSolver::analyse(const KktPattern& pattern) {
     ++node;
   }
   for (VecX* v : {&w.rhs, &w.pivots}) v->setZero(pattern.n + pattern.m);
+  w.relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
+  w.scratch = w.relative;
   w.rule.analyse(pattern);
   w.n_small_usual = pattern.m;
 }
@@ -139,6 +142,16 @@ SolveReport BlockSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, Vec
   // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
   report.contradictory = w.rule.largest() > kContradiction && w.rule.stalled() && w.n_small <= w.n_small_usual;
   return report;
+}
+
+void BlockSolver::complete(SolveReport& report) const {
+  Work& w = *work_;
+  const auto n_usual = w.n_small_usual;
+  if (n_usual >= static_cast<int>(w.relative.size())) return;
+  std::copy(w.relative.begin(), w.relative.end(), w.scratch.begin());
+  const auto place = w.scratch.begin() + n_usual;
+  std::nth_element(w.scratch.begin(), place, w.scratch.end());
+  report.detector = *place;
 }
 
 long BlockSolver::multiplications() const { return work_->plan.multiplications; }

@@ -31,6 +31,7 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
   /// Throws SolveError for a body without mass or inertia.
   void factor(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport&) const override;
   /// Multiplications of one factorisation.
   long multiplications() const;
 

@@ -203,6 +203,31 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
   }
 }
 
+TEST_CASE("forces in lanes count their turns", "[unit][copies]") {
+  Family family(3, [](int k) {
+    auto sys = chain(1, k);
+    const Marker &p = *sys->links()[0]->pairs()[0].first, &s = *sys->links()[0]->pairs()[0].second;
+    sys->add<TorsionSpringDamper>("spring", const_cast<Marker&>(p), const_cast<Marker&>(s),
+                                  {.stiffness = 0.1 + 0.1 * k});
+    return sys;
+  });
+  std::vector<State> starts = family.assembled();
+  for (std::size_t k = 0; k < starts.size(); ++k) {  // fast enough to pass half a turn
+    starts[k].v[4] = 20;
+    Dynamics(*family.systems[k], std::make_unique<SchurSolver>()).project(starts[k]);
+  }
+  CopiesOptions options;
+  options.tolerance = {1e-9, 1e-11};
+  const Told lanes = told(family, starts, {1.0}, options);
+  options.lanes = false;
+  const Told alone = told(family, starts, {1.0}, options);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    CHECK(largest(lanes.states[k][0].z - alone.states[k][0].z) < 1e-8);
+    CHECK(largest(lanes.states[k][0].z) > kPi);  // where an angle that is not counted jumps
+    CHECK(largest(lanes.states[k][0].q - alone.states[k][0].q) < 1e-8);
+  }
+}
+
 TEST_CASE("a copy whose law fails is named, the others go on", "[unit][copies]") {
   Family family(8, [](int k) {
     auto sys = chain(2, k, 0.2);

@@ -1,10 +1,9 @@
-#include "framework/copies/lane_passes.h"
+// S + E -> L, D, and its solutions, over all nodes. Private to the room.
+#pragma once
 
 #include "framework/copies/lane_shapes.h"
 
-// S + E -> L, D, and its solutions.
-namespace lockstep::lanes {
-namespace {
+namespace lockstep::lanes::LOCKSTEP_SET {
 
 template <bool kSolve>
 LOCKSTEP_LANE void eliminate_all(const Plan& plan, const Numbers& z) {
@@ -38,16 +37,4 @@ LOCKSTEP_LANE void apply(const Plan& plan, const Numbers& z) {
         node, [&]<int M, bool T>() __attribute__((always_inline)) { apply_node<M, T>(plan, node, z); });
 }
 
-LOCKSTEP_SETS(factor_and_solve, (const Plan& plan, const Numbers& z), (plan, z))
-LOCKSTEP_SETS(solve, (const Plan& plan, const Numbers& z), (plan, z))
-LOCKSTEP_SETS(apply, (const Plan& plan, const Numbers& z), (plan, z))
-
-}  // namespace
-
-void set_factor_passes(Instructions set, Passes& out) {
-  LOCKSTEP_CHOOSE(set, out, factor_and_solve);
-  LOCKSTEP_CHOOSE(set, out, solve);
-  LOCKSTEP_CHOOSE(set, out, apply);
-}
-
-}  // namespace lockstep::lanes
+}  // namespace lockstep::lanes::LOCKSTEP_SET
