@@ -5,6 +5,7 @@
 #include "framework/analysis/grid.h"
 #include "framework/analysis/mobility.h"
 #include "framework/builtins.h"
+#include "framework/copies/copies.h"
 #include "framework/dynamics/simulation.h"
 #include "framework/force/applied_force.h"
 #include "framework/force/applied_torque.h"

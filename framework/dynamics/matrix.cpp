@@ -37,7 +37,10 @@ std::array<int, 6> Matrix::velocities() const {
 }
 
 void Matrix::lay_out(const RowTable& rows, bool direct) {
-  // The unit-length rows eliminated analytically leave the system of six velocities (2.7): one and the same work.
+  if (direct && formulation_ == Formulation::quaternion)
+    throw ModelError(
+        "formulation quaternion keeps seven coordinates a body, and this solver reads rows of six velocities; take "
+        "solver sparse, block or dense with it");
   if (direct) return lay_out_direct(rows);
   if (system_.plane() && formulation_ == Formulation::quaternion)
     throw ModelError(

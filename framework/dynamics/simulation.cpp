@@ -96,7 +96,12 @@ Event& Simulation::add_event(Event event) {
   if (!(event.tolerance > 0))
     throw ModelError(fmt::format("event '{}': its tolerance of {} s must be > 0", event.name, event.tolerance));
   for (const std::vector<std::string>* names : {&event.activate, &event.deactivate})
-    for (const std::string& name : *names) system().link(name);
+    for (const std::string& name : *names)
+      if (system().merged(system().link(name)))
+        throw ModelError(
+            fmt::format("event '{}': link '{}' is merged into one slot and cannot be switched; keep it, as in "
+                        "set_merge(true, {{&link}})",
+                        event.name, name));
   events_.push_back(std::move(event));
   if (begun_) {
     loop_->watched.push_back({});

@@ -94,7 +94,7 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
   double linear = 0;
   for (int s = 0; s < node.n_sides; ++s) {
     const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
-    if (side.hub) continue;
+    const bool own = !side.hub;  // a hub has columns of its own instead
     const double* J = z.rows + side.J;
     double* Y = z.Y + side.Y;
     const double* I = z.inverse + X::inverse * side.slot;
@@ -102,7 +102,7 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
       for (int c = 0; c < X::nv; ++c) {
         const V Yc = load<ld>(J + c * ld) * I[0];
         store<ld>(Y + c * ld, Yc);
-        for (int i = 0; i < M; ++i) D[i] += Yc * J[c * ld + i];
+        for (int i = 0; own && i < M; ++i) D[i] += Yc * J[c * ld + i];
       }
       J += X::nv * ld, Y += X::nv * ld;
     }
@@ -110,9 +110,9 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
       V Yc = load<ld>(J) * I[X::I[c][0]];
       for (int k = 1; k < X::nw; ++k) Yc += load<ld>(J + k * ld) * I[X::I[c][k]];
       store<ld>(Y + c * ld, Yc);
-      for (int i = 0; i < M; ++i) D[i] += Yc * J[c * ld + i];
+      for (int i = 0; own && i < M; ++i) D[i] += Yc * J[c * ld + i];
     }
-    linear += I[0];
+    if (own) linear += I[0];
   }
   double* d = z.A + node.D;
   for (int i = 0; i < M; ++i) store<ld>(d + i * ld, D[i]);
@@ -353,7 +353,6 @@ LOCKSTEP_KERNEL void apply_link(const Plan& plan, const Node& node, const double
   constexpr int ld = pack_size(M);
   for (int s = 0; s < node.n_sides; ++s) {
     const Side& side = plan.sides[static_cast<std::size_t>(node.first_side + s)];
-    if (side.hub) continue;
     const double* Y = z.Y + side.Y;
     double* a = z.a + X::a * side.slot;
     constexpr int n = kTriple ? X::nw : X::nv + X::nw, first = kTriple ? X::nv : 0;

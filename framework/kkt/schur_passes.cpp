@@ -167,10 +167,6 @@ template <class X>
           apply_link<X, M, T>(plan, node, x + node.x, z);
         });
   }
-  for (const int h : plan.hubs) {
-    const Node& node = plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < node.m; ++i) z.a[X::a * node.hub_slot + i] += x[node.x + static_cast<std::size_t>(i)];
-  }
 }
 
 template <class X>

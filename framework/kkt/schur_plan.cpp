@@ -76,17 +76,12 @@ bool is_tree(const RowTable& rows, int n_slots) {
 }
 
 // Minimum degree; of equals the one that was touched longest ago, so that pivots that follow one another do not wait
-// for one another. A link all of whose slots are hubs has E alone for a pivot until one of them is gone.
+// for one another. A link may lean on a hub alone: before the hub is gone its pivot would be E.
 class Order {
  public:
   Order(const RowTable& rows, Graph& g) : g_(g), touched_(static_cast<std::size_t>(g.n()), 0) {
     blocked_.assign(static_cast<std::size_t>(g.n()), false);
-    for (int l = 0; l < g.n_links; ++l) {
-      const SlotList& slots = rows.entries[static_cast<std::size_t>(l)].slots;
-      bool all = true;
-      for (int i = 0; i < slots.n; ++i) all = all && g.hub_node(slots[i]) >= 0;
-      blocked_[static_cast<std::size_t>(l)] = all;
-    }
+    block_links(rows);
     for (int k = 0; k < g.n(); ++k) queue_.insert(key(k));
     below.resize(static_cast<std::size_t>(g.n()));
     while (!queue_.empty()) eliminate(std::get<3>(*queue_.begin()));
@@ -99,6 +94,44 @@ class Order {
   Key key(int k) const {
     const auto i = static_cast<std::size_t>(k);
     return {blocked_[i], g_.neighbours[i].size(), touched_[i], k};
+  }
+  // Slots that are no hubs fall into parts. A part that hangs at one hub by one link is free to go before it. In one
+  // that is held elsewhere too (the ground, another hub, a loop) the links on hubs wait.
+  void block_links(const RowTable& rows) {
+    std::vector<int> part(g_.hub_of_slot.size());
+    std::iota(part.begin(), part.end(), 0);
+    const auto root = [&](int k) {
+      while (part[static_cast<std::size_t>(k)] != k) k = part[static_cast<std::size_t>(k)];
+      return k;
+    };
+    const auto each = [&](int l, auto&& visit) {  // visit(slot, whether it is a hub)
+      const SlotList& slots = rows.entries[static_cast<std::size_t>(l)].slots;
+      for (int i = 0; i < slots.n; ++i) visit(slots[i], g_.hub_node(slots[i]) >= 0);
+    };
+    const auto part_of = [&](int l) {
+      int found = -1;
+      each(l, [&](int slot, bool hub) { found = hub ? found : root(slot); });
+      return found;
+    };
+    for (int l = 0; l < g_.n_links; ++l) {
+      const int first = part_of(l);
+      each(l, [&](int slot, bool hub) {
+        if (!hub) part[static_cast<std::size_t>(root(slot))] = first;
+      });
+    }
+    std::vector<int> holds(part.size(), 0);  // links that tie the part to something else
+    std::vector<bool> on_hub(static_cast<std::size_t>(g_.n_links), false);
+    for (int l = 0; l < g_.n_links; ++l) {
+      const int p = part_of(l);
+      each(l, [&](int, bool hub) { on_hub[static_cast<std::size_t>(l)] = on_hub[static_cast<std::size_t>(l)] || hub; });
+      const bool to_ground = rows.entries[static_cast<std::size_t>(l)].slots.n == 1;
+      if (p >= 0 && (to_ground || on_hub[static_cast<std::size_t>(l)])) ++holds[static_cast<std::size_t>(p)];
+    }
+    for (int l = 0; l < g_.n_links; ++l) {
+      const int p = part_of(l);
+      blocked_[static_cast<std::size_t>(l)] =
+          on_hub[static_cast<std::size_t>(l)] && (p < 0 || holds[static_cast<std::size_t>(p)] > 1);
+    }
   }
   void eliminate(int p) {
     const auto ip = static_cast<std::size_t>(p);
@@ -175,7 +208,8 @@ Plan make_plan(const RowTable& rows, int n_slots, bool planar) {
   plan.n_slots = n_slots;
   plan.planar = planar;
   plan.n_rows = rows.n_rows;
-  plan.tree = is_tree(rows, n_slots);
+  // Before a hub is gone, its links may lean on nothing but E.
+  plan.tree = graph.slot_of_hub.empty() && is_tree(rows, n_slots);
   Order order(rows, graph);
 
   std::vector<int> when(static_cast<std::size_t>(graph.n()));

@@ -124,10 +124,10 @@ void SchurSolver::Work::read_masses(const Kkt& kkt) {
       for (int i = 0; i < 9; ++i) M[1 + i] = s.J(i / 3, i % 3);
     }
   }
-  for (const int h : plan.hubs) {  // a hub that is a particle: its turn is kept at rest by any inertia
+  for (const int h : plan.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
     double* M = mass.data() + 10 * plan.nodes[static_cast<std::size_t>(h)].hub_slot;
     for (int i = 0; i < (plane ? 1 : 3); ++i)
-      if (M[1 + 4 * i] == 0) M[1 + 4 * i] = M[0];
+      if (M[1 + 4 * i] == 0) M[1 + 4 * i] = 1e30 * M[0];
   }
   masses_known = true;
 }
@@ -258,10 +258,7 @@ SolveReport SchurSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, Vec
   schur::start(w.plan, w.given.data(), w.z);
   for (const int h : w.plan.hubs) {
     const schur::Node& node = w.plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < node.m; ++i) {
-      w.x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + w.velocity(i)];
-      w.a[static_cast<std::size_t>(w.stride_a * node.hub_slot + i)] = 0;
-    }
+    for (int i = 0; i < node.m; ++i) w.x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + w.velocity(i)];
   }
   w.largest = {};
   w.for_each_row([&](int, std::size_t at, std::size_t k) { w.largest[k] = std::max(w.largest[k], w.scale[at]); });

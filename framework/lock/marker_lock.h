@@ -64,7 +64,8 @@ class LOCKSTEP_API MarkerLock : public Lock {
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
   bool bolts() const override {
-    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide && !s_->spin;
+    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide &&
+           !s_->spin;
   }
 
   int n_states() const override { return n_speeds_; }

@@ -1,4 +1,4 @@
-// What MarkerLock's passes over a group have in common: the values of its laws. Private to the room.
+// What passes over MarkerLocks have in common, here and in copies/: the values of their laws.
 #pragma once
 
 #include "framework/lock/marker_lock.h"
@@ -57,6 +57,7 @@ struct MarkerLockGather {
   template <unsigned kLaws>
   void rotations(Group links, RowSpan out) const;
   void in_plane(Group links, RowSpan out) const;
+  void check_laws(const MarkerLock& lock) const;
 };
 
 }  // namespace lockstep

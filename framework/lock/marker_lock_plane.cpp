@@ -34,6 +34,8 @@ bool MarkerLock::setup_plane(Plane plane) {
   for (int k = 0; k < 3; ++k)
     if (k != a && has(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
+  if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
+    throw ModelError("link '" + name() + "' has laws and no row in the plane of the scene; take \"planar\" out");
   f.uP[0] = P_.u0[plane.i()], f.uP[1] = P_.u0[plane.j()];
   f.uS[0] = S_.u0[plane.i()], f.uS[1] = S_.u0[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)
@@ -46,6 +48,18 @@ bool MarkerLock::setup_plane(Plane plane) {
   return true;
 }
 
+// A law that leaves the plane, now.
+void MarkerLockGather::check_laws(const MarkerLock& lock) const {
+  if (!(lock.laws_ & (with::p | with::qD))) return;
+  const int a = lock.flat_.turn_axis;
+  if ((lock.laws_ & with::p) && has(lock.rows_, row_bit(a)) && imposed_translation(lock).p[a] != 0)
+    leaves_plane(lock, in.t);
+  if (!(lock.laws_ & with::qD)) return;
+  Vec3 other = imposed_rotation(lock).q.vec();
+  other[a] = 0;
+  if (other.squaredNorm() > 1e-24) leaves_plane(lock, in.t);
+}
+
 LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) const {
   for (std::size_t l = 0; l < links.size(); ++l) {
     const auto& lock = static_cast<const MarkerLock&>(*links[l]);
@@ -54,6 +68,7 @@ LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) c
     const int i = f.plane.i(), j = f.plane.j(), n = f.plane.n;
     const RowBlock block = out.lane(l);
     const double w1 = O1.w[n], w2 = O2.w[n];
+    check_laws(lock);
     int row = 0;
     if (f.n_translations > 0) {
       // (3.8) r = A1 uP,  d = A2 s = x1 + r - x2,  C = A_S^T (s - uS) - p
@@ -86,7 +101,6 @@ LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) c
       }
       if (lock.laws_ & with::p) {
         const ImposedTranslationT<double> D = imposed_translation(lock);
-        if (has(lock.rows_, row_bit(f.turn_axis)) && D.p[f.turn_axis] != 0) leaves_plane(lock, in.t);
         for (int k = 0; k < f.n_translations; ++k) {
           const int a = f.axes[k];
           block.C(k) -= D.p[a], block.Ct(k) -= D.pd[a], block.Qhat(k) += D.pdd[a];
@@ -102,9 +116,6 @@ LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) c
     double delta_d = 0, delta_dd = 0;
     if (lock.laws_ & with::qD) {
       const ImposedRotationT<double> D = imposed_rotation(lock);
-      Vec3 other = D.q.vec();
-      other[f.turn_axis] = 0;
-      if (other.squaredNorm() > 1e-24) leaves_plane(lock, in.t);
       const double cD = D.q.w, sD = D.q.vec()[f.turn_axis], before = e0;
       e0 = cD * e0 + sD * ea, ea = cD * ea - sD * before;
       delta_d = D.w[f.turn_axis], delta_dd = D.a[f.turn_axis];

@@ -118,14 +118,18 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
       all.push_back(fmt::format("\"planar\": \"{}\" is exact here: {} unknown velocities instead of {}", "xyz"[plane.n],
                                 other.system.n_velocities(), m.system.n_velocities()));
     }
-  other.system.set_merge(true);
-  other.system.setup();
-  const long n = std::count_if(other.system.links().begin(), other.system.links().end(), [&](const auto& l) {
-    return other.system.merged(*l) && !m.system.merged(*m.system.links()[static_cast<std::size_t>(l->number())]);
-  });
-  if (n > 0)
-    all.push_back(
-        fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed link{} as one", n, n > 1 ? "s" : ""));
+  if (loaded.scene.root.find("merge") != nullptr) return all;
+  Scene scene = loaded.scene;
+  scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
+  try {
+    const Mechanism merged = build(scene, loaded.registry);
+    const long n = std::count_if(merged.system.links().begin(), merged.system.links().end(),
+                                 [&](const auto& l) { return merged.system.merged(*l); });
+    if (n > 0)
+      all.push_back(
+          fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed link{} as one", n, n > 1 ? "s" : ""));
+  } catch (const Error&) {  // then there is nothing to propose
+  }
   return all;
 }
 

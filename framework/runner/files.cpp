@@ -24,7 +24,7 @@ std::string csv_path(const std::string& record, const std::string& scene) {
   if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
   if (error)
     throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
-                    "; name another with --record");
+                    "; name another");
   return file.lexically_normal().string();
 }
 
@@ -32,7 +32,7 @@ void check_writable(const std::string& file) {
   std::error_code error;
   const bool there = fs::exists(file, error);
   const std::ofstream out(file, std::ios::app);
-  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another with --record");
+  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
   if (!there) fs::remove(file, error);
 }
 

@@ -78,6 +78,8 @@ void put_settings(RunSettings& run, const Words& w, const Registry& registry) {
   }
   if (!w.formulation.empty())
     run.formulation = w.formulation == "quaternion" ? Formulation::quaternion : Formulation::omega;
+  if (w.formulation == "quaternion" && w.solver.empty() && run.solver.type == "schur")
+    run.solver.type = "sparse";  // the default reads six velocities
   if (w.stabilization == "project") run.stabilization.kind = Stabilization::Kind::project;
   if (w.stabilization == "baumgarte") run.stabilization.kind = Stabilization::Kind::baumgarte;
   if (w.stabilization == "none") run.stabilization.kind = Stabilization::Kind::none;

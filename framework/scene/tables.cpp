@@ -241,7 +241,9 @@ std::vector<SceneTable> runs() {
               {"omega", "quaternion"}},
              any("stabilization", "how drift off the constraints is fought; default \"project\"",
                  {"project", "baumgarte", "none"}),
-             any("solver", "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"sparse\""),
+             any("solver",
+                 "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"schur\", with "
+                 "formulation quaternion \"sparse\""),
              {"assemble", Form::boolean, Unit::none, "true", "a start off the constraints is moved onto them"},
              any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
              any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit")}},

@@ -64,7 +64,7 @@ void check_body(const Body& b, const Slot& s, Plane plane) {
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
     throw ModelError(what +
                      "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
-  if (s.freedoms == Freedoms::particle) return;
+  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return;
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
     throw ModelError(what + "the normal is no principal axis of its inertia (products " +
@@ -136,6 +136,8 @@ bool lies_in_plane(const Lock& link, int row, const Shares& s, Plane plane, doub
     throw ModelError(what +
                      "holds a direction that is neither in the plane nor normal to it; turn the link's axes into "
                      "the plane, or take \"planar\" out");
+  if (s.in == 0 && s.out == 0 && s.arm == 0)
+    throw ModelError(what + "has no direction in any planar pose; turn the link's markers, or take \"planar\" out");
   if (s.lies_in()) return true;
   if (s.free > kTolerance * std::max(1.0, length))
     throw ModelError(what + "asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
@@ -146,15 +148,22 @@ bool lies_in_plane(const Lock& link, int row, const Shares& s, Plane plane, doub
 }  // namespace
 
 void System::setup_plane() {
-  for (const Slot& s : slots_)
+  offsets_ = false;
+  for (const Slot& s : slots_) {
     for (const Body* b : s.bodies) check_body(*b, s, plane_);
+    const double products = std::abs(s.J(plane_.n, plane_.i())) + std::abs(s.J(plane_.n, plane_.j()));
+    if (products > kTolerance * s.J.trace()) offsets_ = true;  // bolted bodies at different heights
+  }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
     throw ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; take \"planar\" out");
-  ready_ = true;  // all but the plane is there: the start may be asked for
-  const Look look = look_in_plane(*this);
-  ready_ = false;
-
-  offsets_ = false;
+  Look look;
+  {
+    struct Borrowed {  // all but the plane is there: the start may be asked for
+      bool& ready;
+      ~Borrowed() { ready = false; }
+    } borrowed{ready_ = true};
+    look = look_in_plane(*this);
+  }
   for (std::size_t l = 0; l < forces_.size(); ++l) {
     check_force(*forces_[l], look.forces[l], plane_);
     offsets_ = offsets_ || look.forces[l].has_arm();

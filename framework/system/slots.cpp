@@ -105,16 +105,19 @@ void System::setup_merge() {
     merged_[l] = true;
     join(number_of(p->body), number_of(s->body));
   }
+  const auto dissolve = [&](std::size_t part) {
+    for (std::size_t k = 0; k < links_.size(); ++k)
+      if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;
+    for (std::size_t k = 0; k < part_of_.size(); ++k)
+      if (part_of_[k] == part) part_of_[k] = k;
+  };
   // A part in which another link works is left as it is: its rows would be those of one rigid body.
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (merged_[l]) continue;
     for (const auto& [p, s] : links_[l]->pairs()) {
-      const std::size_t part = part_of_[number_of(p->body)];
-      if (part != part_of_[number_of(s->body)] || p->body->fixed || s->body->fixed) continue;
-      for (std::size_t k = 0; k < links_.size(); ++k)
-        if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;
-      for (std::size_t k = 0; k < part_of_.size(); ++k)
-        if (part_of_[k] == part) part_of_[k] = k;
+      const std::size_t a = part_of_[number_of(p->body)], b = part_of_[number_of(s->body)];
+      if (a != b && !(bodies_[a].fixed && bodies_[b].fixed)) continue;  // fixed parts are at rest against each other
+      dissolve(a), dissolve(b);
     }
   }
 }

@@ -209,7 +209,7 @@ void System::setup_states() {
 void System::setup_length() {
   length_ = 1e-6;
   for (const Marker& m : markers_)
-    if (!m.body->fixed) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
+    if (m.body->slot != kGround) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
   for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
     if (s.freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(s.J.trace() / (2 * s.mass)));
   for (const auto& link : links_)

@@ -122,3 +122,14 @@ TEST_CASE("what must stay a link stays one", "[unit][system]") {
     CHECK(m.system.n_slots() == 2);
   }
 }
+
+TEST_CASE("bodies bolted to the ground and held there by another link stay links", "[unit][system]") {
+  System system;
+  Body& foot = system.add_body("foot", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(1, 0, 0), {}});
+  Body& base = system.add_fixed("base");
+  system.add<Fixed>("bolt", foot, base, at(Vec3(0, 0, 0)));
+  system.add<Spherical>("ball", foot, system.ground(), at(Vec3(0, 1, 0)));
+  system.set_merge(true);
+  CHECK_NOTHROW(system.setup());
+  CHECK(system.n_slots() == 1);
+}

@@ -144,6 +144,32 @@ TEST_CASE("schur, sparse and dense agree on random mechanisms, hubs, laws and pa
   }
 }
 
+TEST_CASE("a hub at the end of an arm, beside a loop, and a particle as a hub", "[unit][kkt][schur]") {
+  const int kind = GENERATE(0, 1, 2);
+  CAPTURE(kind);
+  inputs::Mechanism m(40u + static_cast<unsigned>(kind));
+  const int arm = m.add_body(), hub = kind == 2 ? m.add_particle() : m.add_body();
+  m.link(arm, -1, Mask::xyz | Mask::e1 | Mask::e2);
+  m.link(hub, arm, kind == 2 ? Mask::xyz : Mask::xyz | Mask::e1 | Mask::e2);
+  for (int i = 0; i < 8; ++i)
+    m.link(m.add_body(), hub, kind == 2 ? Mask::x | Mask::z : Mask::xyz | Mask::e1 | Mask::e2);
+  if (kind == 1) {  // a closed loop elsewhere
+    const int a = m.add_body(), b = m.add_body();
+    m.link(a, -1, Mask::xyz);
+    m.link(b, a, Mask::xyz);
+    m.link(b, -1, Mask::x | Mask::y);
+  }
+  const auto evaluate = [&](std::unique_ptr<LinearSolver> solver) {
+    Dynamics dynamics(m.system, std::move(solver));
+    const Evaluated& v = dynamics.evaluate(m.system.start());
+    return std::pair<VecX, VecX>(v.a, v.lambda);
+  };
+  const auto [a, lambda] = evaluate(std::make_unique<SchurSolver>());
+  const auto [a_dense, lambda_dense] = evaluate(std::make_unique<DenseSolver>());
+  CHECK(difference(a, a_dense) <= 1e-9);
+  CHECK(difference(lambda, lambda_dense) <= 1e-8);
+}
+
 TEST_CASE("schur allocates nothing after the first evaluation", "[unit][kkt][schur]") {
   if (!allocations_are_counted()) return;
   inputs::Mechanism m(5);
