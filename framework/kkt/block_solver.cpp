@@ -122,22 +122,14 @@ void BlockSolver::factor(const Kkt& kkt) {
 SolveReport BlockSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   Work& w = *work_;
   const int n = kkt.pattern.n, m = kkt.pattern.m;
-  a.setZero(n);
-  lambda.setZero(m);
   SolveReport report;
-  w.rule.start(kkt, f, c);
-  bool met = w.rule.met(kkt, f, c, a, lambda);
-  for (int round = 0; round == 0 || (!met && round <= kMaxCorrections); ++round) {
+  w.rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
     w.rhs.head(n) = w.rule.force_residual();
     w.rhs.tail(m) = w.rule.row_residual();
     w.factor.solve(w.plan, w.rhs.data());
-    a += w.rhs.head(n);
-    lambda += w.rhs.tail(m);
-    report.corrections = round;
-    met = w.rule.met(kkt, f, c, a, lambda);
-  }
-  report.residual = w.rule.largest();
-  report.worst_row = w.rule.worst_row();
+    x += w.rhs.head(n);
+    l += w.rhs.tail(m);
+  });
   report.smallest_pivot = w.smallest_pivot;
   // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
   report.contradictory = w.rule.largest() > kContradiction && w.rule.stalled() && w.n_small <= w.n_small_usual;

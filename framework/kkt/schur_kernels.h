@@ -203,8 +203,8 @@ LOCKSTEP_KERNEL void invert(Pack<pack_size(M)>* D, const double* diagonal, doubl
 
 /// The block of one later node: L = A D, and all products with the blocks before it.
 template <int M, int kPack>
-LOCKSTEP_KERNEL void eliminate_below(const Plan& plan, const Node& node, const Later* later, int s,
-                                     const std::size_t* target, const Numbers& z) {
+LOCKSTEP_KERNEL void eliminate_below(const Node& node, const Later* later, int s, const std::size_t* target,
+                                     const Numbers& z) {
   constexpr int ld = pack_size(M);
   using V = Pack<kPack>;
   const double* D = z.A + node.D;
@@ -231,7 +231,6 @@ LOCKSTEP_KERNEL void eliminate_below(const Plan& plan, const Node& node, const L
     else
       subtract(z.A + target[t], z.A + other.block, pack_size(other.m), other.m);
   }
-  (void)plan;
 }
 
 template <int M>
@@ -248,13 +247,13 @@ LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers
   for (int s = 0; s < node.n_later; target += ++s) {
     switch (pack_size(later[s].m)) {
       case 2:
-        eliminate_below<M, 2>(plan, node, later, s, target, z);
+        eliminate_below<M, 2>(node, later, s, target, z);
         break;
       case 4:
-        eliminate_below<M, 4>(plan, node, later, s, target, z);
+        eliminate_below<M, 4>(node, later, s, target, z);
         break;
       default:
-        eliminate_below<M, 8>(plan, node, later, s, target, z);
+        eliminate_below<M, 8>(node, later, s, target, z);
     }
   }
 }

@@ -8,9 +8,9 @@
 
 namespace lockstep {
 
-/// The default. Reads the rows where the links wrote them, in six velocities a slot; a step costs time and memory in
-/// proportion to the bodies, trees without fill, slots with many links by a node of their own. Nothing is allocated
-/// after analyse().
+/// The default. Reads the rows where the links wrote them, in six velocities a slot, three in a plane; a step costs
+/// time and memory in proportion to the bodies, trees without fill, slots with many links by a node of their own.
+/// Nothing is allocated after analyse().
 class LOCKSTEP_API SchurSolver final : public LinearSolver {
  public:
   SchurSolver();

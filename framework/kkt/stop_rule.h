@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "framework/kkt/kkt.h"
+#include "framework/kkt/linear_solver.h"
 
 namespace lockstep {
 
@@ -24,6 +24,23 @@ class StopRule {
   void start(const Kkt&, const VecX& f, const VecX& c);
   /// Residuals of (a, lambda); true when both are small enough.
   bool met(const Kkt&, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda);
+
+  /// The proximal iteration from a = 0, lambda = 0: `add(a, lambda)` adds the factor's answer to force_residual() and
+  /// row_residual(), once and then as long as the rule is not met. Fills residual, worst_row and corrections.
+  template <class Add>
+  void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, SolveReport& report, Add&& add) {
+    a.setZero(kkt.pattern.n);
+    lambda.setZero(kkt.pattern.m);
+    start(kkt, f, c);
+    bool done = met(kkt, f, c, a, lambda);
+    for (int round = 0; round == 0 || (!done && round <= kMaxCorrections); ++round) {
+      add(a, lambda);
+      report.corrections = round;
+      done = met(kkt, f, c, a, lambda);
+    }
+    report.residual = largest_;
+    report.worst_row = worst_row_;
+  }
 
   const VecX& force_residual() const { return r_f_; }  ///< f - M a - J^T lambda
   const VecX& row_residual() const { return r_c_; }    ///< c - J a
