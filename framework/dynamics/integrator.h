@@ -37,6 +37,9 @@ class LOCKSTEP_API Integrator {
  public:
   virtual ~Integrator();
   virtual IntegratorInfo info() const = 0;
+  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  const std::string& origin() const { return origin_; }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }
   /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
   virtual void begin(Dynamics&, const State&) = 0;
   /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An
@@ -54,6 +57,9 @@ class LOCKSTEP_API Integrator {
   /// History and controller: with the State all that a checkpoint or a step taken back needs.
   virtual void save(Snapshot&) const;
   virtual void restore(const Snapshot&);
+
+ private:
+  std::string origin_;
 };
 
 }  // namespace lockstep

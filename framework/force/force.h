@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/force/reactions.h"
 #include "framework/kkt/sums.h"
 #include "framework/lock/lock.h"
 #include "framework/support/export.h"
@@ -21,6 +22,9 @@ class LOCKSTEP_API Force {
 
   const std::string& name() const { return name_; }
   virtual std::string_view type() const = 0;
+  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  const std::string& origin() const { return origin_; }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }
 
   // -- description
   virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
@@ -42,6 +46,14 @@ class LOCKSTEP_API Force {
   /// energy balance rests on it.
   virtual double supply(const Inputs&) const;
 
+  // -- a force that depends on the present reactions of links (friction)
+  /// The links it reads; none: apply() is all there is. Known after setup().
+  virtual std::vector<const Lock*> reads() const { return {}; }
+  /// What it adds to apply() at these reactions. The solution is found by iteration: its change with the reactions has
+  /// to be a contraction, as friction with a coefficient well below one is.
+  virtual void react(const Inputs&, const Reactions&, WrenchSum&) const {}
+  virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }  ///< W taken out by react(), >= 0
+
   // -- what the force remembers (turn counters)
   virtual int n_memory() const { return 0; }
   virtual void start_memory(std::span<double> z) const;
@@ -51,7 +63,7 @@ class LOCKSTEP_API Force {
   void place(int first_memory);                             ///< called by System::setup
 
  private:
-  std::string name_;
+  std::string name_, origin_;
   int first_memory_ = 0;
   std::vector<int> slots_;
 };

@@ -1,6 +1,7 @@
 // Lock: the root of all links. A link is what the user touches; a lock is the constraint it is made of.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,14 @@ struct Quantity {
   std::string name, unit;
 };
 
+/// A link with one row that may push and cannot pull: C >= 0 in place of C = 0. It is out of force until C falls to
+/// zero; then the simulation gives the impact, and where that leaves no speed worth an impact, the link holds until it
+/// would have to pull.
+struct OneSided {
+  double restitution = 0;    ///< speed of C after an impact to that before it, 0 to 1
+  double rest_speed = 1e-3;  ///< impacts that leave less end at rest, m/s (rad/s)
+};
+
 class LOCKSTEP_API Lock {
  public:
   explicit Lock(std::string name);
@@ -33,6 +42,9 @@ class LOCKSTEP_API Lock {
 
   const std::string& name() const { return name_; }
   virtual std::string_view type() const = 0;  ///< "revolute": the name in files, logs and errors
+  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  const std::string& origin() const { return origin_; }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }
 
   // -- description
   /// Marker pairs, P before S; the first is the one whose P carries the reaction in the recorder.
@@ -93,9 +105,10 @@ class LOCKSTEP_API Lock {
   void place(int number, int first_state, int first_memory);  ///< called by System::setup
 
   bool active_at_start = true;
+  std::optional<OneSided> one_sided;  ///< set it before the system's setup; asks for exactly one row
 
  private:
-  std::string name_;
+  std::string name_, origin_;
   int number_ = -1, first_state_ = 0, first_memory_ = 0;
 };
 

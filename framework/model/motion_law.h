@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/math/quaternion.h"
@@ -15,8 +17,19 @@ struct LawValue {
   double y = 0, yd = 0, ydd = 0;
 };
 
+/// Who brought a law's class and what it is called there: for messages. Written by the registry that makes the law.
+class LawName {
+ public:
+  const std::string& type() const { return type_; }      ///< "bump"; "" for a law that no registry made
+  const std::string& origin() const { return origin_; }  ///< "built in", or a plugin's name
+  void set_name(std::string type, std::string origin) const { type_ = std::move(type), origin_ = std::move(origin); }
+
+ private:
+  mutable std::string type_, origin_;  // a law is handed out const, and this is no part of what it says
+};
+
 /// A scalar law y(t): metres, radians, newtons, whatever its user takes it for.
-class LOCKSTEP_API MotionLaw {
+class LOCKSTEP_API MotionLaw : public LawName {
  public:
   virtual ~MotionLaw();
   virtual LawValue at(double t) const = 0;
@@ -29,7 +42,7 @@ struct TranslationValue {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), a = Vec3::Zero();
 };
 
-class LOCKSTEP_API TranslationLaw {
+class LOCKSTEP_API TranslationLaw : public LawName {
  public:
   virtual ~TranslationLaw();
   virtual TranslationValue at(double t) const = 0;
@@ -43,7 +56,7 @@ struct RotationValue {
   Vec3 w = Vec3::Zero(), a = Vec3::Zero();
 };
 
-class LOCKSTEP_API RotationLaw {
+class LOCKSTEP_API RotationLaw : public LawName {
  public:
   virtual ~RotationLaw();
   virtual RotationValue at(double t) const = 0;

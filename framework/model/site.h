@@ -12,18 +12,28 @@
 
 namespace lockstep {
 
+class Lock;
+
 /// The name of the thing and the markers it is given, P before S of each pair.
 struct LOCKSTEP_API Site {  // shown, because the shelves are templates of it
   std::string name;
   std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
-  /// Throw ModelError when the marker is not given.
-  Marker& p() const { return given(pairs.empty() ? nullptr : pairs.front().first, "p"); }
-  Marker& s() const { return given(pairs.empty() ? nullptr : pairs.front().second, "s"); }
+  Lock* link = nullptr;                            ///< the link that carries a force (friction); most have none
+
+  /// Of pair k; throw ModelError when the marker is not given.
+  Marker& p(std::size_t k = 0) const { return given(k < pairs.size() ? pairs[k].first : nullptr, "p", k); }
+  Marker& s(std::size_t k = 0) const { return given(k < pairs.size() ? pairs[k].second : nullptr, "s", k); }
+  /// Throws ModelError when none is given.
+  Lock& carrier() const {
+    if (link == nullptr) throw ModelError("'" + name + "': its type acts in a link; name that as \"link\"");
+    return *link;
+  }
 
  private:
-  Marker& given(Marker* marker, const char* side) const {
+  Marker& given(Marker* marker, const char* side, std::size_t k) const {
     if (marker == nullptr)
-      throw ModelError("'" + name + "': its type needs a marker or a body for \"" + side + "\"; add it");
+      throw ModelError("'" + name + "': its type needs a marker or a body for \"" + side + "\"" +
+                       (k == 0 ? "" : " of pair " + std::to_string(k + 1)) + "; add it");
     return *marker;
   }
 };

@@ -56,6 +56,10 @@ Product Shelf<Product, Args...>::make(const std::string& name, Args... args, con
   if (!product)
     throw PluginError((owner.empty() ? "" : owner + ": ") + "the maker of " + kind_ + " '" + name + "'" +
                       origin_words(entry->origin) + " returned nothing; it has to return what it made, or throw");
+  if constexpr (requires { product->set_name(name, entry->origin); })
+    product->set_name(name, entry->origin);
+  else if constexpr (requires { product->set_origin(entry->origin); })
+    product->set_origin(entry->origin);
   return product;
 }
 
