@@ -35,7 +35,7 @@ class StillPair {
       const Vec3 sdd = O2_.A.transpose() * (O1_.A * cross(O1_.w, wu)) - cross(O2_.w, Vec3(cross(O2_.w, s_) + 2.0 * sd));
       y_.template head<3>() = S.A0.transpose() * (s_ - S.u0);
       yd_.template head<3>() = S.A0.transpose() * sd;
-      bend_.template head<3>() = S.A0.transpose() * sdd;
+      bend_.template head<3>() = sdd;  // still in O2 axes, where pull() wants it
     }
     if constexpr (reads(kNeeds, Needs::rotation)) {
       r_ = conjugate(O2_.e * S.q0) * (O1_.e * P.q0);
@@ -60,7 +60,7 @@ class StillPair {
       row.v = O2_.A * n;
       row.w1 = cross(P_.u0, Vec3(O1_.A.transpose() * row.v));
       row.w2 = cross(n, s_);
-      row.Qhat -= g.template head<3>().dot(bend_.template head<3>());
+      row.Qhat -= n.dot(bend_.template head<3>());
     }
     if constexpr (reads(kNeeds, Needs::rotation)) {
       const Vec3 gv = g.template tail<3>(), rv = r_.vec();
