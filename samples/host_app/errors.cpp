@@ -86,7 +86,7 @@ int provoke_them_all(const Registry& registry) {
          Slider({still, function([](auto t) { return t * t; })}).run("dopri5", 0, registry);
        }},
       {"StepError",  // a speed that has no bound
-       [&] { Slider({function([](auto t) { return 0.1 * t / (0.5 - t); })}).run("dopri5", 0, registry); }},
+       [&] { Slider({function([](auto t) { return 0.1 * t * t / (0.5 - t); })}).run("dopri5", 0, registry); }},
       {"NonFiniteError",
        [&] { Slider({function([](auto t) { return 0.0 * sqrt(0.5 - t); })}).run("rk4", 0.01, registry); }},
       {"PluginError",
@@ -96,10 +96,9 @@ int provoke_them_all(const Registry& registry) {
        }},
       {"SceneError",
        [&] {
-         build(scene_from_text("{\"lockstep\": 1,\n \"bodies\": [{\"name\": \"rod\"}],\n"
-                               " \"links\": [{\"name\": \"A\", \"type\": \"revolut\", \"p\": \"rod\"}]}",
-                               "typed.json"),
-               registry);
+         build(
+             scene_from_text("{\"lockstep\": 1,\n \"bodies\": [{\"name\": \"rod\", \"mass\": \"1 m\"}]}", "typed.json"),
+             registry);
        }},
       {"FileError", [] { read_scene("no_such_folder/scene.json"); }}};
 
