@@ -180,6 +180,11 @@ void System::setup_plane() {
     }
     rows.by_link = links_[l]->setup_plane(plane_);
   }
+  for (const auto& force : forces_)
+    if (offsets_ && !force->reads().empty())
+      throw ModelError("force '" + force->name() + "': " + in_plane_words(plane_) +
+                       ", and it reads reactions, of which a plane leaves out the moments that arms along the normal "
+                       "make; take \"planar\" out, or put links and forces into one plane");
 }
 
 Plane find_plane(System& system) {
