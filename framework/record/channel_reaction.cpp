@@ -57,8 +57,9 @@ void add_drive(const Lock& link, const std::string& name, int part, const std::s
   add_wrench(link, name + ".", part, by, out);
   add(out, name + ".power", "W", "power put in by " + by,
       [l, part](const Sample& s) { return power_of_drive(*l, s.values(), part); });
-  add_integral(out, name + ".work", "J", "work of " + by + " since the start", link.name() + "." + name + ".work",
-               [l, part](const Evaluated& v) { return power_of_drive(*l, v, part); });
+  add_integral(
+      out, name + ".work", "J", "work of " + by + " since the start", link.name() + "." + name + ".work",
+      [l, part](const Evaluated& v) { return power_of_drive(*l, v, part); }, true);
 }
 
 }  // namespace
