@@ -131,7 +131,7 @@ double Simulation::Loop::lowest_between(std::size_t i, double ta, const Gap& a, 
 
 // The first instant in [ta, tb] at which the contact is hit; never: infinity.
 double Simulation::Loop::hit_between(std::size_t i, double ta, const Gap& a, double tb, const Gap& b) {
-  const Contact& contact = contacts[i];
+  Contact& contact = contacts[i];
   const double floor = contact.floor, enough = 1e-2 * contact.margin;
   const auto fall = [&](double from_t, double from_c, double to_t, double to_c, double level) {
     return first_below(from_t, from_c - level, to_t, to_c - level, enough,
@@ -143,7 +143,9 @@ double Simulation::Loop::hit_between(std::size_t i, double ta, const Gap& a, dou
     for (int k = 0; k < kHalvings && a.cd > 0; ++k) {  // did it rise and come back?
       t = ta + 0.5 * (t - ta);
       const Gap g = gap_at(i, t);
-      if (contact.above(g)) return fall(t, g.c, tb, b.c, floor);
+      if (!contact.above(g)) continue;
+      contact.clear = true;
+      return fall(t, g.c, tb, b.c, floor);
     }
     return fall(ta, std::max(a.c, floor), tb, b.c, floor - contact.margin);
   }
