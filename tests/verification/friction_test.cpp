@@ -23,11 +23,12 @@ struct Block {
   JointFriction* friction;
 
   Block(JointFriction::Options options, double speed, double height = 0) {
-    body = &system.add_body("block", MassProperties{2.0, {0, 0, height}, Vec3(0.02, 0.03, 0.04).asDiagonal().toDenseMatrix()});
+    body = &system.add_body("block",
+                            MassProperties{2.0, {0, 0, height}, Vec3(0.02, 0.03, 0.04).asDiagonal().toDenseMatrix()});
     body->start.v = {speed, 0, 0};
     auto& guide = system.add<Prismatic>("guide", *body, system.ground(), at(Vec3::Zero(), Vec3::UnitX()));
-    friction = &static_cast<JointFriction&>(
-        system.add(std::make_unique<JointFriction>("guide.friction", guide, options)));
+    friction =
+        &static_cast<JointFriction&>(system.add(std::make_unique<JointFriction>("guide.friction", guide, options)));
   }
 };
 
@@ -37,7 +38,8 @@ struct Wheel {
   Body* body;
 
   Wheel(JointFriction::Options options, double rate, double offset, const Vec3& gravity) : system({gravity}) {
-    body = &system.add_body("wheel", MassProperties{3.0, {offset, 0, 0}, Vec3(0.015, 0.015, 0.02).asDiagonal().toDenseMatrix()});
+    body = &system.add_body("wheel",
+                            MassProperties{3.0, {offset, 0, 0}, Vec3(0.015, 0.015, 0.02).asDiagonal().toDenseMatrix()});
     body->start.w = {0, 0, rate};
     auto& bearing = system.add<Revolute>("bearing", *body, system.ground(), at(Vec3::Zero()));
     system.add(std::make_unique<JointFriction>("bearing.friction", bearing, options));
@@ -82,8 +84,9 @@ TEST_CASE("a block slides to rest under Coulomb friction as the closed form says
   o.mu = mu, o.smoothing_speed = v0, o.load_smoothing = 0;
   Block block(o, V);
   const double end = 0.8;
-  const Run r = run(block.system, "dop853", {}, 0, 1e-12, end,
-                    {"block.x", "block.vx", "energy.balance", "guide.friction.normal_force", "energy.dissipated"}, 0.02);
+  const Run r =
+      run(block.system, "dop853", {}, 0, 1e-12, end,
+          {"block.x", "block.vx", "energy.balance", "guide.friction.normal_force", "energy.dissipated"}, 0.02);
   const auto speed = [&](double t) { return v0 * std::asinh(std::sinh(V / v0) * std::exp(-mu * kG * t / v0)); };
   const auto way = [&](double t) {
     const auto rate = [&](double v) { return v / (mu * kG * std::tanh(v / v0)); };
@@ -133,8 +136,8 @@ TEST_CASE("an unbalanced wheel is braked by the load of its own turning", "[veri
   const auto formulation = GENERATE(Formulation::omega, Formulation::quaternion);
   Wheel wheel(o, W, d, Vec3::Zero());
   if (formulation == Formulation::omega) {
-    const Run run1 = run(wheel.system, "dop853", {}, 0, 1e-12, 2.0,
-                         {"bearing.omega_z", "bearing.angle_z", "energy.balance"}, 0.1);
+    const Run run1 =
+        run(wheel.system, "dop853", {}, 0, 1e-12, 2.0, {"bearing.omega_z", "bearing.angle_z", "energy.balance"}, 0.1);
     CHECK(worst(run1.table, "bearing.omega_z", [&](double t) { return W / (1 + c * W * t); }) < 1e-9);
     CHECK(worst(run1.table, "bearing.angle_z", [&](double t) { return std::log(1 + c * W * t) / c; }) < 1e-9);
     CHECK(largest(run1.table, "energy.balance") < 1e-9);
@@ -153,8 +156,7 @@ TEST_CASE("a level wheel runs down in its bearing as the closed form says", "[ve
   const bool radial = GENERATE(true, false);
   if (!radial) o.radius = 0, o.axial_radius = r;
   Wheel wheel(o, W, 0, radial ? Vec3(0, -kG, 0) : Vec3(0, 0, -kG));
-  const Run run1 =
-      run(wheel.system, "dop853", {}, 0, 1e-12, 6.0, {"bearing.omega_z", "energy.balance"}, 0.1);
+  const Run run1 = run(wheel.system, "dop853", {}, 0, 1e-12, 6.0, {"bearing.omega_z", "energy.balance"}, 0.1);
   const auto rate = [&](double t) {
     return v0 / r * std::asinh(std::sinh(r * W / v0) * std::exp(-mu * r * r * 3 * kG * t / (J * v0)));
   };
@@ -245,7 +247,8 @@ TEST_CASE("in a plane friction is the same, and what a plane leaves out is refus
                        {"guide.friction", "planar", "moments"});
 }
 
-TEST_CASE("a fixed link that friction reads is not merged, and wrong parameters are named", "[verification][friction]") {
+TEST_CASE("a fixed link that friction reads is not merged, and wrong parameters are named",
+          "[verification][friction]") {
   JointFriction::Options o;
   o.mu = 0.3;
   System system;

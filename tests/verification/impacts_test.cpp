@@ -69,7 +69,8 @@ Simulation simulate(Dynamics& dynamics, const Way& way, double output = 0) {
 TEST_CASE("a ball bounces to rest at the instant of the closed form", "[verification][impacts]") {
   const double h = 1, e = 0.8, fall = std::sqrt(2 * h / kG), end = fall * (1 + e) / (1 - e);
   const auto way = GENERATE(Way{"dop853", 0, 1e-10, 1e-9}, Way{"dopri5", 0, 1e-8, 1e-8}, Way{"rk4", 1e-2, 1e-6, 1e-9},
-                            Way{"radau5", 0, 1e-8, 1e-8}, Way{"rattle2", 1e-2, 1e-6, 1e-9}, Way{"generalized_alpha", 1e-3, 1e-6, 1e-8});
+                            Way{"radau5", 0, 1e-8, 1e-8}, Way{"rattle2", 1e-2, 1e-6, 1e-9},
+                            Way{"generalized_alpha", 1e-3, 1e-6, 1e-8});
   CAPTURE(way.method);
   Ball ball(h, {e, 1e-4});
   Recorder recorder(ball.system,
