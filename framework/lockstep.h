@@ -5,6 +5,8 @@
 #include "framework/analysis/grid.h"
 #include "framework/analysis/mobility.h"
 #include "framework/builtins.h"
+#include "framework/check/check_force.h"
+#include "framework/check/check_integrator.h"
 #include "framework/check/check_law.h"
 #include "framework/check/check_lock.h"
 #include "framework/copies/copies.h"
