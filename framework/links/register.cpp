@@ -2,6 +2,7 @@
 
 #include "framework/links/functions.h"
 #include "framework/links/joints.h"
+#include "framework/links/stop.h"
 #include "framework/plugin/registry.h"
 
 namespace lockstep {
@@ -21,6 +22,7 @@ void register_links(Registry& registry) {
   shelf.add<Homokinetic>();
   shelf.add<Spherical>();
   shelf.add<Distance>();
+  shelf.add<Stop>();
   shelf.add<GenericLock>();
 }
 
