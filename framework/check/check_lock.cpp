@@ -1,0 +1,44 @@
+#include "framework/check/check_lock.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "framework/check/lock_check.h"
+#include "framework/check/sample_system.h"
+#include "framework/support/error.h"
+
+namespace lockstep {
+
+CheckReport check_lock(System& system, const Lock& link, const CheckOptions& options) {
+  const auto& all = system.links();
+  if (std::none_of(all.begin(), all.end(), [&](const auto& l) { return l.get() == &link; }))
+    throw ModelError(fmt::format("check_lock: link '{}' is not in the system; add it by System::add", link.name()));
+  system.setup();
+  CheckReport report(fmt::format("link '{}' ({})", link.name(), link.type()), options.seed);
+  LockCheck(system, link, nullptr, report, options).run();
+  return report;
+}
+
+CheckReport check_lock(const Registry& registry, const std::string& type, const Params& params,
+                       const CheckOptions& options) {
+  CheckReport report(fmt::format("link type '{}'", type), options.seed);
+  for (const SampleKind kind : kAllSamples) {
+    SampleSystem sample(kind, options);
+    System& system = sample.system;
+    std::vector<Lock*> links;
+    for (const char* name : {"first", "second"})  // two, for the test of groups
+      links.push_back(
+          &system.add(registry.links.make(type, sample.site(name), params, &registry, fmt::format("link '{}'", name))));
+    system.setup();
+    CheckReport one(report.subject(), options.seed);
+    LockCheck(system, *links[0], links[1], one, options).run();
+    report.take(one);
+    if (one.ok()) continue;
+    report.note(fmt::format("the first findings came with {}", words_of(kind)));
+    break;
+  }
+  return report;
+}
+
+}  // namespace lockstep
