@@ -5,13 +5,10 @@
 #include "framework/links/functions.h"
 #include "framework/links/gears.h"
 #include "framework/links/joints.h"
-<<<<<<< HEAD
 #include "framework/links/rack_and_pinion.h"
 #include "framework/links/screw.h"
-#include "framework/links/universal.h"
-=======
 #include "framework/links/stop.h"
->>>>>>> main
+#include "framework/links/universal.h"
 #include "framework/plugin/registry.h"
 
 namespace lockstep {
@@ -31,7 +28,6 @@ void register_links(Registry& registry) {
   shelf.add<Homokinetic>();
   shelf.add<Spherical>();
   shelf.add<Distance>();
-<<<<<<< HEAD
   shelf.add<Screw>();
   shelf.add<Universal>();
   shelf.add<RackAndPinion>();
@@ -42,9 +38,7 @@ void register_links(Registry& registry) {
   shelf.add<CamFlat>();
   shelf.add<PointOnCurve>();
   shelf.add<PathFollower>();
-=======
   shelf.add<Stop>();
->>>>>>> main
   shelf.add<GenericLock>();
 }
 

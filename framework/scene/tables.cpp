@@ -165,13 +165,10 @@ SceneTable link() {
                  {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
                {{"drive", Holds::object_or_list, "drive"},
                 {"start", Holds::object, "start"},
-<<<<<<< HEAD
-                {"pairs", Holds::texts_or_objects, "pair"}},
-=======
+                {"pairs", Holds::texts_or_objects, "pair"},
                 {"one_sided", Holds::object, "one_sided"},
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
->>>>>>> main
                "links"};
   for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   const Keys more = {
@@ -306,13 +303,8 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-<<<<<<< HEAD
   std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
-  for (const auto& group : {shapes(), link_parts(), events(), runs()})
-=======
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
   for (const auto& group : {shapes(), link_parts(), one_sided_parts(), events(), runs()})
->>>>>>> main
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check(table.info);
   return all;
