@@ -13,9 +13,9 @@
 
 #include "framework/dynamics/implicit.h"
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/step_control.h"
 #include "framework/model/params.h"
 #include "integrators/quintic_output.h"
-#include "integrators/step_control.h"
 
 namespace lockstep {
 

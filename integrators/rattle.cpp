@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/support/error.h"
-#include "integrators/runge_kutta.h"
 
 namespace lockstep {
 
