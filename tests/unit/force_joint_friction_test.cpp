@@ -118,8 +118,8 @@ TEST_CASE("joint friction: loads are the reactions in S axes", "[unit][force]") 
   CHECK(quantity("radial_force") == Approx(5).epsilon(1e-12));
   CHECK(quantity("axial_force") == Approx(12).epsilon(1e-12));
   const double w = quantity("turning_rate"), s = o.radius * std::abs(w);
-  const double mu = (o.mu + (o.mu_static - o.mu) * std::exp(-std::pow(s / o.stribeck_speed, 2))) *
-                    std::tanh(s / o.smoothing_speed);
+  const double mu =
+      (o.mu + (o.mu_static - o.mu) * std::exp(-std::pow(s / o.stribeck_speed, 2))) * std::tanh(s / o.smoothing_speed);
   const double T = mu * (o.radius * 5 + o.axial_radius * 12) + o.viscous_turn * std::abs(w);
   CHECK(quantity("friction_torque") == Approx(w > 0 ? -T : T).epsilon(1e-12));
 }

@@ -72,8 +72,7 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
 }
 
 TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
-  const Mechanism m =
-      made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
+  const Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
       "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_s": [0, 0, 0], "length": 1,
                  "one_sided": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
   const OneSided& o = *m.system.link("rope").one_sided;
