@@ -56,6 +56,7 @@ class Builder {
   void marker(const Value& object, const std::string& owner);
   Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
   Site site(const Params& common, const std::string& name, bool both);
+  Site pairs(const Params& link, const std::string& name);
   void links(const Params& root);
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);

@@ -165,12 +165,14 @@ SceneTable link() {
                  {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
                {{"drive", Holds::object_or_list, "drive"},
                 {"start", Holds::object, "start"},
+                {"pairs", Holds::texts_or_objects, "pair"},
                 {"one_sided", Holds::object, "one_sided"},
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
                "links"};
-  for (Key& key : site_keys("")) t.info.keys.push_back(std::move(key));
+  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   const Keys more = {
+      any("pairs", "in place of p and s: links whose markers it couples, by name, or {\"p\":, \"s\":, ...} each"),
       any("drive", "laws on coordinates that the link leaves free"),
       {"move", Form::translation_law, Unit::length, kAbsent, "where P is held, S axes, on the rows x y z"},
       {"turn", Form::rotation_law, Unit::angle, kAbsent, "how far P is held turned against S"},
@@ -180,6 +182,12 @@ SceneTable link() {
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
       any("friction", "friction from its own reaction; a force named \"A.friction\"")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
+  return t;
+}
+
+SceneTable pair() {
+  SceneTable t{{"pair", "two markers that a coupling looks at", {}}};
+  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
@@ -295,7 +303,7 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
+  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
   for (const auto& group : {shapes(), link_parts(), one_sided_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check(table.info);
