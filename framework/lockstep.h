@@ -5,6 +5,8 @@
 #include "framework/analysis/grid.h"
 #include "framework/analysis/mobility.h"
 #include "framework/builtins.h"
+#include "framework/check/check_law.h"
+#include "framework/check/check_lock.h"
 #include "framework/copies/copies.h"
 #include "framework/dynamics/simulation.h"
 #include "framework/force/applied_force.h"

@@ -20,6 +20,7 @@ const std::map<std::string, int> kFloorOf = {{"support", 0},  {"math", 0},      
                                              {"system", 3},   {"links", 3},                           //
                                              {"dynamics", 4}, {"integrators", 4},                     //
                                              {"analysis", 5}, {"record", 5},      {"plugin", 5},      {"copies", 5},  //
+                                             {"check", 5},                                            //
                                              {"scene", 6},    {"builtins", 6},    {"register", 6},    //
                                              {"runner", 7},   {"lockstep", 7},    {"samples", 7},
                                              {"tests", 7},    {"plugins", 7}};

@@ -1,0 +1,59 @@
+#pragma once
+
+/// Parameters for every type of the library, so that tests can make one of each. A type that is not in the table is
+/// made from its defaults.
+
+#include <map>
+#include <string>
+
+#include "framework/model/json.h"
+#include "framework/model/params.h"
+
+namespace lockstep {
+
+/// `shelf`: "link", "law", "translation law", "rotation law", "force".
+inline Params sample_params(const std::string& shelf, const std::string& type) {
+  static const std::map<std::string, const char*> samples = {
+      {"link lock", R"({"mask": "x z e2"})"},
+      {"law constant", R"({"value": 0.3})"},
+      {"law ramp", R"({"slope": 2, "t0": 0.2})"},
+      {"law sine", R"({"omega": 3, "phase": 0.4})"},
+      {"law fourier", R"({"omega": 2, "cosines": [1, 0.3], "sines": [0.2, 0.7]})"},
+      {"law polynomial", R"({"coefficients": [1, 2, -0.5, 0.3]})"},
+      {"law poly345", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law cycloid", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law harmonic_rise", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law trapezoid", R"({"distance": 1, "speed": 2, "duration": 0.8, "t0": 0.3})"},
+      {"law spline", R"({"points": [[0, 1], [0.5, 3], [1.2, 2], [2, 2.5]], "outside": "hold"})"},
+      {"law sequence", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}],
+                           "durations": [0.7, 0.9], "outside": "run_on"})"},
+      {"law repeat", R"({"law": {"type": "cycloid", "rise": 1, "duration": 0.4}, "period": 0.6})"},
+      {"law sum", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}]})"},
+      {"law product", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}]})"},
+      {"law scale", R"({"law": {"type": "sine", "omega": 2}, "factor": 3, "offset": 1})"},
+      {"law shift", R"({"law": {"type": "cycloid", "rise": 1, "duration": 0.4}, "delay": 0.3})"},
+      {"translation law constant", R"({"value": [1, 2, 3]})"},
+      {"translation law components", R"({"x": {"type": "sine", "omega": 2}, "z": {"type": "ramp", "slope": 1}})"},
+      {"translation law along", R"({"axis": [1, 2, 2], "law": {"type": "sine", "omega": 2}})"},
+      {"translation law path", R"({"points": [[0, 0, 0, 0], [0.7, 1, 0.5, 0], [1.5, 1, 2, 1], [2, 0, 1, 1]],
+                                   "outside": "hold"})"},
+      {"rotation law constant", R"({"orientation": {"axis": [1, 2, 2], "angle": 0.7}})"},
+      {"rotation law axis_rotation", R"({"axis": [1, 2, 2], "law": {"type": "sine", "omega": 2}})"},
+      {"rotation law spline_rotation", R"({"points": [[0, [1, 0, 0, 0]], [1, {"axis": "x", "angle": 0.8}],
+                                  [2, {"axis": [1, 1, 0], "angle": 1.2}]], "outside": "hold"})"},
+      {"rotation law product", R"({"first": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}},
+                                   "second": {"type": "axis_rotation", "axis": "z", "law": {"type": "sine", "omega": 2}}})"},
+      {"force applied_force", R"({"force": [1, 2, 3]})"},
+      {"force applied_torque", R"({"torque": [1, 2, 3]})"},
+      {"force spring_damper", R"({"stiffness": 30, "damping": 2, "free_length": 0.1, "preload": 4})"},
+      {"force torsion_spring_damper", R"({"stiffness": 30, "damping": 2, "free_angle": 0.1, "preload": 4})"},
+      {"force force_motor", R"({"force": {"type": "sine", "omega": 2}})"},
+      {"force torque_motor", R"({"torque": {"type": "sine", "omega": 2}})"},
+      {"force bushing", R"({"stiffness": [10, 20, 30], "damping": [1, 2, 3], "torsion_stiffness": [4, 5, 6],
+                            "torsion_damping": [0.1, 0.2, 0.3]})"},
+  };
+  const auto at = samples.find(shelf + " " + type);
+  return at == samples.end() ? Params{} : Params::unchecked(read_json(at->second, "sample of " + type));
+}
+
+}  // namespace lockstep

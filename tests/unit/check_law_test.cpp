@@ -1,0 +1,141 @@
+// check_law: right laws pass, wrong ones are named in words.
+#include "framework/check/check_law.h"
+
+#include <cmath>
+
+#include "framework/builtins.h"
+#include "framework/check/slope.h"
+#include "motionlaws/from.h"
+#include "tests/support/catch.h"
+#include "tests/support/samples_of_types.h"
+
+using namespace lockstep;
+
+namespace {
+
+enum class Fault { none, rate_sign, half_acceleration, jump, nan, keeps, outside };
+
+/// y = sin(2 t), with a jump of the acceleration at 0.7 s when asked for.
+class Wrong final : public MotionLaw {
+ public:
+  explicit Wrong(Fault fault) : fault_(fault) {}
+  LawValue at(double t) const override {
+    LawValue r{std::sin(2 * t), 2 * std::cos(2 * t), -4 * std::sin(2 * t)};
+    if (fault_ == Fault::rate_sign) r.yd = -r.yd;
+    if (fault_ == Fault::half_acceleration) r.ydd *= 0.5;
+    if (fault_ == Fault::jump && t > 0.7) {
+      const double x = t - 0.7;
+      r.y += x * x, r.yd += 2 * x, r.ydd += 2;
+    }
+    if (fault_ == Fault::nan) r.yd += std::sqrt(1.5 - t);
+    if (fault_ == Fault::keeps) r.y += 1e-3 * ++n_calls_;
+    return r;
+  }
+  void breakpoints(double, double, std::vector<double>& out) const override {
+    if (fault_ == Fault::outside) out.push_back(99);
+  }
+
+ private:
+  Fault fault_;
+  mutable int n_calls_ = 0;
+};
+
+bool says(const CheckReport& report, const std::string& words) {
+  return report.text().find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("check_law names what is wrong in a scalar law", "[unit][check]") {
+  const auto report = [](Fault fault) { return check_law(Wrong(fault), {.seed = 3}, "wave"); };
+  CHECK(report(Fault::none).ok());
+  CHECK(says(report(Fault::none), "law 'wave': nothing found in 128 comparisons (seed 3"));
+
+  CheckReport r = report(Fault::rate_sign);
+  CAPTURE(r.text());
+  CHECK_FALSE(r.ok());
+  CHECK(says(r, "law 'wave': yd at t = "));
+  CHECK(says(r, "differences of y say"));
+  CHECK(says(r, "so it has the wrong sign"));
+  CHECK(says(r, "look at the formula of yd"));
+  CHECK(says(report(Fault::half_acceleration), "so it is half of that: a factor 2 is missing"));
+  CHECK(says(report(Fault::nan), "yd is "));
+  CHECK(says(report(Fault::nan), "nan at t = 1.51 s"));
+  CHECK(says(report(Fault::keeps), "says something else at t = 0 s when it is asked again"));
+  CHECK(says(report(Fault::outside), "breakpoints(0, 2) tells 99 s"));
+}
+
+TEST_CASE("check_law finds the instant of a jump that is not told", "[unit][check]") {
+  const CheckReport r = check_law(Wrong(Fault::jump), {.seed = 3});
+  CAPTURE(r.text());
+  REQUIRE(r.findings().size() == 1);
+  CHECK(says(r, "ydd jumps at t = 0.7 s (by 2 at the first), which breakpoints() does not tell"));
+}
+
+namespace {
+
+/// Turns about z by t^2, faults by choice.
+class WrongTurn final : public RotationLaw {
+ public:
+  explicit WrongTurn(int fault) : fault_(fault) {}
+  RotationValue at(double t) const override {
+    RotationValue r{axis_angle(Vec3(1, 2, 2), t * t), 2 * t * Vec3(1, 2, 2) / 3, 2 * Vec3(1, 2, 2) / 3};
+    if (fault_ == 1) r.q.w *= 1.001;
+    if (fault_ == 2) r.w *= 0.5;
+    if (fault_ == 3) r.a[1] = 0;
+    return r;
+  }
+
+ private:
+  int fault_;
+};
+
+class WrongSlide final : public TranslationLaw {
+ public:
+  TranslationValue at(double t) const override {
+    return {Vec3(t, t * t, 0), Vec3(1, 2 * t, 0), Vec3(0, 2, t > 0.4 ? 1.0 : 0.0)};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("check_law names what is wrong in laws of rotation and translation", "[unit][check]") {
+  CHECK(check_law(WrongTurn(0)).ok());
+  CHECK(says(check_law(WrongTurn(1)), "has length"));
+  CHECK(says(check_law(WrongTurn(2)), "differences of q say"));
+  CHECK(says(check_law(WrongTurn(2)), "a factor 2 is missing"));
+  CHECK(says(check_law(WrongTurn(3)), "a[1] at t = "));
+  CHECK(says(check_law(WrongTurn(3)), "so it is missing"));
+  const CheckReport slide = check_law(WrongSlide(), {}, "slide");
+  CHECK(says(slide, "translation law 'slide': a[2]"));
+  CHECK(says(slide, "a[2] jumps at t = 0.4 s"));
+}
+
+TEST_CASE("differences know how good they are", "[unit][check]") {
+  const auto e = [](double x, VecX& out) { out = VecX::Constant(1, std::exp(3 * x) * 1e3); };
+  const Slope first = first_derivative(e, 0.1), second = second_derivative(e, 0.1);
+  CHECK(std::abs(first.value[0] - 3e3) <= first.error[0]);
+  CHECK(first.error[0] < 1e-6);
+  CHECK(std::abs(second.value[0] - 9e3) <= second.error[0]);
+  CHECK(second.error[0] < 1e-2);
+  // noise of 1e-6 in the function is seen in the estimate
+  const auto rough = [](double x, VecX& out) { out = VecX::Constant(1, std::sin(x) + 1e-6 * std::sin(1e7 * x + 3)); };
+  const Slope noisy = first_derivative(rough, 0.1);
+  CHECK(noisy.error[0] > 1e-6);
+  CHECK(std::abs(noisy.value[0] - 1) <= noisy.error[0]);
+}
+
+TEST_CASE("every law of the library passes its check", "[unit][check]") {
+  const Registry registry = builtin_registry();
+  const auto all = [&](const auto& shelf, const std::string& kind) {
+    for (const std::string& name : shelf.names()) {
+      const auto law = shelf.make(name, sample_params(kind, name), &registry, "law");
+      const CheckReport report = check_law(*law, {.seed = 5, .from = -0.5, .to = 3}, name);
+      INFO(report.text());
+      CHECK(report.ok());
+      CHECK(report.comparisons() > 50);
+    }
+  };
+  all(registry.laws, "law"), all(registry.translation_laws, "translation law");
+  all(registry.rotation_laws, "rotation law");
+}

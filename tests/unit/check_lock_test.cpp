@@ -1,0 +1,296 @@
+// check_lock: right links pass, wrong ones are named in words.
+#include "framework/check/check_lock.h"
+
+#include "framework/builtins.h"
+#include "framework/links/joints.h"
+#include "framework/lock/phi_lock.h"
+#include "framework/support/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/samples_of_types.h"
+
+using namespace lockstep;
+
+namespace {
+
+enum class Fault {
+  none,
+  rate_sign,
+  half_square,
+  half_turning,
+  world_axes,
+  body_axes,
+  column_missing,
+  ct_missing,
+  breakpoint,
+  keeps,
+  slots,
+  names,
+  this_for_all,
+  padding,
+  tangent,
+  nan,
+  velocity,
+  kind
+};
+
+/// f(t) = 0.5 + 0.1 sin(2 t), whose rate grows by 0.3 from 1.25 s on.
+class Length final : public MotionLaw {
+ public:
+  LawValue at(double t) const override {
+    LawValue r{0.5 + 0.1 * std::sin(2 * t), 0.2 * std::cos(2 * t), -0.4 * std::sin(2 * t)};
+    if (t > 1.25) r.y += 0.3 * (t - 1.25), r.yd += 0.3;
+    return r;
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (t0 < 1.25 && 1.25 < t1) out.push_back(1.25);
+  }
+};
+
+/// C = (d.d - f^2)/2, d = x_P - x_S, written by hand on the bare Lock; each fault is one that one makes.
+class Rod : public Lock {
+ public:
+  Rod(std::string name, Marker& p, Marker& s, Fault fault) : Lock(std::move(name)), p_(p), s_(s), fault_(fault) {}
+  std::string_view type() const override { return "rod"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{&p_, &s_}}; }
+  int row_count() const override { return fault_ == Fault::names ? 2 : 1; }
+  RowKind row_kind(int) const override { return fault_ == Fault::kind ? RowKind::rotation : RowKind::function; }
+  std::string row_name(int) const override { return "length"; }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (fault_ != Fault::breakpoint) law_.breakpoints(t0, t1, out);
+  }
+  void setup() override {
+    P_ = MarkerFrame(p_), S_ = MarkerFrame(s_), slots_ = {};
+    slots_.add(P_.slot);
+    if (fault_ != Fault::slots) slots_.add(S_.slot);
+  }
+  SlotList slots() const override { return slots_; }
+  void gather(Group links, const Inputs& in, RowSpan out) const override {
+    for (std::size_t i = 0; i < links.size(); ++i)
+      (fault_ == Fault::this_for_all ? *this : static_cast<const Rod&>(*links[i])).fill(in, out.lane(i));
+  }
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
+    if (fault_ != Fault::tangent) return Lock::tangent(in, lambda, out);
+    out.add_K(P_.slot, Half::move, P_.slot, Half::move, 2 * lambda[0] * Mat3::Identity());
+  }
+
+ private:
+  void fill(const Inputs& in, const RowBlock& b) const {
+    const Motion &O1 = in.slot(P_.slot), &O2 = in.slot(S_.slot);
+    const Vec3 &u1 = P_.u0, &u2 = S_.u0;
+    const Vec3 d = O1.x + O1.A * u1 - O2.x - O2.A * u2;
+    const Vec3 dd = O1.v + O1.A * cross(O1.w, u1) - O2.v - O2.A * cross(O2.w, u2);
+    const Vec3 ddd = O1.A * cross(O1.w, cross(O1.w, u1)) - O2.A * cross(O2.w, cross(O2.w, u2));
+    const LawValue f = law_.at(in.t);
+    b.C(0) = 0.5 * (d.dot(d) - f.y * f.y);
+    if (fault_ == Fault::keeps) b.C(0) += 1e-3 * ++n_calls_;
+    if (fault_ == Fault::nan) b.C(0) += std::sqrt(f.y - 5);
+    if (fault_ != Fault::ct_missing) b.Ct(0) = (fault_ == Fault::rate_sign ? 1 : -1) * f.y * f.yd;
+    if (fault_ == Fault::velocity) b.Ct(0) += d.dot(O1.v);
+    const double square = (fault_ == Fault::half_square ? 0.5 : 1) * dd.dot(dd);
+    const double turning = (fault_ == Fault::half_turning ? 0.5 : 1) * d.dot(ddd);
+    b.Qhat(0) = -square - turning + f.yd * f.yd + f.y * f.ydd;
+    Vec3 v1 = d, w1 = cross(u1, Vec3(O1.A.transpose() * d));
+    if (fault_ == Fault::world_axes) w1 = O1.A * w1;
+    if (fault_ == Fault::body_axes) v1 = O1.A.transpose() * v1;
+    b.set(slots_.position(P_.slot), 0, v1, w1);
+    const Vec3 w2 = -cross(u2, Vec3(O2.A.transpose() * d));
+    if (slots_.position(S_.slot) >= 0)
+      b.set(slots_.position(S_.slot), 0, Vec3(-d), fault_ == Fault::column_missing ? Vec3(Vec3::Zero()) : w2);
+    if (fault_ == Fault::padding) b.C(1) = 1;
+    if (fault_ == Fault::names) b.C(1) = b.Ct(1) = b.Qhat(1) = 0;
+    if (fault_ == Fault::names)
+      for (int i = 0; i < 2; ++i) b.set(i, 1, Vec3::Zero(), Vec3::Zero());
+  }
+
+  Marker &p_, &s_;
+  Fault fault_;
+  Length law_;
+  MarkerFrame P_, S_;
+  SlotList slots_;
+  mutable int n_calls_ = 0;
+};
+
+bool says(const CheckReport& report, const std::string& words) {
+  return report.text().find(words) != std::string::npos;
+}
+
+Pose place(double x, double y, double z, double angle) { return {{x, y, z}, axis_angle(Vec3(1, 2, -2), angle)}; }
+
+/// Two bodies with a marker each.
+struct Bench {
+  System system;
+  Body &arm, &cam;
+  Marker &p, &s;
+  Bench()
+      : arm(system.add_body("arm", {2.0, Vec3(0.1, 0, 0.05), Vec3(0.5, 0.6, 0.7).asDiagonal()},
+                            place(0.2, 0.1, 0, 0.4))),
+        cam(system.add_body("cam", {1.0, Vec3::Zero(), Vec3(0.3, 0.4, 0.5).asDiagonal()}, place(-0.2, 0.3, 0.2, -0.7))),
+        p(system.add_marker("p", arm, place(0.1, -0.2, 0.1, 0.3))),
+        s(system.add_marker("s", cam, place(0.0, 0.1, -0.2, 1.1))) {}
+
+  CheckReport rod(Fault fault) {
+    return check_lock(system, system.add(std::make_unique<Rod>("rod", p, s, fault)), {.seed = 7});
+  }
+};
+
+CheckReport rod(Fault fault) {
+  Bench bench;
+  return bench.rod(fault);
+}
+
+}  // namespace
+
+TEST_CASE("check_lock passes a right link and says how well it looked", "[unit][check]") {
+  const CheckReport r = rod(Fault::none);
+  INFO(r.text());
+  CHECK(r.ok());
+  CHECK(says(r, "link 'rod' (rod): nothing found in"));
+  CHECK(says(r, "(seed 7; differences good to"));
+  CHECK(r.accuracy() < 1e-5);
+}
+
+TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
+  CheckReport r = rod(Fault::rate_sign);
+  CAPTURE(r.text());
+  CHECK(says(r, "link 'rod' (rod): Ct of row length is "));
+  CHECK(says(r, "so it has the wrong sign (seed 7, state "));
+
+  r = rod(Fault::half_square);
+  CAPTURE(r.text());
+  CHECK(says(r, "Qhat of row length is "));
+  CHECK(says(r, "its part that is quadratic in the velocity of body 'arm' is "));
+  CHECK(says(r, "so it is half of that: a factor 2 is missing"));
+  CHECK(r.findings().size() == 1);
+
+  r = rod(Fault::half_turning);
+  CAPTURE(r.text());
+  CHECK(says(r, "its part that is quadratic in the angular velocity of body 'arm'"));
+
+  r = rod(Fault::world_axes);
+  CAPTURE(r.text());
+  CHECK(says(r, "jacobian of row length with respect to the angular velocity of body 'arm' about its "));
+  CHECK(says(r, "its three numbers are right in world axes, and the angular velocity is in the body's own"));
+
+  r = rod(Fault::body_axes);
+  CAPTURE(r.text());
+  CHECK(says(r, "with respect to the velocity of body 'arm' along the world's "));
+  CHECK(says(r, "right in body axes"));
+
+  r = rod(Fault::column_missing);
+  CAPTURE(r.text());
+  CHECK(says(r, "with respect to the angular velocity of body 'cam'"));
+  CHECK(says(r, "so it is missing"));
+
+  r = rod(Fault::tangent);
+  CAPTURE(r.text());
+  CHECK(says(r, "tangent(): the change of the force on body 'arm'"));
+  CHECK(says(r, "a factor 2 is too much"));
+
+  CHECK(says(rod(Fault::velocity), "Ct of row length changes with the velocities"));
+}
+
+TEST_CASE("check_lock names what is forgotten or written where it does not belong", "[unit][check]") {
+  CHECK(says(rod(Fault::ct_missing), "Ct of row length is not written"));
+  CheckReport r = rod(Fault::breakpoint);
+  CAPTURE(r.text());
+  CHECK(says(r, "Ct of row length jumps by "));
+  CHECK(says(r, "at t = 1.25 s, which breakpoints() does not tell"));
+  CHECK(says(rod(Fault::keeps), "says something else when it is asked again"));
+  CHECK(says(rod(Fault::slots), "slots() leaves out body 'cam', on which its marker 's' is"));
+  CHECK(says(rod(Fault::slots), "row length depends on body 'cam', which is not among slots()"));
+  CHECK(says(rod(Fault::names), "two rows are called 'length'"));
+  CHECK(says(rod(Fault::padding), "writes rows that it does not have"));
+  CHECK(says(rod(Fault::nan), "C of row length is not finite at t = "));
+  CHECK(says(rod(Fault::kind), "row length is of the kind rotation, but moves of body 'arm' change it"));
+}
+
+TEST_CASE("check_lock of a type finds a group that writes one link twice", "[unit][check]") {
+  Registry registry = builtin_registry();
+  const auto with = [&](const char* name, Fault fault) {
+    registry.links.add({name, "a rod", {}}, [fault](const Site& site, const Params&) {
+      return std::make_unique<Rod>(site.name, site.p(), site.s(), fault);
+    });
+  };
+  with("rod", Fault::none), with("rod_this", Fault::this_for_all);
+  const CheckReport right = check_lock(registry, "rod"), wrong = check_lock(registry, "rod_this");
+  CAPTURE(right.text(), wrong.text());
+  CHECK(right.ok());
+  CHECK(says(wrong, "two links gathered as one group are not what they are alone"));
+  CHECK(says(wrong, "links[i] (not this)"));
+  CHECK(says(wrong, "the first findings came with both bodies moving"));
+}
+
+namespace {
+
+struct TurnsForgotten {
+  static constexpr bool kCountsTurns = false;
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - 0.02 * y.angle_z();
+  }
+};
+struct TurnsCounted {
+  static constexpr bool kCountsTurns = true;
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - 0.02 * y.angle_z();
+  }
+};
+struct OddInE {
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - 0.3 * y.e3;
+  }
+};
+template <class Phi>
+struct Joint final : PhiLock<Phi> {
+  Joint(std::string name, Marker& p, Marker& s) : PhiLock<Phi>(std::move(name), p, s, Mask::x | Mask::y, Phi{}) {}
+  std::string_view type() const override { return "joint"; }
+};
+template <class Phi>
+CheckReport joint() {
+  System system;
+  const MassProperties mass{1.0, Vec3::Zero(), Vec3(0.3, 0.4, 0.5).asDiagonal()};
+  Body &nut = system.add_body("nut", mass), &shaft = system.add_body("shaft", mass);
+  return check_lock(system, system.add<Joint<Phi>>("thread", nut, shaft, at({0, 0.1, 0})), {.seed = 4});
+}
+
+}  // namespace
+
+TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
+  const CheckReport counted = joint<TurnsCounted>(), forgotten = joint<TurnsForgotten>(), odd = joint<OddInE>();
+  CAPTURE(counted.text(), forgotten.text(), odd.text());
+  CHECK(counted.ok());
+  CHECK(says(forgotten, "row phi jumps by 0.126 where 'thread.P' has turned by 1"));
+  CHECK(says(forgotten, "kCountsTurns = true"));
+  CHECK(says(odd, "row phi is another one when the quaternion of body 'nut' changes its sign"));
+}
+
+TEST_CASE("every link of the library passes its check", "[unit][check]") {
+  const Registry registry = builtin_registry();
+  for (const std::string& name : registry.links.names()) {
+    const CheckReport report = check_lock(registry, name, sample_params("link", name), {.seed = 2, .states = 4});
+    INFO(report.text());
+    CHECK(report.ok());
+    CHECK(report.comparisons() > 100);
+  }
+}
+
+TEST_CASE("drives by angle and by speed pass the check of links", "[unit][check]") {
+  const Registry registry = builtin_registry();
+  for (const bool speed : {false, true}) {
+    Bench bench;
+    auto& hinge = bench.system.add<Revolute>("hinge", bench.p, bench.s);
+    const auto law = registry.laws.make("cycloid", sample_params("law", "cycloid"), &registry, "law");
+    speed ? hinge.drive_speed(Axis::rz, law) : hinge.drive(Axis::rz, law);
+    const CheckReport report = check_lock(bench.system, hinge, {.seed = 11});
+    INFO(report.text());
+    CHECK(report.ok());
+  }
+}
+
+TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
+  Bench here, there;
+  Lock& link = there.system.add(std::make_unique<Rod>("rod", there.p, there.s, Fault::none));
+  CHECK_THROWS_AS(check_lock(here.system, link), ModelError);
+}
