@@ -7,6 +7,7 @@
 #include "framework/links/joints.h"
 #include "framework/links/rack_and_pinion.h"
 #include "framework/links/screw.h"
+#include "framework/links/stop.h"
 #include "framework/links/universal.h"
 #include "framework/plugin/registry.h"
 
@@ -37,6 +38,7 @@ void register_links(Registry& registry) {
   shelf.add<CamFlat>();
   shelf.add<PointOnCurve>();
   shelf.add<PathFollower>();
+  shelf.add<Stop>();
   shelf.add<GenericLock>();
 }
 

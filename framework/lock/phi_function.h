@@ -4,12 +4,14 @@
 
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "framework/lock/geometric_stiffness.h"
 #include "framework/lock/marker_frame.h"
 #include "framework/lock/phi.h"
+#include "framework/lock/relative.h"
 #include "framework/support/error.h"
 
 namespace lockstep {
@@ -31,12 +33,13 @@ class PhiFunction {
 
   /// Folds the markers into their slots. Throws ModelError, naming `link`, when the turn of a particle is asked for.
   void setup(const std::string& link) {
+    moving_ = false;
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
       const auto [p, s] = pairs_[k];
       if (Traits::needs(static_cast<int>(k), Needs::rotation)) refuse_particles(link, *p, *s);
       Side& side = sides_[k];
       side.P = MarkerFrame(*p), side.S = MarkerFrame(*s);
-      side.moving = side.P.slide || side.P.spin || side.S.slide || side.S.spin;
+      moving_ = moving_ || side.P.slide || side.P.spin || side.S.slide || side.S.spin;
     }
     const Coords<Time> y = at_home();
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);
@@ -64,22 +67,10 @@ class PhiFunction {
   ///
   ///   (7.2)  C = phi,  Ct = phi_y Ct_y + phi_t,  Jh = phi_y Jh_y,  Qhat = phi_y Qhat_y - phi'' along the motion
   void fill(const Inputs& in, const double* memory, const SlotList& slots, int first, const RowBlock& block) const {
-    const Points y = look_at(in);
-    const Rows f = value(y, in, memory);
-    for (int r = 0; r < kRows; ++r) {
-      const Grad& phi = f[static_cast<std::size_t>(r)];
-      Columns columns(slots);
-      double Ct = phi.d, Qhat = -phi.h;
-      each_pair([&](auto k) {
-        const LockPoint& L = y[k];
-        const auto g = gradient<k>(phi);
-        Ct += g.dot(part<k>(L.Ct) - part<k>(L.yd));
-        Qhat += g.dot(part<k>(L.Qhat));
-        columns.template add<k>(sides_[k], L, g);
-      });
-      block.C(first + r) = phi.v, block.Ct(first + r) = Ct, block.Qhat(first + r) = Qhat;
-      columns.write(first + r, block);
-    }
+    if (moving_)
+      fill_by(pairs_seen<MovingPair>(in), in, memory, slots, first, block);
+    else
+      fill_by(pairs_seen<StillPair>(in), in, memory, slots, first, block);
   }
 
   /// (9.11), (9.12) K = lambda ( J_i^T phi_ij J_j + K_lock of each pair ), one multiplier a row.
@@ -140,7 +131,6 @@ class PhiFunction {
  private:
   struct Side {
     MarkerFrame P, S;
-    bool moving = false;
   };
   using Points = std::array<LockPoint, static_cast<std::size_t>(kPairs)>;
   static constexpr int kV = Traits::kVariables;
@@ -168,7 +158,7 @@ class PhiFunction {
     for (int k = 0; k < kPairs; ++k) {
       const Side& side = sides_[static_cast<std::size_t>(k)];
       y[static_cast<std::size_t>(k)] =
-          look(in.slot(side.P.slot), in.slot(side.S.slot), side.P.at(in.t), side.S.at(in.t), side.moving ? 1u : 0u,
+          look(in.slot(side.P.slot), in.slot(side.S.slot), side.P.at(in.t), side.S.at(in.t), moving_ ? 1u : 0u,
                Traits::kNeeds[static_cast<std::size_t>(k)]);
     }
     return y;
@@ -179,18 +169,20 @@ class PhiFunction {
     if constexpr (Traits::kCountsTurns) y.near_angle = memory[3 * k] + memory[3 * k + 1] * (t - memory[3 * k + 2]);
     if constexpr (kOwn > 0) y.memory = memory + kAngles;
   }
-  /// Coordinates of all pairs; `variable(n, i, k)` makes number n of the variables, coordinate i of pair k.
+  /// Coordinates of pair k; `variable(n, i)` makes number n of the variables, coordinate i of the pair.
+  template <int k, class T, class Variable>
+  void place(LockCoords<T>& c, double t, const T& time, const double* memory, Variable&& variable) const {
+    const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i); };
+    if constexpr (Traits::needs(k, Needs::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
+    if constexpr (Traits::needs(k, Needs::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
+    c.t = time;
+    expect(c, k, t, memory);
+  }
   template <class T, class Variable>
   Coords<T> coords(double t, const T& time, const double* memory, Variable&& variable) const {
     Coords<T> y;
-    each_pair([&](auto k) {
-      LockCoords<T>& c = y[k];
-      const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i, std::size_t(k)); };
-      if constexpr (Traits::needs(k, Needs::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
-      if constexpr (Traits::needs(k, Needs::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
-      c.t = time;
-      expect(c, k, t, memory);
-    });
+    each_pair(
+        [&](auto k) { place<k>(y[k], t, time, memory, [&](int n, int i) { return variable(n, i, std::size_t(k)); }); });
     return y;
   }
   Coords<Time> along_motion(const Inputs& in, const double* memory) const {
@@ -222,6 +214,41 @@ class PhiFunction {
             return phi_(each...);
         },
         y);
+  }
+
+  template <template <Needs> class Seen>
+  auto pairs_seen(const Inputs& in) const {
+    return [&]<std::size_t... k>(std::index_sequence<k...>) {
+      return std::tuple<Seen<Traits::kNeeds[k]>...>(Seen<Traits::kNeeds[k]>(sides_[k].P, sides_[k].S, in)...);
+    }
+    (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
+  }
+
+  template <class Seen>
+  void fill_by(const Seen& pairs, const Inputs& in, const double* memory, const SlotList& slots, int first,
+               const RowBlock& block) const {
+    Coords<Grad> y;
+    each_pair([&](auto k) {
+      const auto& pair = std::get<k>(pairs);
+      place<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory,
+               [&](int n, int i) { return Grad::variable(n, pair.y()[i], pair.yd()[i]); });
+    });
+    const Rows f = call(y);
+    for (int r = 0; r < kRows; ++r) {
+      const Grad& phi = f[static_cast<std::size_t>(r)];
+      Columns columns(slots);
+      double Ct = phi.d, Qhat = -phi.h;
+      each_pair([&](auto k) {
+        const auto& pair = std::get<k>(pairs);
+        const Eigen::Matrix<double, Traits::end(k) - Traits::first(k), 1> g = gradient<k>(phi);
+        const PulledRow row = pair.pull(g);
+        Ct += row.Ct - g.dot(part<k>(pair.yd()));
+        Qhat += row.Qhat;
+        columns.add(sides_[k], row);
+      });
+      block.C(first + r) = phi.v, block.Ct(first + r) = Ct, block.Qhat(first + r) = Qhat;
+      columns.write(first + r, block);
+    }
   }
 
   Rows value(const Points& y, const Inputs& in, const double* memory) const {
@@ -270,21 +297,14 @@ class PhiFunction {
     }
     static Vec3& at(std::array<Vec3, kMaxSlots>& a, int i) { return a[static_cast<std::size_t>(i)]; }
 
-    template <int k, class G>
-    void add(const Side& side, const LockPoint& L, const G& g) {
-      constexpr int kFirst = Traits::first(k), kN = Traits::end(k) - kFirst;
+    void add(const Side& side, const PulledRow& row) {
       const int i = slots.position(side.P.slot), j = slots.position(side.S.slot);
-      Vec3 v1 = Vec3::Zero();
-      if constexpr (Traits::needs(k, Needs::translation))
-        v1 = L.Jv1.template topRows<3>().transpose() * g.template head<3>();
-      const Vec3 w1 = L.Jw1.template middleRows<kN>(kFirst).transpose() * g;
-      const Vec3 w2 = L.Jw2.template middleRows<kN>(kFirst).transpose() * g;
       if constexpr (kPairs > 1) {
-        if (i >= 0) at(v, i) += v1, at(w, i) += w1;
-        if (j >= 0) at(v, j) -= v1, at(w, j) += w2;
+        if (i >= 0) at(v, i) += row.v, at(w, i) += row.w1;
+        if (j >= 0) at(v, j) -= row.v, at(w, j) += row.w2;
       } else {
-        if (i >= 0) at(v, i) = v1, at(w, i) = w1;
-        if (j >= 0) at(v, j) = -v1, at(w, j) = w2;
+        if (i >= 0) at(v, i) = row.v, at(w, i) = row.w1;
+        if (j >= 0) at(v, j) = -row.v, at(w, j) = row.w2;
       }
     }
     void write(int row, const RowBlock& block) {
@@ -319,6 +339,7 @@ class PhiFunction {
   Phi phi_;
   Pairs pairs_;
   std::array<Side, static_cast<std::size_t>(kPairs)> sides_;
+  bool moving_ = false;  // a marker that has a law of its own
 };
 
 }  // namespace lockstep

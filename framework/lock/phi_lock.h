@@ -49,7 +49,7 @@ class PhiLock : public MarkerLock {
   }
 
   void gather(Group links, const Inputs& in, RowSpan out) const override {
-    MarkerLock::gather(links, in, out);
+    if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& link = static_cast<const PhiLock&>(*links[i]);
       link.function_.fill(in, link.memory(in), link.slots_, link.MarkerLock::row_count(), out.lane(i));

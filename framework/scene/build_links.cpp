@@ -144,10 +144,12 @@ void Builder::link(const Value& object, const std::string& owner) {
     std::unique_ptr<Lock> made =
         registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
     made->active_at_start = p.boolean("active");
+    one_sided(p, *made);
     Lock& added = out_.system.add(std::move(made));
     laws(p, added);
     drives(p, added);
     start_speeds(p, added);
+    brought_along(p, where, added);
   });
 }
 

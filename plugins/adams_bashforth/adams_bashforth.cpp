@@ -1,0 +1,166 @@
+// An integrator as a plugin: Adams and Bashforth's explicit multistep methods of order 2, 3 and 4.
+//
+//   y(t + x) = y + sum_j w_j(x) f_j,   sum_j w_j t_j^m = x^(m+1)/(m+1),  m = 0 ... order - 1,   t_j: times before t
+//
+// One evaluation a step; the weights follow from the times of the last steps, so that the step may change a little. The
+// end of a step is projected onto the constraints: a move as small as the error of the step. The rates that are kept
+// are of the projected states, each off the smooth curve by as much, and the order stays what it is. Where the history
+// does not fit - at the beginning, after an event, when the state was moved, when the step changes much - a step of
+// Runge and Kutta's method of order 4 is made in place.
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "framework/plugin/plugin.h"
+
+namespace {
+
+using namespace lockstep;
+
+class AdamsBashforth final : public Integrator {
+ public:
+  explicit AdamsBashforth(int order) : order_(order) {}
+
+  static TypeInfo type_info() {
+    return {"adams_bashforth",
+            "explicit multistep of order 2 to 4, fixed step: one evaluation a step, for smooth motions without events",
+            {{"order", Form::integer, Unit::none, "4", "2, 3 or 4"}}};
+  }
+  static std::unique_ptr<Integrator> make(const Params& p) {
+    const int order = p.integer("order");
+    if (order < 2 || order > 4) p.refuse("order", "is " + std::to_string(order) + "; must be 2, 3 or 4");
+    return std::make_unique<AdamsBashforth>(order);
+  }
+
+  IntegratorInfo info() const override { return {"adams_bashforth", order_, false, false, 1}; }
+
+  void begin(Dynamics&, const State& state) override {
+    end_ = stage_ = start_ = state;
+    for (StateRate& k : k_) k = {state.q, state.v, state.s};  // for their sizes
+    kept_.assign(static_cast<std::size_t>(order_), {state.t, k_[0]});
+    n_kept_ = 0;
+  }
+
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    if (n_kept_ > 0 && !is_end_of_last_step(state)) n_kept_ = 0;
+    dynamics.rate(state, k_[0]);
+    const bool multi = fits(state.t, h);
+    start_ = state;
+    if (multi)
+      add_up(h, end_);
+    else
+      runge_kutta(dynamics, h);
+    end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes;
+    StepReport report;
+    report.h = h;
+    land(dynamics, report);
+    keep(state.t);
+    state = end_;
+    return report;
+  }
+
+  // t_j and f_j, and the end of the last step: with the State all that the next step reads
+  void save(Snapshot& s) const override {
+    s.put(n_kept_);
+    for (int j = 0; j < n_kept_; ++j) {
+      const Kept& k = kept_[static_cast<std::size_t>(j)];
+      s.put(k.t), s.put_all(k.f.q), s.put_all(k.f.v), s.put_all(k.f.s);
+    }
+    s.put(end_.t), s.put_all(end_.q), s.put_all(end_.v), s.put_all(end_.s);
+  }
+  void restore(const Snapshot& s) override {
+    n_kept_ = static_cast<int>(s.get());
+    for (int j = 0; j < n_kept_; ++j) {
+      Kept& k = kept_[static_cast<std::size_t>(j)];
+      k.t = s.get(), s.get_all(k.f.q), s.get_all(k.f.v), s.get_all(k.f.s);
+    }
+    end_.t = s.get(), s.get_all(end_.q), s.get_all(end_.v), s.get_all(end_.s);
+  }
+
+ private:
+  struct Kept {
+    double t;
+    StateRate f;
+  };
+
+  bool is_end_of_last_step(const State& state) const {
+    return std::abs(state.t - end_.t) <= 1e-12 * std::max(1.0, std::abs(state.t)) && state.q == end_.q &&
+           state.v == end_.v && state.s == end_.s;
+  }
+
+  /// Enough rates before t, at distances like h: weights of times that differ much would be large.
+  bool fits(double t, double h) const {
+    if (n_kept_ < order_ - 1) return false;
+    for (int j = 0; j < order_ - 1; ++j) {
+      const double before = kept_[static_cast<std::size_t>(j)].t, gap = t - before;
+      if (gap < 0.5 * h || gap > 2 * h) return false;
+      t = before;
+    }
+    return true;
+  }
+
+  /// out = y + sum_j w_j f_j from start_; the rate at its time is k_[0], those before it are kept.
+  void add_up(double h, State& out) const {
+    Eigen::Matrix4d A = Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Zero();
+    for (int m = 0; m < order_; ++m) {
+      b[m] = 1.0 / (m + 1);
+      for (int j = 0; j < order_; ++j)
+        A(m, j) = std::pow(j == 0 ? 0.0 : (kept_[static_cast<std::size_t>(j - 1)].t - start_.t) / h, m);
+    }
+    const Eigen::Vector4d w = A.partialPivLu().solve(b);
+    out.q = start_.q, out.v = start_.v, out.s = start_.s;
+    for (int j = 0; j < order_; ++j) move(out, h * w[j], j == 0 ? k_[0] : kept_[static_cast<std::size_t>(j - 1)].f);
+  }
+
+  void runge_kutta(Dynamics& dynamics, double h) {
+    for (std::size_t i = 1; i < 4; ++i) {
+      const double c = i < 3 ? 0.5 : 1.0;
+      stage_ = start_;
+      move(stage_, c * h, k_[i - 1]);
+      stage_.t = start_.t + c * h;
+      dynamics.rate(stage_, k_[i]);
+    }
+    end_.q = start_.q, end_.v = start_.v, end_.s = start_.s;
+    for (std::size_t i = 0; i < 4; ++i) move(end_, h * (i == 0 || i == 3 ? 1.0 / 6 : 1.0 / 3), k_[i]);
+  }
+
+  static void move(State& y, double h, const StateRate& f) { y.q += h * f.q, y.v += h * f.v, y.s += h * f.s; }
+
+  /// Unit quaternions, then onto the constraints where the dynamics says so.
+  void land(Dynamics& dynamics, StepReport& report) {
+    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
+      dynamics.normalize(end_);
+      report.violation = report.violation_after = dynamics.violation(end_);
+      return;
+    }
+    const ProjectReport landed = dynamics.project(end_);
+    report.violation = landed.before, report.violation_after = landed.after;
+    if (landed.converged) return;
+    n_kept_ = 0;
+    throw StepError(
+        fmt::format("adams_bashforth: the end of the step of {:.3g} s from t = {:.9g} s could not be brought "
+                    "back onto the constraints; take a smaller step (--step) or dopri5 (--integrator)",
+                    report.h, start_.t),
+        start_.t);
+  }
+
+  /// The rate at the beginning of the step that was made becomes the newest of the history.
+  void keep(double t) {
+    std::rotate(kept_.begin(), kept_.end() - 1, kept_.end());
+    kept_.front().t = t, kept_.front().f = k_[0];
+    n_kept_ = std::min(n_kept_ + 1, order_);
+  }
+
+  int order_, n_kept_ = 0;
+  std::vector<Kept> kept_;  // the newest first
+  State start_, stage_, end_;
+  StateRate k_[4];
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.integrators.add(AdamsBashforth::type_info(), &AdamsBashforth::make); }

@@ -1,0 +1,114 @@
+// The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
+#include <cmath>
+
+#include "framework/builtins.h"
+#include "framework/check/check_force.h"
+#include "framework/check/check_integrator.h"
+#include "framework/check/check_law.h"
+#include "framework/check/check_lock.h"
+#include "framework/dynamics/simulation.h"
+#include "framework/kkt/schur_solver.h"
+#include "framework/plugin/loader.h"
+#include "framework/support/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+using namespace lockstep;
+
+namespace {
+
+Registry with(const char* plugin) {
+  Registry registry = builtin_registry();
+  load_plugin(registry, plugin, {paths::kPlugins});
+  return registry;
+}
+
+std::string refusal(const std::function<void()>& make) {
+  try {
+    make();
+  } catch (const SceneError& e) {
+    return e.what();
+  }
+  return "not refused";
+}
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("the plugin cam_follower passes check_lock", "[plugin][check]") {
+  const CheckReport r =
+      check_lock(with("cam_follower"), "cam_follower", {{"base", 0.05}, {"lift", 0.03}, {"lobes", 3}});
+  INFO(r.text());
+  CHECK(r.ok());
+}
+
+TEST_CASE("the plugin bump passes check_law", "[plugin][check]") {
+  const Registry registry = with("bump");
+  const auto law = registry.laws.make("bump", {{"height", 0.2}, {"at", 1.1}, {"width", 0.4}}, &registry, "law");
+  const CheckReport r = check_law(*law);
+  INFO(r.text());
+  CHECK(r.ok());
+  CHECK(law->at(1.1).y == Approx(0.2));
+}
+
+TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal speed", "[plugin][check]") {
+  const Registry registry = with("drag");
+  for (const Params& params : {Params{{"coefficient", 0.7}}, Params{{"area", 0.2}, {"shape", 0.47}}}) {
+    const CheckReport r = check_force(registry, "drag", params);
+    INFO(r.text());
+    CHECK(r.ok());
+  }
+  // v = vt tanh(g t/vt), vt = sqrt(m g/c), falling from rest
+  System system({.gravity = {0, 0, -9.81}});
+  Body& ball = system.add_particle("ball", 2.0, {0, 0, 0});
+  Marker& p = system.add_marker("p", ball);
+  system.add(registry.forces.make("drag", {"drag", {{&p, nullptr}}}, {{"coefficient", 0.3}}, &registry, "force"));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  Simulation run(dynamics, registry.integrators.make("dopri5", {}, &registry, "integrator"),
+                 {.tolerance = {1e-10, 1e-12}});
+  run.run_until(1.5);
+  const double vt = std::sqrt(2.0 * 9.81 / 0.3);
+  CHECK(run.state().v[2] == Approx(-vt * std::tanh(9.81 * 1.5 / vt)).epsilon(1e-8));
+
+  const auto make = [&](Params params) {
+    return refusal([&] { registry.forces.make("drag", {"drag", {{&p, nullptr}}}, params, &registry, "force 'drag'"); });
+  };
+  CHECK(contains(make({}), "give one of the two"));
+  CHECK(contains(make({{"coefficient", -1}}), "must not be negative"));
+}
+
+TEST_CASE("the plugin adams_bashforth passes check_integrator in every order", "[plugin][check]") {
+  const Registry registry = with("adams_bashforth");
+  for (int order = 2; order <= 4; ++order) {
+    const CheckReport r = check_integrator(registry, "adams_bashforth", {{"order", order}});
+    INFO(r.text());
+    CHECK(r.ok());
+  }
+  CHECK(contains(refusal([&] {
+                   registry.integrators.make("adams_bashforth", {{"order", 5}}, &registry, "integrator");
+                 }),
+                 "must be 2, 3 or 4"));
+}
+
+TEST_CASE("adams_bashforth evaluates once a step and begins anew where its history does not fit", "[plugin][check]") {
+  const Registry registry = with("adams_bashforth");
+  System system({.gravity = {0, 0, -9.81}});
+  system.add_body("top", MassProperties{2.0, Vec3::Zero(), Vec3(0.4, 0.4, 0.7).asDiagonal()}).start.w = {1, 0.5, 2};
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  const auto method = registry.integrators.make("adams_bashforth", {}, &registry, "integrator");
+  State state = system.start();
+  method->begin(dynamics, state);
+  const auto evaluations = [&](double h) {
+    const long before = dynamics.work().evaluations;
+    method->step(dynamics, state, h);
+    return dynamics.work().evaluations - before;
+  };
+  for (int i = 0; i < 3; ++i) CHECK(evaluations(0.01) == 4);  // the start
+  for (int i = 0; i < 5; ++i) CHECK(evaluations(0.01) == 1);
+  CHECK(evaluations(0.006) == 1);  // a little shorter
+  CHECK(evaluations(0.01) == 1);
+  CHECK(evaluations(0.05) == 4);  // much longer
+  state.v[3] += 0.1;              // pushed
+  for (int i = 0; i < 3; ++i) CHECK(evaluations(0.01) == 4);
+  CHECK(evaluations(0.01) == 1);
+}

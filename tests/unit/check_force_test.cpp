@@ -1,0 +1,134 @@
+// check_force: right forces pass, wrong ones are named in words.
+#include "framework/check/check_force.h"
+
+#include "framework/builtins.h"
+#include "framework/lock/marker_frame.h"
+#include "framework/support/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/samples_of_types.h"
+
+using namespace lockstep;
+
+namespace {
+
+enum class Fault { none, potential, dissipation, negative, stiffness, damping, markers, breakpoint, keeps, nan, turns };
+
+/// A spring of length zero and a damper between P and S: F = -k d - c dd + law(t) e_x on P, and -F on S at S.
+class Rubber final : public Force {
+ public:
+  Rubber(std::string name, Marker& p, Marker& s, Fault fault) : Force(std::move(name)), p_(p), s_(s), fault_(fault) {}
+  std::string_view type() const override { return "rubber"; }
+  std::vector<const Marker*> markers() const override {
+    if (fault_ == Fault::markers) return {&p_};
+    return {&p_, &s_};
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (fault_ != Fault::breakpoint && t0 < 0.8 && 0.8 < t1) out.push_back(0.8);
+  }
+  void setup() override { P_ = MarkerFrame(p_), S_ = MarkerFrame(s_); }
+  void apply(const Inputs& in, WrenchSum& out) const override {
+    const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
+    Vec3 F = -kK * (P.x - S.x) - kC * (P.v - S.v) + law(in.t);
+    if (fault_ == Fault::keeps) F *= 1 + 1e-3 * ++n_calls_;
+    if (fault_ == Fault::nan) F /= 0.0 * in.t;
+    out.force(P_.slot, F, P.x);
+    out.force(S_.slot, -F, S.x);
+    if (fault_ == Fault::turns) {  // an angle about z that is not counted
+      const Quat rel = conjugate(in.slot(S_.slot).e * S_.q0) * (in.slot(P_.slot).e * P_.q0);
+      const double a = 2 * std::atan2(rel.z, rel.w);
+      out.torque(P_.slot, -0.3 * (a - kTwoPi * std::round(a / kTwoPi)) * S.A.col(2));
+    }
+  }
+  void tangent(const Inputs& in, TangentSum& out) const override {
+    if (fault_ == Fault::stiffness) out.add_K(P_.slot, Half::move, P_.slot, Half::move, kK * Mat3::Identity());
+    if (fault_ == Fault::damping) out.add_D(P_.slot, Half::move, P_.slot, Half::move, kC * Mat3::Identity());
+    Force::tangent(in, out);
+  }
+  double potential(const Inputs& in) const override {
+    const double d2 = (in_world(P_, in).x - in_world(S_, in).x).squaredNorm();
+    return (fault_ == Fault::potential ? 1 : 0.5) * kK * d2;
+  }
+  double dissipation(const Inputs& in) const override {
+    const double d2 = (in_world(P_, in).v - in_world(S_, in).v).squaredNorm();
+    return (fault_ == Fault::dissipation ? 0.5 : fault_ == Fault::negative ? -1 : 1) * kC * d2;
+  }
+  double supply(const Inputs& in) const override { return law(in.t).dot(in_world(P_, in).v - in_world(S_, in).v); }
+
+ private:
+  static constexpr double kK = 40, kC = 3;
+  static Vec3 law(double t) { return {t > 0.8 ? 2.0 : 0.5, 0, 0}; }
+  Marker &p_, &s_;
+  Fault fault_;
+  MarkerFrame P_, S_;
+  mutable int n_calls_ = 0;
+};
+
+CheckReport rubber(Fault fault) {
+  System system;
+  const MassProperties mass{2.0, Vec3(0.1, 0, 0.05), Vec3(0.5, 0.6, 0.7).asDiagonal()};
+  Body& arm = system.add_body("arm", mass, {{0.2, 0.1, 0}, axis_angle(Vec3(1, 2, -2), 0.4)});
+  Body& cam = system.add_body("cam", mass, {{-0.2, 0.3, 0.2}, axis_angle(Vec3(1, 0, -2), -0.7)});
+  Marker& p = system.add_marker("p", arm, {{0.1, -0.2, 0.1}, axis_angle(Vec3(1, 1, 1), 0.3)});
+  Marker& s = system.add_marker("s", cam, {{0.0, 0.1, -0.2}, axis_angle(Vec3(0, 1, 1), 0.3)});
+  return check_force(system, system.add(std::make_unique<Rubber>("rubber", p, s, fault)), {.seed = 7});
+}
+
+bool says(const CheckReport& report, const std::string& words) {
+  return report.text().find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("check_force passes a right force", "[unit][check]") {
+  const CheckReport r = rubber(Fault::none);
+  INFO(r.text());
+  CHECK(r.ok());
+  CHECK(says(r, "force 'rubber' (rubber): nothing found in"));
+}
+
+TEST_CASE("check_force names wrong energies", "[unit][check]") {
+  CheckReport r = rubber(Fault::potential);
+  CAPTURE(r.text());
+  CHECK(says(r, "W to the bodies, and -dV/dt - dissipation() + supply() are"));
+  CHECK(says(r, "its force on body 'arm' along the world's "));
+  CHECK(says(r, "at rest, and potential() and supply() say"));
+  CHECK(says(r, "look at potential(), whose gradient is minus the force"));
+
+  r = rubber(Fault::dissipation);
+  CAPTURE(r.text());
+  CHECK(says(r, "its force at rest fits potential() and supply(), so that what goes with the velocities is wrong"));
+  CHECK(says(r, "look at dissipation()"));
+  CHECK(says(rubber(Fault::negative), "below zero"));
+}
+
+TEST_CASE("check_force names wrong tangents", "[unit][check]") {
+  CheckReport r = rubber(Fault::stiffness);
+  CAPTURE(r.text());
+  CHECK(says(r, "tangent(): K of the force on body 'arm' along its "));
+  CHECK(says(r, "so it is twice that: a factor 2 is too much"));
+  CHECK(r.findings().size() == 1);
+  r = rubber(Fault::damping);
+  CAPTURE(r.text());
+  CHECK(says(r, "tangent(): D of the force on body 'arm' along its "));
+  CHECK(says(r, "with the velocity of body 'arm'"));
+}
+
+TEST_CASE("check_force names what is forgotten", "[unit][check]") {
+  CHECK(says(rubber(Fault::markers), "pushes body 'cam', on which none of its markers() is"));
+  CHECK(says(rubber(Fault::breakpoint), "at t = 0.8 s, which breakpoints() does not tell"));
+  CHECK(says(rubber(Fault::keeps), "pushes otherwise when it is asked again at the same inputs"));
+  CHECK(says(rubber(Fault::nan), "its force is not finite at t = "));
+  CheckReport r = rubber(Fault::turns);
+  CAPTURE(r.text());
+  CHECK(says(r, "where body 'arm' has turned by "));
+}
+
+TEST_CASE("every force of the library passes its check", "[unit][check]") {
+  const Registry registry = builtin_registry();
+  for (const std::string& name : registry.forces.names()) {
+    const CheckReport report = check_force(registry, name, sample_params("force", name), {.seed = 2});
+    INFO(report.text());
+    CHECK(report.ok());
+    CHECK(report.comparisons() > 100);
+  }
+}
