@@ -15,6 +15,7 @@ namespace lockstep {
 inline Params sample_params(const std::string& shelf, const std::string& type) {
   static const std::map<std::string, const char*> samples = {
       {"link lock", R"({"mask": "x z e2"})"},
+      {"link stop", R"({"coordinate": "rz", "low": -0.5})"},
       {"link screw", R"({"lead": 0.2, "slip": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
       {"link rack_and_pinion", R"({"radius": 0.3})"},
       {"link gear", R"({"teeth_1": 20, "teeth_2": 30})"},
