@@ -221,6 +221,11 @@ void LockCheck::memory() {
 
 void LockCheck::jumps() {
   Place on = place_;
+  if (link_.n_memory() > 0) {  // the pose is held: what is remembered shall not expect it to go on turning
+    Place still = place_;
+    for (Motion& O : still.motions) O.v.setZero(), O.w.setZero();
+    link_.accept(still.in(), {on.z.data() + link_.first_memory(), static_cast<std::size_t>(link_.n_memory())});
+  }
   LockRows r;
   const auto f = [&](double t, VecX& out) {
     on.t = t;

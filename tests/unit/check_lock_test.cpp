@@ -269,7 +269,8 @@ TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
 TEST_CASE("every link of the library passes its check", "[unit][check]") {
   const Registry registry = builtin_registry();
   for (const std::string& name : registry.links.names()) {
-    const CheckReport report = check_lock(registry, name, sample_params("link", name), {.seed = 2, .states = 4});
+    const CheckReport report =
+        check_lock(registry, name, sample_params("link", name), {.seed = 2, .states = 4, .pairs = sample_pairs(name)});
     INFO(report.text());
     CHECK(report.ok());
     CHECK(report.comparisons() > 100);
