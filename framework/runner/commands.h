@@ -40,6 +40,7 @@ struct Words {
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
   std::string lanes;              ///< "off": one run at a time
+  std::string kind, name, into;   ///< of a new plugin
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -67,6 +68,7 @@ int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);
 int schema_command(const Words&);
+int new_plugin_command(const Words&);
 
 /// Reads the command line, calls a verb, says errors on standard error. Returns an Exit.
 int run_program(int argc, const char* const* argv);
