@@ -4,17 +4,41 @@
 #include "framework/force/register.h"
 #include "framework/kkt/register.h"
 #include "framework/links/register.h"
+#if LOCKSTEP_BUILTINS
 #include "integrators/register.h"
 #include "motionlaws/register.h"
+#else
+#include "framework/plugin/loader.h"
+#include "framework/support/error.h"
+#endif
 
 namespace lockstep {
+namespace {
+
+#if LOCKSTEP_BUILTINS
+void add_laws_and_integrators(Registry& registry) {
+  register_motion_laws(registry);
+  register_integrators(registry);
+}
+#else
+// Their origin is the plugin's name.
+void add_laws_and_integrators(Registry& registry) {
+  for (const char* folder : {"motionlaws", "integrators"}) try {
+      load_plugin(registry, folder);
+    } catch (const PluginError& error) {
+      throw PluginError(std::string("this lockstep takes its ") + folder +
+                        " from a plugin (it was built with LOCKSTEP_BUILTINS=OFF): " + error.what());
+    }
+}
+#endif
+
+}  // namespace
 
 Registry builtin_registry() {
   Registry registry;
-  register_motion_laws(registry);
+  add_laws_and_integrators(registry);
   register_links(registry);
   register_forces(registry);
-  register_integrators(registry);
   register_solvers(registry);
   registry.laws.set_origin("built in");
   registry.translation_laws.set_origin("built in");

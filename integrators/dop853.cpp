@@ -3,8 +3,6 @@
 // rounded to double.
 #include "integrators/dop853.h"
 
-#include "integrators/schemes.h"
-
 namespace lockstep {
 
 namespace {
@@ -71,8 +69,6 @@ constexpr EmbeddedScheme kScheme{"dop853", {8, kStages, kAll, 15, kA[0], kB, kC}
                                  kDense[0]};
 
 }  // namespace
-
-const EmbeddedScheme& dop853_scheme() { return kScheme; }
 
 TypeInfo Dop853::type_info() {
   return {"dop853", "Runge-Kutta of order 8 with error control and dense output: the accurate choice",

@@ -2,8 +2,6 @@
 // Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.5 and II.6.
 #include "integrators/dopri5.h"
 
-#include "integrators/schemes.h"
-
 namespace lockstep {
 
 namespace {
@@ -28,8 +26,6 @@ constexpr EmbeddedScheme kScheme{"dopri5", {5, kStages, kStages, 6, kA[0], kB, k
                                  kDense};
 
 }  // namespace
-
-const EmbeddedScheme& dopri5_scheme() { return kScheme; }
 
 TypeInfo Dopri5::type_info() {
   return {"dopri5", "Runge-Kutta of order 5 with error control and dense output: the default", EmbeddedOptions::keys()};

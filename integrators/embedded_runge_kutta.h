@@ -5,26 +5,13 @@
 #include <vector>
 
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/dynamics/singular_rate.h"
+#include "framework/dynamics/step_control.h"
 #include "framework/model/params.h"
-#include "integrators/runge_kutta.h"
-#include "integrators/step_control.h"
 #include "integrators/stiffness.h"
 
 namespace lockstep {
-
-/// The numbers of an embedded method; the arrays live as long as the program.
-struct EmbeddedScheme {
-  const char* name = "";
-  Tableau tableau;  ///< its stage `end_stage` is the rate at the end of the step
-  int end_stage = 0;
-  int late_stage = 0;              ///< another one at c = 1
-  double stability = 0;            ///< h |lambda| at the end of its interval of stability on the negative axis
-  const double* error = nullptr;   ///< error = h sum e_i k_i
-  const double* second = nullptr;  ///< a second, coarser one, or null: then error e5^2 / sqrt(e5^2 + 0.01 e3^2)
-  int n_dense = 0;                 ///< polynomials of the dense output beyond the cubic ones: h sum d_i k_i
-  const double* d = nullptr;       ///< n_dense rows of tableau.n_all
-};
 
 /// Where the stages are evaluated: as they are, on the constraints (see StagesOn), or on the constraints while a stage
 /// is near a singular position: when the detector of a solve (SolveReport) falls under 1e-2, until it is above 3e-2.
@@ -52,6 +39,10 @@ class LOCKSTEP_API EmbeddedRungeKutta : public Integrator {
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
   double first_step(Dynamics&, const State&, double largest) override;
+  /// Null where the options want more than the plain method.
+  const EmbeddedScheme* scheme() const override {
+    return options_.fixed || options_.stages != StagesWhen::plain ? nullptr : &scheme_;
+  }
   void save(Snapshot&) const override;
   void restore(const Snapshot&) override;
 

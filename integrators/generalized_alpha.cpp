@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/support/error.h"
 #include "integrators/increments.h"
-#include "integrators/runge_kutta.h"
 
 namespace lockstep {
 
@@ -20,8 +20,10 @@ constexpr int kMostIterations = 25;
 constexpr int kFailures = 8;             // tries that cannot be evaluated before the error goes on its way
 constexpr double kSmallestStep = 1e-12;  // of max(|t|, 1 ms)
 constexpr double kNewton = 1e-11;        // of the scene's length and the step's move: what Newton may leave of a step
-constexpr double kStalled = 1e-8;  // of the same and of the first change: what shrinks no more is round-off below this
-constexpr double kSlow = 0.2;      // a worse ratio of two changes asks for a fresh matrix
+constexpr double kStalled = 1e-8;   // of the same and of the first change: what shrinks no more is round-off below this
+constexpr int kMostReactions = 30;  // solutions with friction at the new multipliers
+constexpr double kReactions = 1e-6;  // of its first change: what they may leave; Newton does the rest
+constexpr double kSlow = 0.2;        // a worse ratio of two changes asks for a fresh matrix
 
 // out -= Jh^T lambda
 void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
@@ -78,7 +80,8 @@ IntegratorInfo GeneralizedAlpha::info() const { return {"generalized_alpha", 2, 
 void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
   start_ = end_ = state;
   const Eigen::Index n = state.v.size(), n_s = state.s.size();
-  for (VecX* v : {&vd_, &a_, &vd1_, &a1_, &a0_, &bend_, &u_, &force_, &zero_, &du_, &al_}) v->setZero(n);
+  for (VecX* v : {&vd_, &a_, &vd1_, &a1_, &a0_, &bend_, &u_, &force_, &zero_, &du_, &al_, &friction_, &friction1_})
+    v->setZero(n);
   for (VecX* v : {&sd_, &as_, &sd1_, &as1_, &as0_, &sd_now_}) v->setZero(n_s);
   y_.setZero(n_increments(state));
   rate_ = difference_ = sized_like(state);
@@ -233,6 +236,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   matrix_.add_M_times(force_, zero_);
   force_ = dynamics.force() + zero_;
   subtract_reactions(dynamics.rows(), lambda1_, force_);
+  if (!dynamics.reacting().empty()) dynamics.react(lambda1_, force_);
 
   rows_ = -C_ + beta_ * h / gamma_ * Cd_;
   zero_.setZero();
@@ -241,12 +245,34 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   force_ -= zero_;
   rows_ = Cd_ / -gh;
   matrix_.solve(force_, rows_, al_, mu_);
+  if (!dynamics.reacting().empty()) settle_reactions(dynamics);
   u_ += du_;
   vd1_ += al_;
   lambda1_ += mu_;
   du_ += bh2 * al_;
   al_ *= gh * h;
   return std::max({change, size_of(du_, length), size_of(al_, length)});
+}
+
+// What friction changes with the multipliers is in no matrix: al and mu are solved again with the friction at
+// lambda1 + mu, until that stands.
+void GeneralizedAlpha::settle_reactions(Dynamics& dynamics) {
+  friction_.setZero();
+  dynamics.react(lambda1_, friction_);
+  force_ -= friction_;  // the part that stays
+  double first = 0;
+  for (int i = 1; i <= kMostReactions; ++i) {
+    lambda_try_ = lambda1_ + mu_;
+    friction1_.setZero();
+    dynamics.react(lambda_try_, friction1_);
+    friction_ = friction1_ - friction_;
+    const double change = size_of(friction_, 1 / dynamics.system().length());
+    if (i == 1) first = change;
+    if (change <= kReactions * first) return;
+    friction_.swap(friction1_);
+    zero_ = force_ + friction_;
+    matrix_.solve(zero_, rows_, al_, mu_);
+  }
 }
 
 void GeneralizedAlpha::fail(double h) const {

@@ -13,9 +13,9 @@
 
 #include "framework/dynamics/implicit.h"
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/step_control.h"
 #include "framework/model/params.h"
 #include "integrators/quintic_output.h"
-#include "integrators/step_control.h"
 
 namespace lockstep {
 
@@ -46,6 +46,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
   bool solve(Dynamics&, double h);
   void place(double h);
   double correct(Dynamics&, double h, bool anew);
+  void settle_reactions(Dynamics&);
   double estimate(double h);
   void filter(Eigen::Ref<VecX> out);
   [[noreturn]] void fail(double h) const;
@@ -62,6 +63,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
   VecX a0_, as0_;                        // a_ and as_ for the length of this step
   VecX bend_;                            // (v1' - v0')/h of the step before
   VecX u_, y_, sd_now_, force_, zero_, rows_, C_, Cd_, du_, al_, mu_;  // of the linear systems
+  VecX friction_, friction1_, lambda_try_;                             // of forces that read reactions
   StateRate rate_, difference_;
   double h_ = 0, t_ = 0;  // length and end of the step before; 0: there was none
 };

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/support/error.h"
 #include "integrators/increments.h"
-#include "integrators/runge_kutta.h"
 
 namespace lockstep {
 

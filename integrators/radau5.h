@@ -10,11 +10,11 @@
 #include <memory>
 
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/step_control.h"
 #include "framework/model/params.h"
 #include "integrators/linearized_motion.h"
 #include "integrators/predictive_control.h"
 #include "integrators/quintic_output.h"
-#include "integrators/step_control.h"
 
 namespace lockstep {
 

@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/support/error.h"
-#include "integrators/runge_kutta.h"
 
 namespace lockstep {
 
@@ -61,6 +61,7 @@ IntegratorInfo Rattle::info() const { return {scheme_.name, scheme_.order, false
 
 void Rattle::begin(Dynamics& dynamics, const State& state) {
   now_ = next_ = state;
+  dynamics.gather(state);
   refuse_unsuited(dynamics, state);
   const System& system = dynamics.system();
   turning_.clear();
@@ -86,6 +87,11 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
     throw ModelError(
         fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
   }
+  for (const Force* force : dynamics.reacting())
+    throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of links, as friction does; the method "
+                                 "keeps the energy",
+                                 scheme_.name, force->name(), force->type()) +
+                     advice);
   State moving = state;
   for (const double sign : {1.0, -1.0})
     for (const auto& force : system.forces()) {

@@ -1,8 +1,6 @@
 // Source of the tableau: W. Kutta, Zeitschrift fuer Mathematik und Physik 46 (1901) 435.
 #include "integrators/rk4.h"
 
-#include "integrators/schemes.h"
-
 namespace lockstep {
 
 namespace {
@@ -10,18 +8,18 @@ namespace {
 constexpr double kC[4] = {0, 0.5, 0.5, 1};
 constexpr double kA[4][3] = {{}, {0.5}, {0, 0.5}, {0, 0, 1}};
 constexpr double kB[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-constexpr Tableau kTableau{4, 4, 4, 3, kA[0], kB, kC};
+constexpr EmbeddedScheme kScheme{"rk4", {4, 4, 4, 3, kA[0], kB, kC}};
 
 }  // namespace
-
-const Tableau& rk4_tableau() { return kTableau; }
 
 TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: teaching and comparison", {}}; }
 
 IntegratorInfo Rk4::info() const { return {"rk4", 4, false, false, 4}; }
 
+const EmbeddedScheme* Rk4::scheme() const { return &kScheme; }
+
 void Rk4::begin(Dynamics&, const State& state) {
-  stages_.begin(kTableau, state);
+  stages_.begin(kScheme.tableau, state);
   end_ = state;
 }
 

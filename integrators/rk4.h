@@ -2,8 +2,8 @@
 #pragma once
 
 #include "framework/dynamics/integrator.h"
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/model/params.h"
-#include "integrators/runge_kutta.h"
 
 namespace lockstep {
 
@@ -15,6 +15,7 @@ class LOCKSTEP_API Rk4 final : public Integrator {
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   StepReport step(Dynamics&, State&, double h) override;
+  const EmbeddedScheme* scheme() const override;
 
  private:
   Stages stages_;

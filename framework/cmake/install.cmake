@@ -1,33 +1,44 @@
 # Headers keep their paths, so an include line is the same here and in a client: #include "framework/lock/kernel.h".
+# Four components, which packages.cmake makes Debian packages of: library, development, program, plugins.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
 
-install(TARGETS lockstep EXPORT lockstepTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS lockstep EXPORT lockstepTargets
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+# Empty names, or the plugins without which the library has no laws and no integrators.
+install(TARGETS lockstep_motionlaws lockstep_integrators EXPORT lockstepTargets
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lockstep/plugins COMPONENT library)
 if(TARGET lockstep_program)
-  install(TARGETS lockstep_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS lockstep_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endif()
 
 foreach(folder framework motionlaws integrators)
-  if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
-    install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep
-            FILES_MATCHING PATTERN "*.h" PATTERN runner EXCLUDE PATTERN cmake EXCLUDE)
-  endif()
+  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT development
+          FILES_MATCHING PATTERN "*.h" PATTERN runner EXCLUDE PATTERN cmake EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/generated/framework/version.h
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep/framework)
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep/framework COMPONENT development)
 
-if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/samples/scenes)
-  install(DIRECTORY samples/scenes DESTINATION ${data_folder} FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
-endif()
-install(FILES framework/scene/scene.schema.json DESTINATION ${data_folder} OPTIONAL)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES README.md framework/CHANGELOG.md framework/lock/THEORY.md DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
+install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
+        FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
+install(FILES framework/scene/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
+install(FILES LICENSE README.md framework/CHANGELOG.md framework/lock/THEORY.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
-install(EXPORT lockstepTargets NAMESPACE lockstep:: DESTINATION ${package_folder})
+install(EXPORT lockstepTargets NAMESPACE lockstep:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(framework/cmake/lockstepConfig.cmake.in ${PROJECT_BINARY_DIR}/lockstepConfig.cmake
-                              INSTALL_DESTINATION ${package_folder})
+                              INSTALL_DESTINATION ${package_folder}
+                              PATH_VARS CMAKE_INSTALL_BINDIR CMAKE_INSTALL_LIBDIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/lockstepConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/lockstepConfig.cmake ${PROJECT_BINARY_DIR}/lockstepConfigVersion.cmake
               framework/cmake/lockstep_add_plugin.cmake
-        DESTINATION ${package_folder})
+        DESTINATION ${package_folder} COMPONENT development)
+
+# pkg-config, for clients without CMake. The prefix is found from the file's own place, so it may be moved.
+set(lockstep_pc_flags ${lockstep_shared_settings})
+list(TRANSFORM lockstep_pc_flags PREPEND "-D")
+list(JOIN lockstep_pc_flags " " lockstep_pc_flags)
+file(RELATIVE_PATH lockstep_pc_up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(framework/cmake/lockstep.pc.in ${PROJECT_BINARY_DIR}/lockstep.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/lockstep.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)

@@ -15,5 +15,5 @@ function(lockstep_add_plugin name)
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins
     INSTALL_RPATH "$ORIGIN/../..")
   set_property(GLOBAL APPEND PROPERTY lockstep_plugin_targets ${name})
-  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lockstep/plugins)
+  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lockstep/plugins COMPONENT plugins)
 endfunction()

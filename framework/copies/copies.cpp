@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/builtins.h"
 #include "framework/copies/copy_run.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/support/error.h"
@@ -41,13 +42,23 @@ std::string difference(const System& a, const System& b) {
   return "";
 }
 
-void check(const CopiesOptions& o) {
-  if (o.integrator != "dop853" && o.integrator != "dopri5" && o.integrator != "rk4")
+// Makes the integrator of this name; empty where the registry has none.
+std::function<std::unique_ptr<Integrator>()> maker(const Registry& registry, const std::string& name) {
+  if (registry.integrators.find(name) == nullptr) return {};
+  return [&registry, name] { return registry.integrators.make(name, Params{}, &registry, "copies"); };
+}
+
+void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
+  if (scheme == nullptr)
     throw ModelError("copies: integrator \"" + o.integrator + "\" has no lanes; take dop853, dopri5 or rk4");
+  if (scheme->tableau.n_stages > Weights::kMost)
+    throw ModelError("copies: integrator \"" + o.integrator + "\" has " + std::to_string(scheme->tableau.n_stages) +
+                     " stages, lanes hold " + std::to_string(Weights::kMost));
   if (!(o.step >= 0) || !(o.max_step >= 0) || !std::isfinite(o.step + o.max_step) ||
-      (o.integrator == "rk4" && o.step == 0))
-    throw ModelError("copies: step " + brief(o.step) + " s, largest " + brief(o.max_step) +
-                     " s; rk4 needs a step above zero, and none is negative");
+      (scheme->error == nullptr && o.step == 0))
+    throw ModelError("copies: step " + brief(o.step) + " s, largest " + brief(o.max_step) + " s; " +
+                     (scheme->error == nullptr ? o.integrator + " needs a step above zero, and " : "") +
+                     "none is negative");
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
     throw ModelError("copies: tolerances " + brief(o.tolerance.relative) + " and " + brief(o.tolerance.atol_x) +
                      "; give numbers that are not negative, one of them above zero");
@@ -63,6 +74,9 @@ void check(const CopiesOptions& o) {
 struct Copies::Work {
   std::vector<System*> systems;
   CopiesOptions options;
+  Registry own;  // where none was given
+  std::function<std::unique_ptr<Integrator>()> make_integrator;
+  std::unique_ptr<Integrator> method;  // the one whose numbers the lanes take
   std::vector<std::unique_ptr<lanes::Batch>> batches;
   Aligned<double> y, rate;
 
@@ -99,7 +113,11 @@ std::string Copies::unsuited(System& system) {
 
 Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std::make_unique<Work>()) {
   static_assert(kLanes == lanes::kLanes);
-  check(options);
+  Work& w = *work_;
+  if (options.registry == nullptr) w.own = builtin_registry();
+  w.make_integrator = maker(options.registry ? *options.registry : w.own, options.integrator);
+  if (w.make_integrator) w.method = w.make_integrator();
+  check(options, w.method ? w.method->scheme() : nullptr);
   if (systems.empty()) throw ModelError("copies: no mechanism was given; give at least one");
   for (std::size_t i = 0; i < systems.size(); ++i) {
     if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
@@ -111,7 +129,6 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
       throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
                        "; copies have equal bodies and links");
   }
-  Work& w = *work_;
   w.systems = std::move(systems), w.options = std::move(options);
   const std::span<System* const> all(w.systems);
   for (std::size_t i = 0; i < all.size(); i += kLanes)
@@ -174,7 +191,7 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
                        number(times.front()) + " s; leave out the times before the starts");
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
-  const lanes::RunTask task{w.options, times, output};
+  const lanes::RunTask task{w.options, *w.method->scheme(), w.make_integrator, times, output};
   for (const auto& batch : w.batches) {
     const auto n = static_cast<std::size_t>(batch->size());
     const auto states = starts.subspan(w.first(*batch), n);

@@ -15,17 +15,20 @@
 
 namespace lockstep {
 
+class Registry;
+
 /// Instructions of the processor; `best` takes the widest that the machine has.
 enum class Instructions { best, plain, fma, avx512 };
 
 struct CopiesOptions {
-  std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step)
-  Tolerance tolerance;                ///< of dop853 and dopri5
-  double step = 0;                    ///< rk4: the step, s; else the first one, 0: the method's own guess
+  std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step), or any with a scheme()
+  Tolerance tolerance;                ///< where there is error control
+  double step = 0;                    ///< fixed step: the step, s; else the first one, 0: the method's own guess
   double max_step = 0;                ///< s; 0: no limit
   Stabilization stabilization;        ///< project or none
   bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
   Instructions instructions = Instructions::best;  ///< others for comparison
+  const Registry* registry = nullptr;              ///< that has the integrator; null: builtin_registry()
 };
 
 /// How a copy came through a run.

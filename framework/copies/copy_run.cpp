@@ -5,9 +5,6 @@
 
 #include "framework/kkt/schur_solver.h"
 #include "framework/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/rk4.h"
 
 namespace lockstep::lanes {
 
@@ -38,24 +35,14 @@ double Course::arrive(bool& wanted) {
   return wanted ? times_[next_++] : jumps_[next_jump_++];
 }
 
-namespace {
-
-std::unique_ptr<Integrator> make_integrator(const std::string& name) {
-  if (name == "rk4") return std::make_unique<Rk4>();
-  if (name == "dopri5") return std::make_unique<Dopri5>();
-  return std::make_unique<Dop853>();
-}
-
-}  // namespace
-
 void run_alone(System& system, int copy, State state, Course course, double h, const RunTask& task,
                CopyReport& report) {
   try {
     DynamicsOptions options;
     options.stabilization = task.options.stabilization;
     Dynamics dynamics(system, std::make_unique<SchurSolver>(), options);
-    const std::unique_ptr<Integrator> integrator = make_integrator(task.options.integrator);
-    const bool fixed = task.options.integrator == "rk4";
+    const std::unique_ptr<Integrator> integrator = task.make_integrator();
+    const bool fixed = task.scheme.error == nullptr;
     integrator->set_tolerance(task.options.tolerance);
     integrator->begin(dynamics, state);
     const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 
 #include "framework/copies/batch.h"
 #include "framework/copies/copies.h"
+#include "framework/dynamics/tableau.h"
 
 namespace lockstep::lanes {
 
@@ -32,6 +33,8 @@ class Course {
 
 struct RunTask {
   const CopiesOptions& options;
+  const EmbeddedScheme& scheme;
+  const std::function<std::unique_ptr<Integrator>()>& make_integrator;
   std::span<const double> times;
   const Copies::Output& output;
 };

@@ -50,6 +50,11 @@ std::string unsuited(const System& system) {
   if (!system.auxiliaries().empty())
     return "'" + system.auxiliaries().front()->name() + "' integrates states of its own (an auxiliary)";
   if (system.n_slots() == 0) return "nothing moves";
+  for (const auto& force : system.forces())
+    if (!force->reads().empty())
+      return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
+  for (const auto& link : system.links())
+    if (link->one_sided) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
     if (const std::string why = unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]); !why.empty())

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "framework/copies/copy_run.h"
+#include "framework/dynamics/runge_kutta.h"
+#include "framework/dynamics/step_control.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/support/error.h"
-#include "integrators/schemes.h"
-#include "integrators/step_control.h"
 
 namespace lockstep::lanes {
 namespace {
@@ -31,13 +31,16 @@ struct Lane {
 class LaneRun {
  public:
   LaneRun(Batch& batch, const RunTask& task, std::span<CopyReport> reports)
-      : batch_(batch), task_(task), reports_(reports), fixed_(task.options.integrator == "rk4") {
-    if (!fixed_) scheme_ = task.options.integrator == "dopri5" ? &dopri5_scheme() : &dop853_scheme();
-    tableau_ = fixed_ ? rk4_tableau() : scheme_->tableau;
+      : batch_(batch),
+        task_(task),
+        reports_(reports),
+        fixed_(task.scheme.error == nullptr),
+        scheme_(task.scheme),
+        tableau_(task.scheme.tableau) {
     for (int i = 0; i < tableau_.n_stages; ++i) a_.emplace_back(tableau_.a + i * tableau_.stride, i);
     b_ = Weights(tableau_.b, tableau_.n_stages);
-    if (scheme_) error_w_ = Weights(scheme_->error, tableau_.n_stages);
-    if (scheme_ && scheme_->second) second_w_ = Weights(scheme_->second, tableau_.n_stages);
+    if (scheme_.error) error_w_ = Weights(scheme_.error, tableau_.n_stages);
+    if (scheme_.second) second_w_ = Weights(scheme_.second, tableau_.n_stages);
     for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
     k_.resize(static_cast<std::size_t>(tableau_.n_stages));
     for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
@@ -70,7 +73,7 @@ class LaneRun {
   const RunTask& task_;
   std::span<CopyReport> reports_;
   bool fixed_;
-  const EmbeddedScheme* scheme_ = nullptr;
+  const EmbeddedScheme& scheme_;
   Tableau tableau_;
   std::vector<Weights> a_;
   Weights b_, error_w_, second_w_;
@@ -199,7 +202,7 @@ void LaneRun::estimate(Numbers8& error) {
     }
   };
   each(error_w_, true, error);
-  if (!scheme_->second) return;
+  if (!scheme_.second) return;
   each(second_w_, false, e3);
   for (std::size_t l = 0; l < kL; ++l) {
     const double e5 = error[l];

@@ -42,6 +42,11 @@ void Dynamics::prepare(const State& state) {
   factored_ = false;
   const int n = 6 * system_.n_slots();
   f_.setZero(n), a_.setZero(n), zero_.setZero(n), d_.setZero(n);
+  reacting_.clear();
+  for (const auto& force : system_.forces())
+    if (!force->reads().empty()) reacting_.push_back(force.get());
+  if (!reacting_.empty())
+    for (VecX* v : {&added_, &added_before_, &change_, &change_before_, &loaded_}) v->setZero(n);
   c_.setZero(rows_.n_rows), C_.setZero(rows_.n_rows), Cd_.setZero(rows_.n_rows), lambda_.setZero(rows_.n_rows);
   solved_f_.setZero(matrix_->n()), solved_a_.setZero(matrix_->n());
   solved_c_.setZero(matrix_->m()), solved_lambda_.setZero(matrix_->m());
@@ -56,6 +61,11 @@ void Dynamics::see(const State& state) {
   in_.motions = motions_;
   in_.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in_.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+}
+
+const Inputs& Dynamics::look(const State& state) {
+  see(state);
+  return in_;
 }
 
 void Dynamics::gather(const State& state) {
@@ -121,6 +131,7 @@ const Evaluated& Dynamics::evaluate(const State& state) {
     c_ -= 2.0 * alpha * Cd_ + beta * beta * C_;
   }
   solve_loaded(f_, c_, true, a_, lambda_);
+  if (!reacting_.empty()) find_reactions(state);
   ++work_.evaluations;
   check_solved(state);
   return *values_;

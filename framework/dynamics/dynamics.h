@@ -69,6 +69,14 @@ class LOCKSTEP_API Dynamics {
   WorkCount& work() { return work_; }
   const SolveReport& last_solve() const;
 
+  /// What links and forces see of this state; rows and force stay as they were gathered last.
+  const Inputs& look(const State&);
+
+  // -- forces that depend on the present reactions (friction)
+  const std::vector<const Force*>& reacting() const { return reacting_; }  ///< none: one solution an evaluation
+  /// f += what they add at these multipliers, one a row, at the state gathered last.
+  void react(const VecX& lambda, VecX& f) const;
+
   // -- what assembly and analyses build on
   /// Rows and forces at this state; afterwards rows() and force() are complete.
   void gather(const State&);
@@ -92,6 +100,8 @@ class LOCKSTEP_API Dynamics {
   void gather_unchecked(const State&);
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
+  void find_reactions(const State&);
+  [[noreturn]] void blame_reactions(const State&, double left);
   void check_gathered(const State&) const;
   [[noreturn]] void blame_rates(const State&, const VecX& sd) const;
   void check_solved(const State&) const;
@@ -111,6 +121,8 @@ class LOCKSTEP_API Dynamics {
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
   VecX solved_f_, solved_c_, solved_a_, solved_lambda_;  // in the formulation's own unknowns
+  std::vector<const Force*> reacting_;
+  VecX added_, added_before_, change_, change_before_, loaded_;  // of find_reactions
   Inputs in_;
   std::unique_ptr<Evaluated> values_;
   mutable SolveReport solve_report_;

@@ -152,6 +152,8 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
     link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
   }
   for (const auto& force : system.forces()) force->tangent(in, w.tangents);
+  const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+  for (const Force* force : dynamics.reacting()) force->react_tangent(in, reactions, w.tangents);
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 

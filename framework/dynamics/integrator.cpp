@@ -10,6 +10,8 @@ void Integrator::set_tolerance(const Tolerance&) {}
 
 double Integrator::first_step(Dynamics&, const State&, double) { return 0; }
 
+const EmbeddedScheme* Integrator::scheme() const { return nullptr; }
+
 void Integrator::save(Snapshot&) const {}
 
 void Integrator::restore(const Snapshot&) {}

@@ -9,6 +9,8 @@
 
 namespace lockstep {
 
+struct EmbeddedScheme;
+
 struct IntegratorInfo {
   std::string name;
   int order = 1;
@@ -54,6 +56,9 @@ class LOCKSTEP_API Integrator {
   virtual void set_tolerance(const Tolerance&);
   /// First step by the method's own guess, which looks no further ahead than `largest`; 0: none (fixed step).
   virtual double first_step(Dynamics&, const State&, double largest);
+  /// The numbers of an explicit Runge-Kutta method (framework/dynamics/tableau.h), by which others make its steps:
+  /// Copies in vector lanes. Null, as here: only step() makes them.
+  virtual const EmbeddedScheme* scheme() const;
   /// History and controller: with the State all that a checkpoint or a step taken back needs.
   virtual void save(Snapshot&) const;
   virtual void restore(const Snapshot&);

@@ -159,6 +159,8 @@ void Simulation::Loop::start() {
   watched.assign(sim.events_.size(), {});
   for (std::size_t i = 0; i < watched.size(); ++i)
     watched[i].over = !sim.events_[i].value && sim.events_[i].at < t_start;
+  contacts.lay_out(sim.system(), sim.dynamics_.options().stabilization);
+  if (!contacts.empty()) begin_contacts(), settle_contacts();
   sim.begun_ = true;
   started = true;
   const Sample sample(sim.dynamics_, sim.state_, step);
@@ -166,7 +168,10 @@ void Simulation::Loop::start() {
   skip_outputs_before(t_start);
   if (output_due_at_end()) put_out(sample);
   begin_method();
-  fire_due();
+  const bool changed = fire_due();
+  if (contacts.empty()) return;
+  if (changed) settle_contacts();
+  note_contacts(true);
 }
 
 void Simulation::Loop::advance(double limit, double largest) {
@@ -179,8 +184,9 @@ void Simulation::Loop::advance(double limit, double largest) {
   bool landed = step.h >= wanted && sim.state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
   if (landed) sim.state_.t = target.reach;
   take_advice(wanted);
+  const bool touched = !contacts.empty() && locate_contacts();
   const bool met = !sim.events_.empty() && locate_events();
-  if (met && sim.state_.t < target.reach) landed = false;
+  if ((met || touched) && sim.state_.t < target.reach) landed = false;
   if (landed && target.jump) cross_to(target.t);
   sim.dynamics_.accept(sim.state_);
   ++sim.report_.steps;
@@ -191,8 +197,12 @@ void Simulation::Loop::advance(double limit, double largest) {
   outputs_inside(from.t, sim.state_.t);
   observe_end();
   if (landed && target.jump) make_consistent("the jump of a law");
-  if (landed || met) anchor = sim.state_.t, n_from_anchor = 0;
-  if (!sim.events_.empty()) fire_due();
+  if (landed || met || touched) anchor = sim.state_.t, n_from_anchor = 0;
+  const bool changed = !sim.events_.empty() && fire_due();
+  if (contacts.empty()) return;
+  const bool moved = changed || met || touched || (landed && target.jump);
+  if (moved) settle_contacts();
+  note_contacts(moved);
 }
 
 void Simulation::Loop::observe_end() {

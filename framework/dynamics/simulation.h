@@ -22,6 +22,7 @@ struct SimulationOptions {
 struct SimulationReport {
   long steps = 0, rejected = 0;
   double largest_violation = 0;                                  ///< |C| after accepted steps, m
+  long impacts = 0;                                              ///< instants at which one-sided links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
   double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
   bool stopped = false;                                          ///< by an event or by stop()

@@ -126,7 +126,7 @@ bool Simulation::Loop::locate_events() {
   return std::isfinite(first);
 }
 
-void Simulation::Loop::fire_due() {
+bool Simulation::Loop::fire_due() {
   const double t = sim.state_.t;
   bool changed = false, rewound = false;
   std::string cause;
@@ -147,13 +147,17 @@ void Simulation::Loop::fire_due() {
   }
   if (changed) make_consistent(cause);
   if (changed || rewound) begin_method();
+  return changed;
 }
 
 void Simulation::Loop::act(const Event& e) {
-  std::vector<bool>& modes = sim.state_.modes;
-  for (const std::string& name : e.activate) modes[static_cast<std::size_t>(sim.system().link(name).number())] = true;
-  for (const std::string& name : e.deactivate)
-    modes[static_cast<std::size_t>(sim.system().link(name).number())] = false;
+  const auto put = [&](const std::string& name, bool on) {  // a one-sided link comes into force when it is touched
+    const Lock& link = sim.system().link(name);
+    sim.state_.modes[static_cast<std::size_t>(link.number())] = on && !link.one_sided;
+    if (link.one_sided) sim.state_.z[link.impact_memory() + 1] = on ? 1.0 : 0.0;
+  };
+  for (const std::string& name : e.activate) put(name, true);
+  for (const std::string& name : e.deactivate) put(name, false);
   if (e.change) e.change(sim.state_);
   if (!sim.state_.q.allFinite() || !sim.state_.v.allFinite() || !sim.state_.s.allFinite())
     throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, sim.state_.t),
@@ -161,6 +165,9 @@ void Simulation::Loop::act(const Event& e) {
   sim.dynamics_.normalize(sim.state_);
   engage(e.activate);
   check_links(e.activate, "event '" + e.name + "'");
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (std::find(e.activate.begin(), e.activate.end(), contacts[i].link->name()) != e.activate.end())
+      check_side(i, "event '" + e.name + "' at t = " + fmt::format("{:.9g}", sim.state_.t) + " s");
 }
 
 // Own states of links that come into force: a driven speed begins where the mechanism is.

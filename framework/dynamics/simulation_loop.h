@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/dynamics/contacts.h"
 #include "framework/dynamics/simulation.h"
 
 namespace lockstep {
@@ -42,12 +43,22 @@ struct Simulation::Loop {
   // -- simulation_events.cpp: events
   void watch();          ///< remembers every condition's value at the present state
   bool locate_events();  ///< cuts the step at the first condition met; true when one was met
-  void fire_due();       ///< timed events and those that were met, at the present state
+  bool fire_due();       ///< timed events and those that were met, at the present state; whether any changed it
   void act(const Event&);
   void engage(const std::vector<std::string>& links);
   void check_links(const std::vector<std::string>& links, const std::string& cause);
   void make_consistent(const std::string& cause);
   void begin_method();
+
+  // -- simulation_contacts.cpp: where one-sided links are hit, and where they would pull
+  void begin_contacts();  ///< whom to watch; throws AssemblyError for one that starts on the wrong side
+  void check_side(std::size_t contact, const std::string& cause);
+  /// Gaps and pushes at the present state, where the next step begins. `moved`: since pushes were looked at.
+  void note_contacts(bool moved);
+  bool locate_contacts();  ///< cuts the step at the first of them; true when there was one
+
+  // -- simulation_impacts.cpp: what happens there
+  void settle_contacts();  ///< impacts, rests and releases at the present state; begins the method anew if any
 
   bool projecting() const { return sim.dynamics_.options().stabilization.kind == Stabilization::Kind::project; }
   bool fixed() const { return !adaptive; }
@@ -79,7 +90,41 @@ struct Simulation::Loop {
   };
   std::vector<Watched> watched;
 
+  Contacts contacts;
+
  private:
+  // simulation_contacts.cpp
+  bool nears(std::size_t contact, const Gap& a, const Gap& b, double h) const;
+  Gap gap_at(std::size_t contact, double t);
+  double push_at(std::size_t contact, double t);
+  double hit_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b);
+  double lowest_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b, double& c);
+  double locate_hit(double t1);
+  void look_at_pushes(const State&);
+  double locate_release(std::size_t contact, double t1);
+  double pull_limit() const;
+  // simulation_impacts.cpp
+  bool find_touching();
+  void impact();
+  void kick_with(bool& fits, std::size_t& misfit);
+  void take_impact();
+  void rest();
+  void put_active();
+  [[noreturn]] void blame_contacts(const char* what) const;
+
+  double contact_time = 0;            // where the present step meets a contact
+  std::vector<std::size_t> released;  // the links that pull there
+  std::vector<Gap> samples;           // of all contacts at one instant after the other
+  std::vector<double> sample_times;
+  // of an impact: the contacts that touch, their gaps before it, the rates they are to have at least, who pushes
+  std::vector<std::size_t> touching;
+  std::vector<Gap> hits;
+  std::vector<double> aim;
+  std::vector<char> active;
+  VecX C, Cd, no_force, kick, impulse;
+  State trial;
+  std::vector<bool> modes_before;
+
   double value_of(std::size_t event, const State&);
   bool crosses(std::size_t event, double now) const;
   double locate(std::size_t event, double t1);

@@ -10,17 +10,22 @@ Force::~Force() = default;
 void Force::breakpoints(double, double, std::vector<double>&) const {}
 std::vector<Quantity> Force::quantities() const { return {}; }
 double Force::quantity(int, const Inputs&) const { return 0; }
+double Force::reacting_quantity(int k, const Inputs& in, const Reactions&) const { return quantity(k, in); }
 
-void Force::tangent(const Inputs& in, TangentSum& out) const {
-  if (slots_.empty()) return;
+namespace {
+
+// K and D by central differences of `push(inputs, sum)` over these slots.
+template <class Push>
+void add_differences(const std::vector<int>& slots, const Inputs& in, TangentSum& out, const Push& push) {
+  if (slots.empty()) return;
   Differences& scratch = out.differences(in);
   Inputs at = in;
   at.motions = scratch.motions;
   WrenchSum sum(at.motions, scratch.f);
   const auto add_force = [&](int column, int k, double factor) {
-    for (const int i : slots_) scratch.f.segment<6>(6 * i).setZero();
-    apply(at, sum);
-    for (const int i : slots_) {
+    for (const int i : slots) scratch.f.segment<6>(6 * i).setZero();
+    push(at, sum);
+    for (const int i : slots) {
       Mat6 change = Mat6::Zero();
       change.col(k % 6) = factor * scratch.f.segment<6>(6 * i);
       if (k < 6)
@@ -29,8 +34,8 @@ void Force::tangent(const Inputs& in, TangentSum& out) const {
         out.add_D(i, column, change);
     }
   };
-  const double distance = Differences::distance(slots_, in);
-  for (const int j : slots_)
+  const double distance = Differences::distance(slots, in);
+  for (const int j : slots)
     for (int k = 0; k < 12; ++k) {
       Motion& O = scratch.motions[static_cast<std::size_t>(j + 1)];
       const Motion home = O;
@@ -42,6 +47,15 @@ void Force::tangent(const Inputs& in, TangentSum& out) const {
       add_force(j, k, 0.5 / h);
       O = home;
     }
+}
+
+}  // namespace
+
+void Force::tangent(const Inputs& in, TangentSum& out) const {
+  add_differences(slots_, in, out, [this](const Inputs& at, WrenchSum& sum) { apply(at, sum); });
+}
+void Force::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
+  add_differences(slots_, in, out, [&](const Inputs& at, WrenchSum& sum) { react(at, reactions, sum); });
 }
 
 double Force::potential(const Inputs&) const { return 0; }

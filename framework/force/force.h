@@ -47,12 +47,16 @@ class LOCKSTEP_API Force {
   virtual double supply(const Inputs&) const;
 
   // -- a force that depends on the present reactions of links (friction)
-  /// The links it reads; none: apply() is all there is. Known after setup().
+  /// The links it reads; none: apply() is all there is. Known before setup(): these links are not merged into bodies.
   virtual std::vector<const Lock*> reads() const { return {}; }
   /// What it adds to apply() at these reactions. The solution is found by iteration: its change with the reactions has
   /// to be a contraction, as friction with a coefficient well below one is.
   virtual void react(const Inputs&, const Reactions&, WrenchSum&) const {}
   virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }  ///< W taken out by react(), >= 0
+  /// K and D of react() with the multipliers fixed; as tangent(), and by default differences like that.
+  virtual void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const;
+  /// quantity() of a force that reads reactions; default: quantity(k, in).
+  virtual double reacting_quantity(int k, const Inputs&, const Reactions&) const;
 
   // -- what the force remembers (turn counters)
   virtual int n_memory() const { return 0; }

@@ -4,14 +4,23 @@
 #include <array>
 #include <span>
 
+#include "framework/kkt/auxiliary.h"
 #include "framework/kkt/rows.h"
 #include "framework/lock/lock.h"
+#include "framework/lock/marker_frame.h"
 
 namespace lockstep {
 
-class Reactions {
+/// Force, N, and moment about a point, N m.
+struct LinkWrench {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+};
+
+class LOCKSTEP_API Reactions {
  public:
   Reactions(const RowTable& rows, std::span<const double> lambda) : rows_(rows), lambda_(lambda) {}
+  explicit Reactions(const Evaluated& v)
+      : Reactions(v.rows, {v.lambda.data(), static_cast<std::size_t>(v.lambda.size())}) {}
 
   bool in_force(const Lock& link) const { return entry(link) >= 0; }
   /// Multipliers of the link, by its own rows; zero for rows that a planar mechanism leaves out and while the link is
@@ -24,6 +33,12 @@ class Reactions {
       lambda[static_cast<std::size_t>(e.own[k])] = lambda_[static_cast<std::size_t>(e.first_row) + k];
     return lambda;
   }
+
+  /// Rows of a link that count: the joint's own, those of all its drives, or those of drive number 0, 1, ...
+  enum Part : int { kJoint = -2, kDrives = -1 };
+  /// What the link does to the body of one of its markers, about the origin of that marker; world axes. Zero while it
+  /// is not in force. The rows must be those gathered at `in`.
+  LinkWrench on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part = kJoint) const;
 
  private:
   int entry(const Lock& link) const { return rows_.entry_of_link[static_cast<std::size_t>(link.number())]; }

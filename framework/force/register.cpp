@@ -4,6 +4,7 @@
 #include "framework/force/applied_torque.h"
 #include "framework/force/bushing.h"
 #include "framework/force/force_motor.h"
+#include "framework/force/joint_friction.h"
 #include "framework/force/spring_damper.h"
 #include "framework/force/torque_motor.h"
 #include "framework/force/torsion_spring_damper.h"
@@ -20,6 +21,7 @@ void register_forces(Registry& registry) {
   shelf.add<ForceMotor>();
   shelf.add<TorqueMotor>();
   shelf.add<Bushing>();
+  shelf.add<JointFriction>();
 }
 
 }  // namespace lockstep

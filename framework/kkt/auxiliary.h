@@ -33,6 +33,8 @@ class LOCKSTEP_API Auxiliary {
   virtual void start(std::span<double> s) const;
   /// d/dt of its slice of State::s. Its own values stand at in.s[first() ...].
   virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
+  /// What an impact adds to its slice: `impulses` has them, N s, in the place of the multipliers. Default: nothing.
+  virtual void impact(const Evaluated& impulses, std::span<double> s) const;
 
   int first() const { return first_; }       ///< where its slice begins in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup

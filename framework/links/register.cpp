@@ -1,7 +1,14 @@
 #include "framework/links/register.h"
 
+#include "framework/links/cam.h"
+#include "framework/links/curve.h"
 #include "framework/links/functions.h"
+#include "framework/links/gears.h"
 #include "framework/links/joints.h"
+#include "framework/links/rack_and_pinion.h"
+#include "framework/links/screw.h"
+#include "framework/links/stop.h"
+#include "framework/links/universal.h"
 #include "framework/plugin/registry.h"
 
 namespace lockstep {
@@ -21,6 +28,17 @@ void register_links(Registry& registry) {
   shelf.add<Homokinetic>();
   shelf.add<Spherical>();
   shelf.add<Distance>();
+  shelf.add<Screw>();
+  shelf.add<Universal>();
+  shelf.add<RackAndPinion>();
+  shelf.add<Gear>();
+  shelf.add<Belt>();
+  shelf.add<Differential>();
+  shelf.add<CamRoller>();
+  shelf.add<CamFlat>();
+  shelf.add<PointOnCurve>();
+  shelf.add<PathFollower>();
+  shelf.add<Stop>();
   shelf.add<GenericLock>();
 }
 

@@ -31,6 +31,8 @@ struct Quantity {
 struct OneSided {
   double restitution = 0;    ///< speed of C after an impact to that before it, 0 to 1
   double rest_speed = 1e-3;  ///< impacts that leave less end at rest, m/s (rad/s)
+  bool below = false;        ///< C <= 0 is free in place of C >= 0 (a rope: the distance may be less than its length)
+  double sign() const { return below ? -1.0 : 1.0; }
 };
 
 class LOCKSTEP_API Lock {
@@ -102,6 +104,9 @@ class LOCKSTEP_API Lock {
   int number() const { return number_; }  ///< in the system; index of its bit in State::modes
   int first_state() const { return first_state_; }
   int first_memory() const { return first_memory_; }
+  /// Of a one-sided link: two numbers more in State::z, kept by the simulation. J lost in its impacts; 1 while it is
+  /// watched, 0 while an event has switched it off.
+  int impact_memory() const { return first_memory_ + n_memory(); }
   void place(int number, int first_state, int first_memory);  ///< called by System::setup
 
   bool active_at_start = true;

@@ -215,12 +215,19 @@ inline Jet<N, T> atan(const Jet<N, T>& a) {
   const T f1 = T(1) / (T(1) + a.v * a.v);
   return jet_detail::chain(a, T(atan(a.v)), f1, T(T(-2) * a.v * f1 * f1));
 }
-/// atan2(y, x); its derivatives are those of the angle, whatever the branch.
+/// atan2(y, x); its derivatives are those of the angle, whatever the branch:
+///
+///   f_y = x/n, f_x = -y/n, n = x^2 + y^2         f_yy = -2 x y/n^2 = -f_xx,  f_xy = (y^2 - x^2)/n^2
 template <int N, class T>
 inline Jet<N, T> atan2(const Jet<N, T>& y, const Jet<N, T>& x) {
-  using std::abs, std::atan2;
-  Jet<N, T> r = abs(y.v) < abs(x.v) ? atan(y / x) : -atan(x / y);
+  using std::atan2;
+  const T i = T(1) / (x.v * x.v + y.v * y.v), fy = x.v * i, fx = -y.v * i;
+  Jet<N, T> r;
   r.v = atan2(y.v, x.v);
+  r.d = fy * y.d + fx * x.d;
+  // yd and xd by their parts along and across (x, y): (-2 xy (yd^2 - xd^2) + 2 (y^2 - x^2) xd yd)/n^2
+  r.h = fy * y.h + fx * x.h - T(2) * r.d * (fy * x.d - fx * y.d);
+  r.g = fy * y.g + fx * x.g;
   return r;
 }
 template <int N, class T>

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <numbers>
 
+#include "framework/support/built_with.h"
+
 namespace lockstep {
 
 template <class T>

@@ -43,9 +43,9 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<R
 }
 
 void add_integral(Entries& out, std::string name, std::string unit, std::string help, std::string id,
-                  std::function<double(const Evaluated&)> rate) {
-  const auto make = [id = std::move(id), rate = std::move(rate)](System& system, Channel& c) {
-    const Quadrature& q = quadrature(system, id, rate);
+                  std::function<double(const Evaluated&)> rate, bool of_reactions) {
+  const auto make = [id = std::move(id), rate = std::move(rate), of_reactions](System& system, Channel& c) {
+    const Quadrature& q = quadrature(system, id, rate, of_reactions);
     c.value = [&q](const Sample& s) { return q.value(s.state); };
   };
   out.push_back({std::move(name), std::move(unit), std::move(help), make});

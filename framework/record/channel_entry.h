@@ -34,7 +34,7 @@ struct RawAngle {
 void add_angle(Entries&, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw);
 /// Integral over time of `rate` along the motion; one quadrature of the system, called `id`, for all who ask.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
-                  std::function<double(const Evaluated&)> rate);
+                  std::function<double(const Evaluated&)> rate, bool of_reactions = false);
 
 /// Offers of one subject each.
 void of_frame(const Frame&, Entries&);
@@ -46,7 +46,11 @@ void of_force(const Force&, Entries&);
 void of_totals(Entries&);
 void of_run(Entries&);
 
-/// Work of all drives and moving laws, power taken by all dampers: rates that totals integrate.
+/// Work of all drives and moving laws, power taken by the dampers and the friction of one force: rates that totals
+/// integrate.
 double power_of_laws(const Evaluated&);
+double loss(const Force&, const Evaluated&);
+/// Lost in the impacts of all one-sided links up to this state, J.
+double lost_in_impacts(const System&, const State&);
 
 }  // namespace lockstep::channels

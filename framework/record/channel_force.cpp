@@ -8,13 +8,15 @@
 
 namespace lockstep::channels {
 
+double loss(const Force& f, const Evaluated& v) { return f.dissipation(v.in) + f.friction_loss(v.in, Reactions(v)); }
+
 void of_force(const Force& force, Entries& out) {
   const Force* const f = &force;
   const std::vector<Quantity> own = force.quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
         fmt::format("quantity of a {} force", force.type()),
-        [f, k](const Sample& s) { return f->quantity(k, s.values().in); });
+        [f, k](const Sample& s) { return f->reacting_quantity(k, s.values().in, Reactions(s.values())); });
   const auto free = [&out](const char* name) {  // a force's own words win
     return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
   };
@@ -25,16 +27,17 @@ void of_force(const Force& force, Entries& out) {
       scratch->setZero(s.state.v.size());
       WrenchSum sum(in.motions, *scratch);
       f->apply(in, sum);
+      f->react(in, Reactions(s.values()), sum);
       return scratch->dot(s.state.v);
     });
   if (free("potential"))
     add(out, "potential", "J", "energy stored in the force",
         [f](const Sample& s) { return f->potential(s.values().in); });
   if (free("dissipation"))
-    add(out, "dissipation", "W", "power taken out by dampers",
-        [f](const Sample& s) { return f->dissipation(s.values().in); });
+    add(out, "dissipation", "W", "power taken out by dampers and friction",
+        [f](const Sample& s) { return loss(*f, s.values()); });
   add_integral(out, "dissipated", "J", "energy taken out since the start", force.name() + ".dissipated",
-               [f](const Evaluated& v) { return f->dissipation(v.in); });
+               [f](const Evaluated& v) { return loss(*f, v); });
 }
 
 }  // namespace lockstep::channels

@@ -45,7 +45,7 @@ Vec3 angular_momentum(const Sample& s) {
 // All of them at the evaluation, so that forces added later count.
 double dissipation(const System& system, const Evaluated& v) {
   double sum = 0;
-  for (const auto& f : system.forces()) sum += f->dissipation(v.in);
+  for (const auto& f : system.forces()) sum += loss(*f, v);
   return sum;
 }
 
@@ -55,7 +55,7 @@ double supply(const System& system, const Evaluated& v) {
   return sum;
 }
 
-const Quadrature& drives(System& system) { return quadrature(system, "energy.drives", power_of_laws); }
+const Quadrature& drives(System& system) { return quadrature(system, "energy.drives", power_of_laws, true); }
 const Quadrature& dissipated(System& system) {
   return quadrature(system, "energy.dissipated", [&system](const Evaluated& v) { return dissipation(system, v); });
 }
@@ -71,7 +71,7 @@ void make_balance(System& system, Channel& c) {
   const Quadrature* const fed = system.forces().empty() ? nullptr : &supplied(system);
   const Quadrature* const lost = system.forces().empty() ? nullptr : &dissipated(system);
   const auto sum = [led, fed, lost](const Sample& s) {
-    double e = kinetic(s) + potential(s);
+    double e = kinetic(s) + potential(s) + lost_in_impacts(s.system(), s.state);
     if (led) e -= led->value(s.state);
     if (fed) e -= fed->value(s.state);
     if (lost) e += lost->value(s.state);
@@ -98,6 +98,13 @@ void make_rejected(System&, Channel& c) {
 
 }  // namespace
 
+double lost_in_impacts(const System& system, const State& state) {
+  double sum = 0;
+  for (const auto& link : system.links())
+    if (link->one_sided) sum += state.z[link->impact_memory()];
+  return sum;
+}
+
 void of_totals(Entries& out) {
   add(out, "energy.kinetic", "J", "kinetic energy of all bodies", kinetic);
   add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy", potential);
@@ -113,11 +120,11 @@ void of_totals(Entries& out) {
                    const Quadrature& q = supplied(system);
                    c.value = [&q](const Sample& s) { return q.value(s.state); };
                  }});
-  out.push_back(
-      {"energy.dissipated", "J", "energy taken out by all dampers since the start", [](System& system, Channel& c) {
-         const Quadrature& q = dissipated(system);
-         c.value = [&q](const Sample& s) { return q.value(s.state); };
-       }});
+  out.push_back({"energy.dissipated", "J", "energy taken out by all dampers, friction and impacts since the start",
+                 [](System& system, Channel& c) {
+                   const Quadrature& q = dissipated(system);
+                   c.value = [&q](const Sample& s) { return q.value(s.state) + lost_in_impacts(s.system(), s.state); };
+                 }});
   out.push_back({"energy.balance", "J",
                  "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
                  make_balance});

@@ -23,8 +23,10 @@ Summary::Summary(System& system) {
   for (const char* name : {"energy.total", "energy.kinetic", "energy.balance"})
     channels_.push_back(make_channel(system, name));
   channels_.push_back(links ? make_channel(system, "energy.drives") : Channel{});
-  for (const char* name : {"energy.supplied", "energy.dissipated"})
-    channels_.push_back(forces ? make_channel(system, name) : Channel{});
+  const bool hits = std::any_of(system.links().begin(), system.links().end(),
+                                [](const auto& link) { return link->one_sided.has_value(); });
+  channels_.push_back(forces ? make_channel(system, "energy.supplied") : Channel{});
+  channels_.push_back(forces || hits ? make_channel(system, "energy.dissipated") : Channel{});
 }
 
 void Summary::start(const Sample& s) {

@@ -15,7 +15,14 @@ void Builder::forces(const Params& root) {
 void Builder::force(const Value& object, const std::string& owner) {
   const Split parts = split(object, scene_table("force"), registry_.forces, owner, registry_);
   const std::string name = claim(parts.common, "force");
-  const Site where = site(parts.common, name, false);
+  Site where = site(parts.common, name, false);
+  if (parts.common.has("link")) {
+    const std::string link = parts.common.text("link");
+    const std::vector<std::string> known = names("link");
+    if (std::find(known.begin(), known.end(), link) == known.end())
+      parts.common.refuse("link", "unknown link \"" + link + "\"" + suggestion(link, known));
+    where.link = &out_.system.link(link);
+  }
   placed(object.where, [&] {
     out_.system.add(registry_.forces.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner));
   });

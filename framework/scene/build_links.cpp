@@ -95,6 +95,38 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   return site;
 }
 
+// Of a coupling: each the markers of a link that is there, or two of its own.
+Site Builder::pairs(const Params& p, const std::string& name) {
+  for (const char* key : {"p", "s"})
+    if (p.has(key)) p.refuse(key, "\"pairs\" says where the link stands; remove one of the two");
+  for (const std::string& key : kPlaces)
+    if (p.has(key)) p.refuse(key, "it stands inside the pairs; move it there");
+  const Value::List* items = p.value("pairs").list();
+  if (items == nullptr || items->empty())
+    p.refuse("pairs", "expected a list of link names and of objects, got " + shown(p.value("pairs")));
+  Site all;
+  all.name = name;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const Value& item = (*items)[i];
+    const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");
+    if (const std::string* word = item.text()) {
+      std::vector<std::string> known = names("link");
+      std::erase(known, name);  // the link itself is taken, but not there yet
+      if (!contains(known, *word))
+        refuse(item.where, place,
+               "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling stands after its joints");
+      const auto [P, S] = out_.system.link(*word).pairs().front();
+      all.pairs.emplace_back(&out_.system.marker(P->name), &out_.system.marker(S->name));
+    } else {
+      const Params own = params_of(item, "pair", place, nullptr);
+      for (const char* key : {"p", "s"})
+        if (!own.has(key)) refuse(item.where, place, "missing key \"" + std::string(key) + "\"; a pair has both sides");
+      all.pairs.push_back(site(own, name + "." + std::to_string(i + 1), false).pairs.front());
+    }
+  }
+  return all;
+}
+
 void Builder::links(const Params& root) {
   const Value::List& items = objects_of(root, "links");
   for (std::size_t i = 0; i < items.size(); ++i) link(items[i], owner_of("link", items[i], "links", i));
@@ -104,15 +136,20 @@ void Builder::link(const Value& object, const std::string& owner) {
   const Split parts = split(object, scene_table("link"), registry_.links, owner, registry_);
   const Params& p = parts.common;
   const std::string name = claim(p, "link");
-  const Site where = site(p, name, true);
+  if (!p.has("pairs"))
+    for (const char* key : {"p", "s"})
+      if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
+  const Site where = p.has("pairs") ? pairs(p, name) : site(p, name, true);
   placed(object.where, [&] {
     std::unique_ptr<Lock> made =
         registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
     made->active_at_start = p.boolean("active");
+    one_sided(p, *made);
     Lock& added = out_.system.add(std::move(made));
     laws(p, added);
     drives(p, added);
     start_speeds(p, added);
+    brought_along(p, where, added);
   });
 }
 

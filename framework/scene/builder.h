@@ -56,10 +56,14 @@ class Builder {
   void marker(const Value& object, const std::string& owner);
   Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
   Site site(const Params& common, const std::string& name, bool both);
+  Site pairs(const Params& link, const std::string& name);
   void links(const Params& root);
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);
   void laws(const Params& common, Lock& link);
+  void one_sided(const Params& link, Lock&);
+  void brought_along(const Params& link, const Site&, Lock&);
+  void stops(const Value& object, const std::string& owner, const Site&);
   void start_speeds(const Params& common, const Lock& link);
   void forces(const Params& root);
   void force(const Value& object, const std::string& owner);

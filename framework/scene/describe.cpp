@@ -49,6 +49,8 @@ std::string part_words(const Key& key, const Part& part) {
       return choice_words(key) + ", or object" + there;
     case Holds::texts:
       return "list of texts";
+    case Holds::texts_or_objects:
+      return "list of names or objects" + there;
     case Holds::text_lists:
       return "list of lists of texts";
     case Holds::channels:

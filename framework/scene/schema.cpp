@@ -75,6 +75,8 @@ Json part_schema(const Key& key, const Part& part) {
       return any_of({{{"enum", key.choices}}, reference(part.table)});
     case Holds::texts:
       return list_of(text);
+    case Holds::texts_or_objects:
+      return list_of(any_of({text, reference(part.table)}));
     case Holds::text_lists:
       return list_of(list_of(text));
     case Holds::channels:

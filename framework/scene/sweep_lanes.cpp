@@ -81,19 +81,20 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.recorder->start(Sample(*lane.dynamics, lane.start, {}));
 }
 
-CopiesOptions options_of(const RunSettings& run) {
+CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
   CopiesOptions options;
+  options.registry = &registry;
   options.integrator = run.integrator.type, options.tolerance = run.tolerance;
   options.max_step = run.step, options.stabilization = run.stabilization;
   return options;
 }
 
 std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, std::span<const double> times,
-                                     const std::function<bool(const State&)>& go_on) {
+                                     const Registry& registry, const std::function<bool(const State&)>& go_on) {
   std::vector<System*> systems;
   std::vector<State> starts;
   for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
-  Copies copies(systems, options_of(lanes.front()->mechanism.run));
+  Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
   return copies.run(starts, times, [&](int copy, std::size_t, const State& state) {
     Lane& lane = *lanes[static_cast<std::size_t>(copy)];
     lane.recorder->output(Sample(*lane.dynamics, state, {}));
@@ -120,7 +121,7 @@ LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry& registry, co
     }
     const std::vector<double> times = output_times(scenes.front().run);
     if (lanes.empty() || times.empty()) return result;
-    reports = run_together(lanes, times, go_on);
+    reports = run_together(lanes, times, registry, go_on);
   } catch (const BrokenOff&) {
     SweepRun broken;
     broken.broken_off = true;

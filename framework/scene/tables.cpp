@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "framework/force/joint_friction.h"
+
 namespace lockstep {
 namespace {
 
@@ -161,16 +163,31 @@ SceneTable link() {
                 "a joint, a lock or any other constraint between bodies",
                 {name_key("its name; no other thing has it"),
                  {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
-               {{"drive", Holds::object_or_list, "drive"}, {"start", Holds::object, "start"}},
+               {{"drive", Holds::object_or_list, "drive"},
+                {"start", Holds::object, "start"},
+                {"pairs", Holds::texts_or_objects, "pair"},
+                {"one_sided", Holds::object, "one_sided"},
+                {"stops", Holds::objects, "travel"},
+                {"friction", Holds::object, "friction"}},
                "links"};
-  for (Key& key : site_keys("")) t.info.keys.push_back(std::move(key));
+  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   const Keys more = {
+      any("pairs", "in place of p and s: links whose markers it couples, by name, or {\"p\":, \"s\":, ...} each"),
       any("drive", "laws on coordinates that the link leaves free"),
       {"move", Form::translation_law, Unit::length, kAbsent, "where P is held, S axes, on the rows x y z"},
       {"turn", Form::rotation_law, Unit::angle, kAbsent, "how far P is held turned against S"},
       {"active", Form::boolean, Unit::none, "true", "whether it holds from the start"},
-      any("start", "how its free coordinates begin")};
+      any("start", "how its free coordinates begin"),
+      any("one_sided", "its one row may push and cannot pull: C >= 0 in place of C = 0"),
+      any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
+      any("friction", "friction from its own reaction; a force named \"A.friction\"")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
+  return t;
+}
+
+SceneTable pair() {
+  SceneTable t{{"pair", "two markers that a coupling looks at", {}}};
+  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
@@ -182,7 +199,32 @@ SceneTable force() {
                {},
                "forces"};
   for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
+  t.info.keys.push_back({"link", Form::text, Unit::none, kAbsent, "the link that carries it, as friction wants"});
   return t;
+}
+
+Keys bounce_keys() {
+  return {{"restitution", Form::number, Unit::none, "0", "speed after an impact to that before it, 0 to 1"},
+          {"rest_speed", Form::number, Unit::any, "0.001", "impacts that leave less end at rest, m/s or rad/s"}};
+}
+
+std::vector<SceneTable> one_sided_parts() {
+  SceneTable one_sided{{"one_sided", "how a link that may push and cannot pull is hit", bounce_keys()}};
+  one_sided.info.keys.push_back({"side",
+                                 Form::choice,
+                                 Unit::none,
+                                 "\"above\"",
+                                 "where its row is free: C >= 0, or C <= 0 as for a rope",
+                                 {"above", "below"}});
+  SceneTable travel{
+      {"travel",
+       "where the travel of one coordinate of a link ends",
+       {{"axis", Form::choice, Unit::none, "", "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
+        {"low", Form::number, Unit::any, kAbsent, "its lowest value, m or rad"},
+        {"high", Form::number, Unit::any, kAbsent, "its highest value, m or rad"}}}};
+  for (Key& key : bounce_keys()) travel.info.keys.push_back(std::move(key));
+  const TypeInfo& friction = JointFriction::info();
+  return {one_sided, travel, {{"friction", friction.help, friction.keys}}};
 }
 
 std::vector<SceneTable> link_parts() {
@@ -261,8 +303,8 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), force()};
-  for (const auto& group : {shapes(), link_parts(), events(), runs()})
+  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
+  for (const auto& group : {shapes(), link_parts(), one_sided_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check(table.info);
   return all;

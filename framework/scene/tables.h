@@ -17,6 +17,7 @@ enum class Holds {
   object_or_list,    ///< either
   choice_or_object,  ///< one of the key's choices, or an object of `table`
   texts,             ///< a list of texts
+  texts_or_objects,  ///< a list of texts and of objects of `table`
   text_lists,        ///< a list of lists of texts
   channels,          ///< a list of channel names and of objects {"own name": "channel name"}
   typed,             ///< a name on the shelf `table`, or {"type": name, and its keys}

@@ -180,6 +180,16 @@ void System::setup_plane() {
     }
     rows.by_link = links_[l]->setup_plane(plane_);
   }
+  for (const auto& force : forces_)
+    for (const Lock* link : force->reads()) {
+      const std::string what = "force '" + force->name() + "': " + in_plane_words(plane_) + ", and it reads ";
+      if (offsets_)
+        throw ModelError(what +
+                         "reactions, of which a plane leaves out the moments that arms along the normal make; take "
+                         "\"planar\" out, or put links and forces into one plane");
+      if (planar_rows_[index_of(*link)].m == 0)
+        throw ModelError(what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
+    }
 }
 
 Plane find_plane(System& system) {

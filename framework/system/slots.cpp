@@ -96,10 +96,15 @@ void System::setup_merge() {
     return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
            (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
   };
+  std::vector<const Lock*> read;  // their reactions are wanted
+  for (const auto& force : forces_)
+    for (const Lock* link : force->reads()) read.push_back(link);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end()) continue;
+    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
+        std::find(read.begin(), read.end(), &link) != read.end())
+      continue;
     const auto [p, s] = link.pairs().front();
     if (particle(p) || particle(s) || !meet(*p, *s)) continue;
     merged_[l] = true;

@@ -13,9 +13,9 @@
 #include <exception>
 #include <limits>
 
+#include "framework/dynamics/step_control.h"
 #include "framework/plugin/plugin.h"
 #include "ida_memory.h"
-#include "integrators/step_control.h"
 
 namespace {
 

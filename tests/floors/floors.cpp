@@ -14,16 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, int> kFloorOf = {{"support", 0},  {"math", 0},        {"version", 0},     //
-                                             {"model", 1},    {"kkt", 1},         {"motionlaws", 1},  //
-                                             {"lock", 2},     {"force", 2},                           //
-                                             {"system", 3},   {"links", 3},                           //
-                                             {"dynamics", 4}, {"integrators", 4},                     //
-                                             {"analysis", 5}, {"record", 5},      {"plugin", 5},      {"copies", 5},  //
-                                             {"check", 5},                                            //
-                                             {"scene", 6},    {"builtins", 6},    {"register", 6},    //
-                                             {"runner", 7},   {"lockstep", 7},    {"samples", 7},
-                                             {"tests", 7},    {"plugins", 7}};
+const std::map<std::string, int> kFloorOf = {
+    {"support", 0},  {"math", 0},        {"version", 0},                      //
+    {"model", 1},    {"kkt", 1},         {"motionlaws", 1},                   //
+    {"lock", 2},     {"force", 2},                                            //
+    {"system", 3},   {"links", 3},                                            //
+    {"dynamics", 4}, {"integrators", 4},                                      //
+    {"analysis", 5}, {"record", 5},      {"plugin", 5},     {"check", 5},     //
+    {"copies", 6},   {"scene", 6},       {"builtins", 6},   {"register", 6},  //
+    {"runner", 7},   {"lockstep", 7},    {"samples", 7},    {"tests", 7},    {"plugins", 7}};
 
 // Arrows within a floor that are closed even where nothing points back yet: from, to.
 const std::set<std::pair<std::string, std::string>> kClosed = {{"model", "kkt"}};
@@ -43,7 +42,7 @@ std::string room_of(const fs::path& path) {
   static const std::set<std::string> roots = {"framework", "motionlaws", "integrators", "samples", "tests", "plugins"};
   if (parts.size() < 2 || roots.count(parts[0]) == 0) return "";
   const std::string stem = parts.back().substr(0, parts.back().find('.'));
-  if (stem == "register") return "register";
+  if (stem == "register" || stem == "register_plugin") return "register";
   if (parts[0] != "framework") return parts[0];
   return parts.size() == 2 ? stem : parts[1];
 }

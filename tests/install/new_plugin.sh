@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# new_plugin.sh BUILD_TREE COMPILER FLAGS GENERATOR: installs to a prefix of its own; there `lockstep new-plugin` writes a
-# plugin of each kind, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
+# new_plugin.sh BUILD_TREE COMPILER FLAGS GENERATOR: with the installed package in install_test/prefix,
+# `lockstep new-plugin` writes a plugin of each kind, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
 set -euo pipefail
 build="$1" compiler="$2" flags="$3" generator="$4"
-place="$build/new_plugin_test"
+place="$build/new_plugin_test" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place"
-cmake --install "$build" --prefix "$place/prefix" >/dev/null
-lockstep="$place/prefix/bin/lockstep"
+lockstep="$prefix/bin/lockstep"
 
 for kind in link law force integrator; do
   name="my_$kind"
@@ -18,7 +17,7 @@ for kind in link law force integrator; do
     exit 1
   fi
   cmake -S "$folder" -B "$folder/build" -G "$generator" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags -Wall -Wextra -Werror" \
-    -DCMAKE_PREFIX_PATH="$place/prefix" >/dev/null
+    -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
   cmake --build "$folder/build" >"$place/log" 2>&1 || { cat "$place/log" >&2; exit 1; }
   (cd "$folder/build" && ctest --output-on-failure)
   plugin="$folder/build/plugins/$name.so"
@@ -27,7 +26,7 @@ for kind in link law force integrator; do
   "$lockstep" schema --plugin "$plugin" | grep -F "\"$name\"" >/dev/null
   (cd "$folder" && LOCKSTEP_PLUGIN_PATH="$folder/build/plugins" "$lockstep" run scene.json --quiet --record "$place/$name.csv")
   test -s "$place/$name.csv"
-  cmake --install "$folder/build" --prefix "$place/prefix" >/dev/null
-  "$lockstep" describe "$name" --plugin "$name" >/dev/null  # found beside the installed ones
+  cmake --install "$folder/build" --prefix "$place/elsewhere" >/dev/null
+  find "$place/elsewhere" -path "*/lockstep/plugins/$name.so" | grep -q .
 done
 rm -rf "$place"

@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
 # page.sh BUILD_TREE COMPILER FLAGS GENERATOR PAGE: does in a scratch folder what a page says, word by word, with the
-# installed package:
+# installed package in install_test/prefix:
 #   ```sh            is run
 #   ```cpp a/b.cpp   (any language, then a path) becomes that file
 #   ```text          each line has to stand in what the sh block before it printed
 set -euo pipefail
 build="$1" compiler="$2" flags="$3" generator="$4" page="$5"
-place="$build/page_test"
+place="$build/page_test" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place/work"
-cmake --install "$build" --prefix "$place/prefix" >/dev/null
-export PATH="$place/prefix/bin:$PATH" CMAKE_PREFIX_PATH="$place/prefix" CMAKE_GENERATOR="$generator" CXX="$compiler" CXXFLAGS="$flags"
+export PATH="$prefix/bin:$PATH" CMAKE_PREFIX_PATH="$prefix" CMAKE_GENERATOR="$generator" CXX="$compiler" CXXFLAGS="$flags"
 unset LOCKSTEP_PLUGIN_PATH
 
 # One file a block: <number>.sh, <number>.text, or <number>.file with its path in <number>.path.

@@ -1,12 +1,28 @@
+// client PREFIX PLUGINS: what is loaded comes from the prefix and fits the headers; a plugin's law can be made; classes
+// of motionlaws/ and integrators/ can be named.
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
+#include "framework/builtins.h"
+#include "framework/plugin/loader.h"
 #include "framework/version.h"
-#if __has_include("framework/lockstep.h")
-#include "framework/lockstep.h"
-#endif
+#include "integrators/rk4.h"
+#include "motionlaws/sine.h"
 
-int main() {
-  std::printf("headers %s, library %s\n", lockstep::kVersion, lockstep::library_version());
-  return std::strcmp(lockstep::kVersion, lockstep::library_version()) == 0 ? 0 : 1;
+using namespace lockstep;
+
+int main(int argc, char** argv) {
+  if (argc < 3 || std::strcmp(kVersion, library_version()) != 0) return 1;
+  Registry registry = builtin_registry();
+  const std::string bump = load_plugin(registry, "bump");  // from the installed folder
+  load_plugin(registry, "client_plugin", {argv[2]});
+  const auto law = registry.laws.make("client_law", Params{{"slope", 3.0}}, &registry, "client");
+  const auto sine = registry.laws.make("sine", Params{{"amplitude", 2.0}, {"frequency", "1 Hz"}}, &registry, "client");
+  std::printf("lockstep %s, %s, law(2) = %g by %s\n", library_version(), bump.c_str(), law->at(2).y,
+              law->origin().c_str());
+  return bump.find(argv[1]) == 0 && law->at(2).y == 6 && law->origin() == "client_plugin" && Rk4().info().order == 4 &&
+                 dynamic_cast<const Sine*>(sine.get()) != nullptr
+             ? 0
+             : 1;
 }

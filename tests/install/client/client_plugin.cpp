@@ -1,3 +1,18 @@
-#include "framework/version.h"
+// The smallest law: y = slope t.
+#include "framework/plugin/plugin.h"
 
-extern "C" LOCKSTEP_API const char* client_plugin_version() { return lockstep::library_version(); }
+namespace {
+
+using namespace lockstep;
+
+struct ClientLaw final : MotionLaw {
+  explicit ClientLaw(double slope) : slope(slope) {}
+  LawValue at(double t) const override { return {slope * t, slope, 0}; }
+  static TypeInfo info() { return {"client_law", "slope t", {{"slope", Form::number, Unit::any, "", "its slope"}}}; }
+  static LawPtr<MotionLaw> make(const Params& p) { return std::make_shared<ClientLaw>(p.number("slope")); }
+  double slope;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.laws.add<ClientLaw>(); }

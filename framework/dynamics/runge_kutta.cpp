@@ -1,4 +1,4 @@
-#include "integrators/runge_kutta.h"
+#include "framework/dynamics/runge_kutta.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -68,14 +68,6 @@ inline void add_part(const double* base, const StateRate* k, VecX StateRate::*pa
 }
 
 }  // namespace
-
-Weights::Weights(const double* all, int n_all) {
-  for (int i = 0; i < n_all; ++i) {
-    if (all[i] == 0) continue;
-    stage[n] = static_cast<std::size_t>(i);
-    w[n++] = all[i];
-  }
-}
 
 void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
   tableau_ = tableau;

@@ -1,9 +1,9 @@
-#include "integrators/step_control.h"
+#include "framework/dynamics/step_control.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrators/runge_kutta.h"
+#include "framework/dynamics/runge_kutta.h"
 
 namespace lockstep {
 

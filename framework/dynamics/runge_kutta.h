@@ -1,4 +1,4 @@
-// Explicit Runge-Kutta: the tableau as data, and the stages of one step.
+// Explicit Runge-Kutta: the stages of one step, for every method that brings a tableau.
 //
 //   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y1 = y + h sum_i b_i k_i,  y = (q, v, s)
 //
@@ -11,30 +11,9 @@
 #include <vector>
 
 #include "framework/dynamics/dynamics.h"
+#include "framework/dynamics/tableau.h"
 
 namespace lockstep {
-
-/// Coefficients of a method; the arrays live as long as the program.
-struct Tableau {
-  int order = 1;
-  int n_stages = 1;           ///< of a step
-  int n_all = 1;              ///< with those that only dense output needs
-  int stride = 1;             ///< numbers in a row of `a`
-  const double* a = nullptr;  ///< n_all rows, those above the diagonal are not read
-  const double* b = nullptr;
-  const double* c = nullptr;
-};
-
-/// The weights of a combination of stages that are not zero.
-struct LOCKSTEP_API Weights {
-  static constexpr int kMost = 16;
-  std::size_t n = 0;
-  std::array<std::size_t, kMost> stage{};
-  std::array<double, kMost> w{};
-
-  Weights() = default;
-  Weights(const double* all, int n_all);
-};
 
 /// Where the equations of motion are evaluated: at the stage as it is, or at its projection onto the constraints. The
 /// field f(P(y)) equals f on the constraints and is smooth across singular positions; it costs about twice as much.
@@ -78,15 +57,16 @@ class LOCKSTEP_API Stages {
 
 /// Ends a step: unit quaternions, then onto the constraints where the dynamics says so, to round-off when the
 /// stages are there too. `before` and `after` are |C|, m.
-ProjectReport land(Dynamics&, State&, StagesOn on = StagesOn::plain);
+LOCKSTEP_API ProjectReport land(Dynamics&, State&, StagesOn on = StagesOn::plain);
 /// The same for a method that cannot reject: StepError when the projection does not converge.
-ProjectReport land_or_throw(Dynamics&, State&, const char* method, double t, double h, StagesOn on = StagesOn::plain);
+LOCKSTEP_API ProjectReport land_or_throw(Dynamics&, State&, const char* method, double t, double h,
+                                         StagesOn on = StagesOn::plain);
 
 /// Scratch of the size of a state.
 LOCKSTEP_API StateRate sized_like(const State&);
 /// out = in, without the links' set and the memory, which do not change during a step.
-void copy_motion(const State& in, State& out);
+LOCKSTEP_API void copy_motion(const State& in, State& out);
 /// The same by exchange: `in` is scratch afterwards.
-void take_motion(State& in, State& out);
+LOCKSTEP_API void take_motion(State& in, State& out);
 
 }  // namespace lockstep

@@ -1,0 +1,49 @@
+# cpack -G DEB in the build tree: four packages, from the four components of install.cmake. Each part can be replaced
+# alone, and two versions of the library can stand side by side: it is named after its SOVERSION.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME lockstep)
+set(CPACK_PACKAGE_VENDOR lockstep)
+set(CPACK_PACKAGE_CONTACT "The authors of lockstep <lockstep@localhost>")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL library development program plugins)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+
+set(library_package liblockstep${LOCKSTEP_ABI})
+set(same "(= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${library_package})
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblockstep-dev)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME lockstep)
+set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME lockstep-plugins)
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "${library_package} ${same}, libeigen3-dev (>= 3.4~), libeigen3-dev (<< 3.5), libspdlog-dev, libstdc++-12-dev | libstdc++-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "cmake (>= 3.25), lockstep, lockstep-plugins")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${library_package} ${same}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "lockstep-plugins, gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_PLUGINS_PACKAGE_DEPENDS "${library_package} ${same}")
+
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
+    "The library itself, for programs and plugins that were built with it.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
+    "Headers, CMake package and pkg-config file, for host programs and for plugins: joints, laws of motion, forces\nand integrators of your own.")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
+    "The program lockstep, which runs, checks, charts and sweeps scenes in JSON; scenes to begin with; the theory.")
+set(CPACK_COMPONENT_PLUGINS_DESCRIPTION
+    "Joints, laws and integrators that the program and host programs load by name.")
+
+# What else the files need is read from them, where the tool for it is there.
+find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
+mark_as_advanced(DPKG_SHLIBDEPS)
+if(DPKG_SHLIBDEPS)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib ${PROJECT_BINARY_DIR}/plugins)
+endif()
+include(CPack)

@@ -1,0 +1,116 @@
+// Every type of error of framework/support/error.h: how to catch it, what it carries, and what provokes it.
+#include "errors.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+using namespace lockstep;
+
+// From the special to the general: all derive from Error, Error from std::runtime_error.
+std::string handled(const std::function<void()>& work, std::string& words) {
+  try {
+    work();
+    return "";
+  } catch (const SceneError& e) {  // what a scene or a parameter says cannot be understood
+    words = e.what() + std::string(" [file '") + e.file + "', line " + std::to_string(e.line) + ", column " +
+            std::to_string(e.column) + "]";
+    return "SceneError";
+  } catch (const NonFiniteError& e) {  // a law, force or link gave a NaN: it is named
+    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
+    return "NonFiniteError";
+  } catch (const StepError& e) {  // the integrator cannot go on: smaller steps, or another method
+    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
+    return "StepError";
+  } catch (const ModelError& e) {
+    words = e.what();
+    return "ModelError";
+  } catch (const AssemblyError& e) {
+    words = e.what();
+    return "AssemblyError";
+  } catch (const SolveError& e) {
+    words = e.what();
+    return "SolveError";
+  } catch (const PluginError& e) {
+    words = e.what();
+    return "PluginError";
+  } catch (const FileError& e) {
+    words = e.what();
+    return "FileError";
+  } catch (const Error& e) {  // types that come later
+    words = e.what();
+    return "Error";
+  }
+}
+
+namespace {
+
+/// A slider whose height follows each of the laws.
+struct Slider {
+  explicit Slider(std::initializer_list<LawPtr<MotionLaw>> laws) {
+    Body& body = system.add_body("slider", box(1.0, {0.1, 0.1, 0.1}));
+    for (const auto& law : laws)
+      system.add<Prismatic>("guide" + std::to_string(system.links().size()), body, system.ground(), at({0, 0, 0}))
+          .drive(Axis::z, law);
+  }
+  void run(const char* method, double step, const Registry& registry) {
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    Simulation simulation(dynamics, registry.integrators.make(method, Params{}, &registry, "host_app"), {.step = step});
+    simulation.run_until(1.0);
+  }
+  System system;
+};
+
+template <class F>
+LawPtr<MotionLaw> function(F f) {
+  return law(f);
+}
+
+}  // namespace
+
+int provoke_them_all(const Registry& registry) {
+  struct Provoked {
+    const char* type;
+    std::function<void()> work;
+  };
+  const LawPtr<MotionLaw> still = function([](auto t) { return 0.0 * t; });
+  const Provoked table[] = {
+      {"ModelError",
+       [] {
+         System().add_body("feather", rod(-1.0, {0, 0, 0}, {1, 0, 0}));
+       }},
+      {"AssemblyError",  // the start is not on the constraints, and nobody called assemble()
+       [&] { Slider({function([](auto t) { return 0.1 + 0.0 * t; })}).run("dopri5", 0, registry); }},
+      {"SolveError",  // two drives that agree in position and speed, but not in acceleration
+       [&] {
+         Slider({still, function([](auto t) { return t * t; })}).run("dopri5", 0, registry);
+       }},
+      {"StepError",  // a speed that has no bound
+       [&] { Slider({function([](auto t) { return 0.1 * t * t / (0.5 - t); })}).run("dopri5", 0, registry); }},
+      {"NonFiniteError",
+       [&] { Slider({function([](auto t) { return 0.0 * sqrt(0.5 - t); })}).run("rk4", 0.01, registry); }},
+      {"PluginError",
+       [] {
+         Registry mine = builtin_registry();
+         load_plugin(mine, "no_such_plugin");
+       }},
+      {"SceneError",
+       [&] {
+         build(
+             scene_from_text("{\"lockstep\": 1,\n \"bodies\": [{\"name\": \"rod\", \"mass\": \"1 m\"}]}", "typed.json"),
+             registry);
+       }},
+      {"FileError", [] { read_scene("no_such_folder/scene.json"); }}};
+
+  int wrong = 0;
+  for (const Provoked& provoked : table) {
+    std::string words;
+    const std::string type = handled(provoked.work, words);
+    std::printf("%-15s %s\n", type.c_str(), words.c_str());
+    if (type != provoked.type) {
+      std::printf("  but a %s was expected\n", provoked.type);
+      ++wrong;
+    }
+  }
+  return wrong;
+}

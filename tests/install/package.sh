@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# package.sh BUILD_TREE CPACK: makes the Debian packages from the build tree, unpacks them by dpkg into a root of their
+# own, runs a scene with the program from there, removes them again, and looks for what they left. 77: no dpkg here.
+set -euo pipefail
+build="$1" cpack="$2"
+place="$build/install_test_packages"
+root="$place/root"
+for tool in dpkg dpkg-deb; do
+  if ! command -v "$tool" >/dev/null; then
+    echo "skipped: there is no $tool"
+    exit 77
+  fi
+done
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v fakeroot >/dev/null; then
+    echo "skipped: dpkg installs as root only, and there is no fakeroot"
+    exit 77
+  fi
+  as_root=(fakeroot)
+fi
+rm -rf "$place"
+mkdir -p "$place/made" "$place/bin" "$root/var/lib/dpkg/updates" "$root/var/lib/dpkg/info"
+touch "$root/var/lib/dpkg/status"
+
+(cd "$place" && "$cpack" -G DEB --config "$build/CPackConfig.cmake" -B "$place/made" >"$place/cpack.txt" 2>&1) || {
+  cat "$place/cpack.txt"
+  exit 1
+}
+rm -rf "$place/made/_CPack_Packages"
+field() { dpkg-deb --field "$1" "$2"; }
+files=("$place"/made/*.deb)
+names=()
+for file in "${files[@]}"; do
+  names+=("$(field "$file" Package)")
+  test -n "$(field "$file" Depends)"
+  field "$file" Description | sed -n 2p | grep -q '^ '
+done
+echo "made: ${names[*]}"
+test "${#files[@]}" -eq 4
+case " ${names[*]} " in *" liblockstep-dev "*) ;; *) exit 1 ;; esac
+
+# The packages' scripts run here, not in that root, where there is no shell; the ldconfig that they call is this one.
+printf '#!/bin/sh\necho "$DPKG_ROOT" >>"%s"\n' "$place/ldconfig.txt" >"$place/bin/ldconfig"
+chmod +x "$place/bin/ldconfig"
+throw_away() {
+  PATH="$place/bin:$PATH" "${as_root[@]}" dpkg --root="$root" --log="$place/dpkg.log" --force-not-root --force-depends \
+    --force-script-chrootless "$@"
+}
+(cd "$root" && find . -not -type d -not -path './var/*' | sort) >"$place/before.txt"
+throw_away --install "${files[@]}" >"$place/dpkg.txt" 2>&1 || {
+  cat "$place/dpkg.txt"
+  exit 1
+}
+
+program="$root/usr/bin/lockstep"
+env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH ldd "$program" | grep -q "liblockstep.* => $root/" ||
+  { echo "the program does not find the library beside it" && exit 1; }
+env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
+  --record "$place/four_bar.csv"
+test "$(wc -l <"$place/four_bar.csv")" -gt 10
+"$program" describe bump --plugin bump | grep -q bump  # from the installed folder
+for kept in usr/include/lockstep/framework/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
+
+throw_away --purge "${names[@]}" >"$place/dpkg.txt" 2>&1 || {
+  cat "$place/dpkg.txt"
+  exit 1
+}
+grep -q -v -F -x "$root" "$place/ldconfig.txt" && exit 1
+test "$(wc -l <"$place/ldconfig.txt")" -ge 2  # when it came and when it went
+(cd "$root" && find . -not -type d -not -path './var/*' | sort) >"$place/after.txt"
+diff "$place/before.txt" "$place/after.txt" || { echo "these files were left behind" && exit 1; }
+left="$(find "$root/usr" 2>/dev/null || true)"
+if [ -n "$left" ]; then printf 'these folders were left behind:\n%s\n' "$left"; exit 1; fi
+rm -rf "$place"
