@@ -27,9 +27,17 @@ CheckReport check_force(const Registry& registry, const std::string& type, const
   for (const SampleKind kind : kAllSamples) {
     SampleSystem sample(kind, options);
     Site site = sample.site("tried");
-    site.link = &sample.system.add<Revolute>("hinge", site.p(), site.s());  // for forces that act in a link
-    const Force& force = sample.system.add(registry.forces.make(type, site, params, &registry, "force 'tried'"));
-    sample.system.setup();
+    Force* made = nullptr;
+    try {
+      site.link = &sample.system.add<Revolute>("hinge", site.p(), site.s());  // for forces that act in a link
+      made = &sample.system.add(registry.forces.make(type, site, params, &registry, "force 'tried'"));
+      sample.system.setup();
+    } catch (const ModelError& error) {
+      if (kind == SampleKind::moving) throw;
+      report.note(fmt::format("not tried with {}: {}", words_of(kind), error.what()));
+      continue;
+    }
+    const Force& force = *made;
     if (kind == SampleKind::p_on_ground && force.slots().empty()) continue;  // it acts at P alone
     CheckReport one(report.subject(), options.seed);
     ForceCheck(sample.system, force, one, options).run();

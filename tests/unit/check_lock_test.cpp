@@ -269,11 +269,16 @@ TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
 TEST_CASE("every link of the library passes its check", "[unit][check]") {
   const Registry registry = builtin_registry();
   for (const std::string& name : registry.links.names()) {
-    const CheckReport report = check_lock(registry, name, sample_params("link", name), {.seed = 2, .states = 4});
+    const CheckOptions options{.seed = 2, .states = 4, .pairs = sample_pairs(name)};
+    const CheckReport report = check_lock(registry, name, sample_params("link", name), options);
     INFO(report.text());
     CHECK(report.ok());
     CHECK(report.comparisons() > 100);
   }
+  const CheckReport report = check_lock(registry, "rack_and_pinion", sample_params("link", "rack_and_pinion"),
+                                        {.seed = 3, .states = 4, .pairs = 2});
+  INFO(report.text());
+  CHECK(report.ok());
 }
 
 TEST_CASE("drives by angle and by speed pass the check of links", "[unit][check]") {
@@ -293,4 +298,24 @@ TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
   Bench here, there;
   Lock& link = there.system.add(std::make_unique<Rod>("rod", there.p, there.s, Fault::none));
   CHECK_THROWS_AS(check_lock(here.system, link), ModelError);
+}
+
+namespace {
+
+/// Counts its turns wrongly: each accepted step adds the angle once more.
+struct AddsUp final : PhiLock<TurnsCounted> {
+  AddsUp(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::y, TurnsCounted{}) {}
+  std::string_view type() const override { return "adds_up"; }
+  void accept(const Inputs&, std::span<double> z) const override { z[0] += 0.3; }
+};
+
+}  // namespace
+
+TEST_CASE("check_lock names a memory that adds up", "[unit][check]") {
+  System system;
+  const MassProperties mass{1.0, Vec3::Zero(), Vec3(0.3, 0.4, 0.5).asDiagonal()};
+  Body &nut = system.add_body("nut", mass), &shaft = system.add_body("shaft", mass);
+  const CheckReport r = check_lock(system, system.add<AddsUp>("thread", nut, shaft, at({0, 0.1, 0})));
+  CAPTURE(r.text());
+  CHECK(says(r, "called again and again there, adds the same each time"));
 }
