@@ -26,12 +26,14 @@ bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 void check_letters(const std::string& name) {
-  const bool letters = std::all_of(name.begin(), name.end(), [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
+  const bool letters =
+      std::all_of(name.begin(), name.end(), [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
   if (name.empty() || name.size() > 60 || !letters || !is_lower(name.front()) || name.back() == '_' ||
       name.find("__") != std::string::npos)
-    throw UsageError(fmt::format("new-plugin: \"{}\" cannot be a plugin's name; take small letters, digits and single _, "
-                                 "a letter first, as in wavy_rail",
-                                 name));
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" cannot be a plugin's name; take small letters, digits and single _, "
+                    "a letter first, as in wavy_rail",
+                    name));
 }
 
 template <class Shelf>
@@ -40,27 +42,28 @@ bool on(const Shelf& shelf, const std::string& name) {
 }
 
 void check_free(const std::string& kind, const std::string& name, const Registry& taken) {
-  const char* by = on(taken.links, name)               ? "a link"
-                   : on(taken.laws, name)              ? "a law"
-                   : on(taken.translation_laws, name)  ? "a translation law"
-                   : on(taken.rotation_laws, name)     ? "a rotation law"
-                   : on(taken.forces, name)            ? "a force"
-                   : on(taken.integrators, name)       ? "an integrator"
-                   : on(taken.solvers, name)           ? "a solver"
-                                                       : nullptr;
+  const char* by = on(taken.links, name)              ? "a link"
+                   : on(taken.laws, name)             ? "a law"
+                   : on(taken.translation_laws, name) ? "a translation law"
+                   : on(taken.rotation_laws, name)    ? "a rotation law"
+                   : on(taken.forces, name)           ? "a force"
+                   : on(taken.integrators, name)      ? "an integrator"
+                   : on(taken.solvers, name)          ? "a solver"
+                                                      : nullptr;
   if (by != nullptr)
-    throw UsageError(fmt::format("new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name",
-                                 name, by, name));
+    throw UsageError(fmt::format(
+        "new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name", name, by, name));
   // classes that the source would not tell from lockstep's own, and targets that CMake has
-  constexpr std::array kClasses = {"MotionLaw",   "TranslationLaw", "RotationLaw",       "MarkerForce",
-                                   "AppliedForce", "FunctionForce"};
+  constexpr std::array kClasses = {"MotionLaw",   "TranslationLaw", "RotationLaw",
+                                   "MarkerForce", "AppliedForce",   "FunctionForce"};
   const std::string made = class_name(kind, name);
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
-    throw UsageError(fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; take another name", name,
-                                 made));
+    throw UsageError(
+        fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; take another name", name, made));
   constexpr std::array kTargets = {"all", "clean", "help", "install", "lockstep", "package", "test"};
   if (std::find(kTargets.begin(), kTargets.end(), name) != kTargets.end())
-    throw UsageError(fmt::format("new-plugin: \"{}\" is a target that every CMake project has; take another name", name));
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" is a target that every CMake project has; take another name", name));
 }
 
 std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
@@ -78,7 +81,8 @@ void write(const fs::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw FileError(fmt::format("{}: cannot be written; is the disk full, or the folder closed?", file.string()));
+  if (!out)
+    throw FileError(fmt::format("{}: cannot be written; is the disk full, or the folder closed?", file.string()));
 }
 
 }  // namespace

@@ -49,14 +49,14 @@ TEST_CASE("new-plugin writes a folder of each kind under its own name", "[plugin
   REQUIRE(r.exit == 0);
   CHECK(contains(r.text, folder + "/" + name + ".cpp\n"));
   CHECK(contains(r.text, "ctest --test-dir " + folder + "/build"));
-  for (const std::string& file :
-       {name + ".cpp", "test_" + name + ".cpp", std::string("CMakeLists.txt"), std::string("scene.json"),
-        std::string("README.md")}) {
+  for (const std::string& file : {name + ".cpp", "test_" + name + ".cpp", std::string("CMakeLists.txt"),
+                                  std::string("scene.json"), std::string("README.md")}) {
     const std::string text = text_of(folder + "/" + file);
     CHECK(contains(text, name));
     CHECK_FALSE(contains(text, "template_"));
   }
-  CHECK(contains(text_of(folder + "/" + name + ".cpp"), "class My" + std::string(1, char(std::toupper(kind[0]))) + kind.substr(1)));
+  CHECK(contains(text_of(folder + "/" + name + ".cpp"),
+                 "class My" + std::string(1, char(std::toupper(kind[0]))) + kind.substr(1)));
   CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 5);
 }
 

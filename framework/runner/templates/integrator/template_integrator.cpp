@@ -1,6 +1,7 @@
 // The integrator template_integrator: the midpoint rule, order 2, fixed step.
 //
-// Change two things: step(), and what info() and type_info() say. Then build and run the test, which measures the order.
+// Change two things: step(), and what info() and type_info() say. Then build and run the test, which measures the
+// order.
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/plugin/plugin.h"
@@ -12,9 +13,7 @@ using namespace lockstep;
 ///   y1 = y + h f(t + h/2, y + h/2 f(t, y)),   y = (q, v, s),   then onto the constraints
 class TemplateIntegrator final : public Integrator {
  public:
-  static TypeInfo type_info() {
-    return {"template_integrator", "midpoint rule of order 2, fixed step", {}};
-  }
+  static TypeInfo type_info() { return {"template_integrator", "midpoint rule of order 2, fixed step", {}}; }
   static std::unique_ptr<Integrator> make(const Params&) { return std::make_unique<TemplateIntegrator>(); }
 
   /// Name, order, implicit?, chooses its step?, evaluations a step.
@@ -60,10 +59,11 @@ class TemplateIntegrator final : public Integrator {
     const ProjectReport landed = dynamics.project(end_);
     report.violation = landed.before, report.violation_after = landed.after;
     if (!landed.converged)
-      throw StepError(fmt::format("template_integrator: the step of {:.3g} s from t = {:.9g} s could not be brought back "
-                                  "onto the constraints; take a smaller step (--step)",
-                                  report.h, t),
-                      t);
+      throw StepError(
+          fmt::format("template_integrator: the step of {:.3g} s from t = {:.9g} s could not be brought back "
+                      "onto the constraints; take a smaller step (--step)",
+                      report.h, t),
+          t);
   }
 
   State middle_, end_;
@@ -72,6 +72,4 @@ class TemplateIntegrator final : public Integrator {
 
 }  // namespace
 
-LOCKSTEP_PLUGIN(registry) {
-  registry.integrators.add(TemplateIntegrator::type_info(), &TemplateIntegrator::make);
-}
+LOCKSTEP_PLUGIN(registry) { registry.integrators.add(TemplateIntegrator::type_info(), &TemplateIntegrator::make); }

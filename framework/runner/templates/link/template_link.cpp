@@ -8,7 +8,8 @@ namespace {
 using namespace lockstep;
 
 /// phi(y, t) = 0 is the joint. y.x y.y y.z: P seen from S in S's axes, m; y.e0 ... y.e3: the quaternion from S to P;
-/// y.angle_z(): the turn about z; y.t: the time. Write it as a formula; its derivatives are exact, and nobody writes them.
+/// y.angle_z(): the turn about z; y.t: the time. Write it as a formula; its derivatives are exact, and nobody writes
+/// them.
 ///
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 struct TemplateLinkFunction {
@@ -30,12 +31,14 @@ class TemplateLink final : public PhiLock<TemplateLinkFunction> {
       : PhiLock(std::move(name), p, s, Mask::y, phi) {}
   std::string_view type() const override { return "template_link"; }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be given).
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
+  /// given).
   static TypeInfo info() {
-    return {"template_link",
-            "P rides on a wavy rail in the xz plane of S: z = height (1 - cos(2 pi x/length))/2; free: along it, all turns",
-            {{"height", Form::number, Unit::length, "", "of the waves, from lowest to highest"},
-             {"length", Form::number, Unit::length, "1", "of one wave, above zero"}}};
+    return {
+        "template_link",
+        "P rides on a wavy rail in the xz plane of S: z = height (1 - cos(2 pi x/length))/2; free: along it, all turns",
+        {{"height", Form::number, Unit::length, "", "of the waves, from lowest to highest"},
+         {"length", Form::number, Unit::length, "1", "of one wave, above zero"}}};
   }
 
   static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
