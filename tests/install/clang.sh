@@ -10,6 +10,6 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COM
   -DLOCKSTEP_BUILD_SAMPLES=OFF
 cmake --build "$build"
 "$here/prefix.sh" "$build"
-"$here/new_plugin.sh" "$build" clang++ "" Ninja
-"$here/page.sh" "$build" clang++ "" Ninja "$root/plugins/README.md"
+"$here/new_plugin.sh" "$build" clang++ Ninja ""
+"$here/page.sh" "$build" clang++ Ninja "" "$root/plugins/README.md"
 echo "clang.sh: plugins of all four kinds build and pass against a host that clang++ built"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# new_plugin.sh BUILD_TREE COMPILER FLAGS GENERATOR: with the installed package in install_test/prefix,
+# new_plugin.sh BUILD_TREE COMPILER GENERATOR FLAGS: with the installed package in install_test/prefix,
 # `lockstep new-plugin` writes a plugin of each kind, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
 set -euo pipefail
-build="$1" compiler="$2" flags="$3" generator="$4"
+build="$1" compiler="$2" generator="$3" flags="$4"
 place="$build/new_plugin_test" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place"

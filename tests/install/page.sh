@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# page.sh BUILD_TREE COMPILER FLAGS GENERATOR PAGE: does in a scratch folder what a page says, word by word, with the
+# page.sh BUILD_TREE COMPILER GENERATOR FLAGS PAGE: does in a scratch folder what a page says, word by word, with the
 # installed package in install_test/prefix:
 #   ```sh            is run
 #   ```cpp a/b.cpp   (any language, then a path) becomes that file
 #   ```text          each line has to stand in what the sh block before it printed
 set -euo pipefail
-build="$1" compiler="$2" flags="$3" generator="$4" page="$5"
+build="$1" compiler="$2" generator="$3" flags="$4" page="$5"
 place="$build/page_test" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place/work"
