@@ -15,20 +15,21 @@ namespace lockstep {
 inline Params sample_params(const std::string& shelf, const std::string& type) {
   static const std::map<std::string, const char*> samples = {
       {"link lock", R"({"mask": "x z e2"})"},
-      {"link screw", R"({"lead": 0.02, "slip": {"type": "sine", "omega": 2, "amplitude": 0.01}})"},
-      {"link rack_and_pinion", R"({"radius": 0.1})"},
-      {"link gear", R"({"teeth_1": 20, "teeth_2": 31})"},
-      {"link belt", R"({"radius_1": 0.1, "radius_2": 0.25, "crossed": true})"},
-      {"link differential", R"({"ratio": 1.5})"},
-      {"link cam_roller", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.2, "cosines": [0.02], "sines": [0, 0.01]},
-                              "roller": 0.01})"},
-      {"link cam_flat", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.2, "cosines": [0.02]}})"},
-      {"link point_on_curve", R"({"path": {"type": "components", "x": {"type": "sine", "omega": 1, "amplitude": 0.3},
-          "y": {"type": "sine", "omega": 1, "phase": "90 deg", "amplitude": 0.3}, "z": {"type": "ramp", "slope": 0.1}}})"},
-      {"link path_follower", R"({"path": {"type": "components", "x": {"type": "sine", "omega": 1, "amplitude": 0.3},
-          "y": {"type": "sine", "omega": 1, "phase": "90 deg", "amplitude": 0.3}, "z": {"type": "ramp", "slope": 0.1}},
-          "turning": {"type": "axis_rotation", "axis": "z", "law": {"type": "ramp", "slope": 1}}})"},
-      {"link stop", R"({"coordinate": "rz", "low": 0.1})"},
+      {"link stop", R"({"coordinate": "rz", "low": -0.5})"},
+      {"link screw", R"({"lead": 0.2, "slip": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
+      {"link rack_and_pinion", R"({"radius": 0.3})"},
+      {"link gear", R"({"teeth_1": 20, "teeth_2": 30})"},
+      {"link belt", R"({"radius_1": 0.2, "radius_2": 0.3})"},
+      {"link differential", R"({"ratio": 2.5})"},
+      {"link cam_roller", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]},
+                             "roller": 0.1})"},
+      {"link cam_flat", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]}})"},
+      {"link point_on_curve", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                  "y": {"type": "sine", "omega": 1, "amplitude": 0.3}}})"},
+      {"link path_follower", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                 "y": {"type": "sine", "omega": 1, "amplitude": 0.3}},
+                                 "turning": {"type": "axis_rotation", "axis": [1, 2, 2],
+                                             "law": {"type": "sine", "omega": 1, "amplitude": 0.5}}})"},
       {"law constant", R"({"value": 0.3})"},
       {"law ramp", R"({"slope": 2, "t0": 0.2})"},
       {"law sine", R"({"omega": 3, "phase": 0.4})"},
@@ -57,7 +58,6 @@ inline Params sample_params(const std::string& shelf, const std::string& type) {
                                   [2, {"axis": [1, 1, 0], "angle": 1.2}]], "outside": "hold"})"},
       {"rotation law product", R"({"first": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}},
                                    "second": {"type": "axis_rotation", "axis": "z", "law": {"type": "sine", "omega": 2}}})"},
-      {"force joint_friction", R"({"mu": 0.2, "mu_static": 0.3, "radius": 0.05, "viscous_turn": 0.1})"},
       {"force applied_force", R"({"force": [1, 2, 3]})"},
       {"force applied_torque", R"({"torque": [1, 2, 3]})"},
       {"force spring_damper", R"({"stiffness": 30, "damping": 2, "free_length": 0.1, "preload": 4})"},
@@ -71,9 +71,11 @@ inline Params sample_params(const std::string& shelf, const std::string& type) {
   return at == samples.end() ? Params{} : Params::unchecked(read_json(at->second, "sample of " + type));
 }
 
-/// Marker pairs that a link type is tried with.
-inline int sample_pairs(const std::string& link) {
-  return link == "differential" ? 3 : link == "gear" || link == "belt" ? 2 : 1;
+/// How many marker pairs the sample of a link type takes.
+inline int sample_pairs(const std::string& type) {
+  static const std::map<std::string, int> pairs = {{"gear", 2}, {"belt", 2}, {"differential", 3}};
+  const auto at = pairs.find(type);
+  return at == pairs.end() ? 1 : at->second;
 }
 
 }  // namespace lockstep
