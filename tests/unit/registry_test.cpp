@@ -146,7 +146,7 @@ TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
   registry.forces.add({"wind", "", {}}, &no_force);
   registry.forces.set_origin("storm");
   check_words(message_of<PluginError>([&] { registry.forces.make("wind", Site{}, Params{}, nullptr, "force 'w'"); }),
-              {"force 'w'", "'wind' (storm)", "returned nothing"});
+              {"force 'w'", "'wind' (plugin storm)", "returned nothing"});
 }
 
 TEST_CASE("entries keep their origin", "[unit][plugin]") {
