@@ -15,6 +15,7 @@ foreach(folder motionlaws integrators)
       PREFIX "" SUFFIX ".so" OUTPUT_NAME ${folder} INSTALL_RPATH "$ORIGIN/../.."
       LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugins)
     set_property(GLOBAL APPEND PROPERTY lockstep_plugin_targets lockstep_${folder})
+    add_dependencies(lockstep_program lockstep_${folder})
   endif()
   set_target_properties(lockstep_${folder} PROPERTIES EXPORT_NAME ${folder})
   add_library(lockstep::${folder} ALIAS lockstep_${folder})

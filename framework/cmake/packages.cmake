@@ -24,7 +24,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME lockstep)
 set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME lockstep-plugins)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "${library_package} ${same}, libeigen3-dev (>= 3.4~), libeigen3-dev (<< 3.5), libspdlog-dev, libstdc++-12-dev | libstdc++-dev")
+    "${library_package} ${same}, libeigen3-dev (>= 3.4~), libeigen3-dev (<< 3.5), libspdlog-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "cmake (>= 3.25), lockstep, lockstep-plugins")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${library_package} ${same}")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "lockstep-plugins, gnuplot-nox | gnuplot")

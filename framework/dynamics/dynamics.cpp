@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/blame.h"
 #include "framework/dynamics/matrix.h"
 #include "framework/support/error.h"
 #include "framework/support/text.h"
 
 namespace lockstep {
-namespace {
-constexpr const char* kShorter =
-    "make the step smaller, or take a method that chooses it (dopri5; radau5 where springs or dampers are stiff)";
-}
-
 Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, DynamicsOptions options)
     : system_(system), solver_(std::move(solver)), options_(options) {
   if (!solver_) throw ModelError("dynamics: no solver was given; make one, for instance SparseSolver");
@@ -214,65 +210,6 @@ void Dynamics::accept(State& state) {
   if (state.z.size() == 0) return;
   see(state);
   system_.accept(in_, state);
-}
-
-// ----------------------------------------------------------------------------------------------------------- not
-// finite
-
-void Dynamics::check_gathered(const State& state) const {
-  const auto when = [&] {
-    return "t = " + number(state.t) + " s: ";
-  };  // only for errors: a text would allocate every time
-  for (int k = 0; k < system_.n_slots(); ++k) {
-    const Motion& O = in_.slot(k);
-    if (!O.x.allFinite() || !O.A.allFinite() || !O.v.allFinite() || !O.w.allFinite())
-      throw NonFiniteError(when() + "body '" + system_.body_of_slot(k).name +
-                               "' has a position or velocity that is not finite; " + kShorter,
-                           state.t);
-  }
-  for (const RowEntry& e : rows_.entries) {
-    const RowBlock block = rows_.block(e);
-    double sum = 0;
-    for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
-    if (std::isfinite(sum)) continue;
-    const Lock& link = *system_.links()[static_cast<std::size_t>(e.link)];
-    const std::string law = link.blame(state.t);
-    throw NonFiniteError(
-        when() + "link '" + link.name() + "' (" + std::string(link.type()) + ") made a number that is not finite" +
-            (law.empty() ? std::string("; look at its function and at the pose it is in, or ") + kShorter
-                         : ": " + law + "; look at its parameters"),
-        state.t);
-  }
-  if (f_.allFinite()) return;
-  VecX one = VecX::Zero(f_.size());
-  for (const auto& force : system_.forces()) {
-    WrenchSum sum(in_.motions, one);
-    force->apply(in_, sum);
-    if (!one.allFinite())
-      throw NonFiniteError(when() + "force '" + force->name() + "' (" + std::string(force->type()) +
-                               ") is not finite; look at its law and parameters",
-                           state.t);
-  }
-  throw NonFiniteError(when() + "the inertia forces are not finite; " + kShorter, state.t);
-}
-
-/// Names whose rate of State::s is not finite.
-void Dynamics::blame_rates(const State& state, const VecX& sd) const {
-  const std::string when = "t = " + number(state.t) + " s: ";
-  const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
-  for (const auto& link : system_.links())
-    if (bad(link->first_state(), link->n_states())) {
-      const std::string law = link->blame(state.t);
-      throw NonFiniteError(when + "link '" + link->name() + "': the rate of its driven speed is not finite" +
-                               (law.empty() ? "" : ": " + law) + "; look at its parameters",
-                           state.t);
-    }
-  for (const auto& auxiliary : system_.auxiliaries())
-    if (bad(auxiliary->first(), auxiliary->size()))
-      throw NonFiniteError(when + "the integrated state '" + auxiliary->name() +
-                               "' has a rate that is not finite; look at what feeds it",
-                           state.t);
-  throw NonFiniteError(when + "a rate of the integrated states is not finite; look at what feeds them", state.t);
 }
 
 void Dynamics::check_solved(const State& state) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "framework/dynamics/newton_factor.h"
+#include "framework/system/blame.h"
 
 namespace lockstep {
 
@@ -149,11 +150,12 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
     for (int k = 0; k < e.m; ++k)
       own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
     const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-    link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
+    named(link, in.t, [&] { link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents); });
   }
-  for (const auto& force : system.forces()) force->tangent(in, w.tangents);
+  for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
   const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
-  for (const Force* force : dynamics.reacting()) force->react_tangent(in, reactions, w.tangents);
+  for (const Force* force : dynamics.reacting())
+    named(*force, in.t, [&] { force->react_tangent(in, reactions, w.tangents); });
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 

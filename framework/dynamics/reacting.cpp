@@ -5,6 +5,7 @@
 #include "framework/dynamics/dynamics.h"
 #include "framework/support/error.h"
 #include "framework/support/text.h"
+#include "framework/system/blame.h"
 
 namespace lockstep {
 namespace {
@@ -34,7 +35,7 @@ double dot(const VecX& a, const VecX& b, double length) {
 void Dynamics::react(const VecX& lambda, VecX& f) const {
   const Reactions reactions(rows_, {lambda.data(), static_cast<std::size_t>(lambda.size())});
   WrenchSum sum(in_.motions, f);
-  for (const Force* force : reacting_) force->react(in_, reactions, sum);
+  for (const Force* force : reacting_) named(*force, in_.t, [&] { force->react(in_, reactions, sum); });
 }
 
 // x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. One factor serves

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 
+#include "framework/dynamics/blame.h"
 #include "framework/dynamics/simulation_loop.h"
 #include "framework/support/error.h"
 
@@ -180,7 +181,7 @@ void Simulation::Loop::advance(double limit, double largest) {
   const double wanted = step_towards(target, largest);
   from = sim.state_;
   if (!has_dense) before.clear(), sim.method_->save(before);
-  step = sim.method_->step(sim.dynamics_, sim.state_, wanted);
+  step = named(*sim.method_, from.t, [&] { return sim.method_->step(sim.dynamics_, sim.state_, wanted); });
   bool landed = step.h >= wanted && sim.state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
   if (landed) sim.state_.t = target.reach;
   take_advice(wanted);

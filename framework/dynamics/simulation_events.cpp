@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/blame.h"
 #include "framework/dynamics/simulation_loop.h"
 #include "framework/support/error.h"
+#include "framework/system/blame.h"
 
 namespace lockstep {
 
@@ -41,7 +43,7 @@ bool Simulation::Loop::crosses(std::size_t event, double now) const {
 // without.
 void Simulation::Loop::state_at(double t, State& out) {
   if (has_dense) {
-    sim.method_->dense(t, out);
+    named(*sim.method_, t, [&] { return sim.method_->dense(t, out); });
     if (!projecting()) return;
     const ProjectReport report = sim.dynamics_.project(out);
     if (!report.converged)
@@ -57,7 +59,7 @@ void Simulation::Loop::state_at(double t, State& out) {
   before.rewind();
   sim.method_->restore(before);
   for (double left = t - from.t; left > 0; left = t - out.t) {
-    const StepReport part = sim.method_->step(sim.dynamics_, out, left);
+    const StepReport part = named(*sim.method_, out.t, [&] { return sim.method_->step(sim.dynamics_, out, left); });
     if (part.h >= left) break;
   }
   out.t = t;
@@ -176,8 +178,10 @@ void Simulation::Loop::engage(const std::vector<std::string>& links) {
     const Lock& link = sim.system().link(name);
     if (link.n_states() == 0) continue;
     sim.dynamics_.gather(sim.state_);
-    link.engage(sim.dynamics_.inputs(),
-                {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+    named(link, sim.state_.t, [&] {
+      link.engage(sim.dynamics_.inputs(),
+                  {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+    });
   }
 }
 
@@ -226,15 +230,18 @@ void Simulation::Loop::make_consistent(const std::string& cause) {
 }
 
 void Simulation::Loop::begin_method() {
-  sim.method_->begin(sim.dynamics_, sim.state_);
+  const double t = sim.state_.t;
+  named(*sim.method_, t, [&] { sim.method_->begin(sim.dynamics_, sim.state_); });
   from = scratch = sim.state_;
-  has_dense = sim.method_->dense(sim.state_.t, scratch);
+  has_dense = named(*sim.method_, t, [&] { return sim.method_->dense(t, scratch); });
   anchor = sim.state_.t;
   n_from_anchor = 0;
   if (adaptive) {
-    double largest = std::isfinite(t_end) ? t_end - sim.state_.t : 1.0;
+    double largest = std::isfinite(t_end) ? t_end - t : 1.0;
     if (sim.options_.step > 0) largest = std::min(largest, sim.options_.step);
-    advised = largest > 0 ? sim.method_->first_step(sim.dynamics_, sim.state_, largest) : 0;
+    advised = 0;
+    if (largest > 0)
+      advised = named(*sim.method_, t, [&] { return sim.method_->first_step(sim.dynamics_, sim.state_, largest); });
     if (!(advised > 0)) advised = sim.options_.step > 0 ? sim.options_.step : 1e-3;
   } else {
     advised = sim.options_.step;

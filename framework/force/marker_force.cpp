@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "framework/model/law_fault.h"
 #include "framework/support/text.h"
 
 namespace lockstep {
@@ -38,6 +39,13 @@ void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) co
   MarkerFrame(*p_).breakpoints(t0, t1, out);
   if (s_ != nullptr) MarkerFrame(*s_).breakpoints(t0, t1, out);
   for (const LawPtr<MotionLaw>& law : laws_) law->breakpoints(t0, t1, out);
+}
+
+std::string MarkerForce::blame(double t) const {
+  for (const LawPtr<MotionLaw>& law : laws_)
+    if (std::string f = law_fault("its law", *law, t); !f.empty()) return f;
+  std::string at_p = marker_fault(*p_, t);
+  return at_p.empty() && s_ != nullptr ? marker_fault(*s_, t) : at_p;
 }
 
 void MarkerForce::setup() {

@@ -29,6 +29,8 @@ class LOCKSTEP_API MarkerForce : public Force {
   std::vector<const Marker*> markers() const override;
   /// Of the markers' laws and of all laws that were handed to `add_law`.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
+  /// What is wrong with one of these laws at time t, in words; "" when nothing is. As Lock::blame.
+  std::string blame(double t) const;
   /// Folds the markers into their slots.
   void setup() override;
 

@@ -34,7 +34,7 @@ class LOCKSTEP_API CamProfile {
 };
 
 /// phi = distance of P from the profile - roller radius, m; gradient n, second derivative k/(1 + k d) t t^T.
-struct RollerOnCam {
+struct LOCKSTEP_API RollerOnCam {
   CamProfile profile;
   double roller;
   static constexpr Needs kNeeds = Needs::translation;
@@ -58,7 +58,7 @@ struct RollerOnCam {
 
 /// phi = n . rho - h(alpha), m: the face goes through P, its normal n is y of P, alpha the normal's angle in S, h the
 /// cam's support function: h' = c . n', h'' = 1/curvature - h.
-struct FaceOnCam {
+struct LOCKSTEP_API FaceOnCam {
   CamProfile profile;
   static constexpr Needs kNeeds = Needs::both;
   static constexpr RowKind kKind = RowKind::translation;

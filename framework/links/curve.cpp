@@ -19,19 +19,26 @@ template <class Function, class Memory>
 double seen_on(const Function& function, const Inputs& in, Memory memory, int k) {
   const Time s = function.seen(in, memory, [](const auto& phi, const LockCoords<Time>& y) {
     TranslationValue at;
-    return phi.curve.parameter(y, phi.curve.frame(y.memory[0]), at);
+    return phi.curve.parameter(y, phi.curve.frame(y.memory), at);
   });
   return k == 0 ? s.v : s.d;
 }
 
 }  // namespace
 
-CurvePoint::Frame CurvePoint::frame(double s_last) const {
+// `like` made normal to the tangent; where that leaves little, the axis that is most nearly normal to it.
+Vec3 CurvePoint::normal(double s, const Vec3& like) const {
+  const Vec3 t = path_->at(s).v.normalized(), n = like - t.dot(like) * t;
+  if (n.norm() > 0.1) return n.normalized();
+  int least = 0;
+  t.cwiseAbs().minCoeff(&least);
+  return cross(t, Vec3(Vec3::Unit(least))).normalized();
+}
+
+CurvePoint::Frame CurvePoint::frame(const double* memory) const {
   Frame f;
-  f.t = path_->at(s_last).v.normalized();
-  int least = 0;  // the axis that is most nearly normal to t
-  f.t.cwiseAbs().minCoeff(&least);
-  f.n1 = cross(f.t, Vec3(Vec3::Unit(least))).normalized();
+  f.t = path_->at(memory[0]).v.normalized();
+  f.n1 = Vec3(memory[3], memory[4], memory[5]);
   f.n2 = cross(f.t, f.n1);
   return f;
 }
@@ -51,8 +58,7 @@ double CurvePoint::in_plane(const Vec3& t, const Vec3& rho, double s) const {
   return kNaN;
 }
 
-double CurvePoint::nearest(const Vec3& rho) const {
-  double s = near_;
+double CurvePoint::nearest(const Vec3& rho, double s) const {
   for (int i = 0; i < 200; ++i) {  // (1/2)|rho - c|^2 falls; Gauss-Newton where its second derivative is none
     const TranslationValue c = path_->at(s);
     const Vec3 g = rho - c.x;
@@ -67,20 +73,32 @@ double CurvePoint::nearest(const Vec3& rho) const {
 }
 
 void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) const {
-  const double s = nearest(Vec3(y.x.v, y.y.v, y.z.v));
-  if (std::isfinite(s)) return;
-  throw ModelError("link '" + link + "': no point of its path near s = " + brief(near_) +
-                   " is nearest to P at the start; let \"near\" say where on the path P begins");
+  const std::string who = "link '" + link + "': ";
+  double s = kNaN;
+  try {
+    s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
+  } catch (const ModelError& end) {
+    throw ModelError(who + "P does not begin on its path as far as that goes from s = " + brief(near_) + ": " +
+                     end.what());
+  }
+  if (!std::isfinite(s))
+    throw ModelError(who + "no point of its path near s = " + brief(near_) +
+                     " is nearest to P at the start; let \"near\" say where on the path P begins");
 }
 
 void CurvePoint::begin(std::span<double> z, const LockCoords<Time>& y) const {
-  z[0] = nearest(Vec3(y.x.v, y.y.v, y.z.v)), z[1] = z[2] = 0;
+  z[0] = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_), z[1] = z[2] = 0;
+  Eigen::Map<Vec3>(z.data() + 3) = normal(z[0], Vec3::Zero());
 }
 
+// The nearest point, not the one in the plane of the last tangent: off the curve the latter would move when asked
+// again.
 void CurvePoint::remember(std::span<double> z, const LockCoords<Time>& y) const {
-  TranslationValue at;
-  const Time s = parameter(y, frame(y.memory[0]), at);
-  z[0] = s.v, z[1] = s.d, z[2] = y.t.v;
+  const Vec3 rho(y.x.v, y.y.v, y.z.v), rate(y.x.d, y.y.d, y.z.d);
+  const double s = nearest(rho, expected(y));
+  const TranslationValue c = path_->at(s);
+  z[0] = s, z[1] = c.v.dot(rate) / (c.v.squaredNorm() - c.a.dot(rho - c.x)), z[2] = y.t.v;
+  Eigen::Map<Vec3>(z.data() + 3) = normal(s, Vec3(y.memory[3], y.memory[4], y.memory[5]));
 }
 
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)

@@ -17,7 +17,7 @@ namespace lockstep {
 ///   phi_i = n_i . (rho - c(s))
 ///
 /// (7.6) would take s as a massless unknown of its own; this needs none and is exact on and off the path. The normals
-/// change from step to step, the constraint does not: reactions in axes do not depend on them.
+/// are carried along the curve from step to step; reactions in axes do not depend on them.
 class LOCKSTEP_API CurvePoint {
  public:
   CurvePoint() = default;
@@ -27,11 +27,12 @@ class LOCKSTEP_API CurvePoint {
   struct Frame {
     Vec3 t, n1, n2;
   };
-  Frame frame(double s_last) const;
+  /// From what was remembered.
+  Frame frame(const double* memory) const;
   /// The s of the plane normal to t through rho, by Newton's method from `s`; NaN when there is none near.
   double in_plane(const Vec3& t, const Vec3& rho, double s) const;
-  /// The s of the point nearest to rho, searched from `near`; NaN when there is none.
-  double nearest(const Vec3& rho) const;
+  /// The s of the point nearest to rho, searched from `s`; NaN when there is none.
+  double nearest(const Vec3& rho, double s) const;
 
   /// s on jets, with the curve at it.
   template <class T>
@@ -48,12 +49,14 @@ class LOCKSTEP_API CurvePoint {
     return n[0] * y.x + n[1] * y.y + n[2] * y.z - jet_detail::chain(s, n.dot(at.x), n.dot(at.v), n.dot(at.a));
   }
 
-  // -- memory: s, its rate, the instant
+  // -- memory: s, its rate, the instant; n1
+  static constexpr int kMemory = 6;
   void at_home(const std::string& link, const LockCoords<Time>& y) const;
   void begin(std::span<double> z, const LockCoords<Time>& y) const;
   void remember(std::span<double> z, const LockCoords<Time>& y) const;
 
  private:
+  Vec3 normal(double s, const Vec3& like) const;
   template <class T>
   static double expected(const LockCoords<T>& y) {
     return y.memory[0] + y.memory[1] * (y.t.v - y.memory[2]);
@@ -68,12 +71,12 @@ struct OnCurve {
   static constexpr int kRows = 2;
   static constexpr Needs kNeeds = Needs::translation;
   static constexpr RowKind kKind = RowKind::translation;
-  static constexpr int kMemory = 3;
+  static constexpr int kMemory = CurvePoint::kMemory;
   static constexpr std::array<const char*, 2> kNames = {"normal1", "normal2"};
 
   template <class T>
   std::array<T, 2> operator()(const LockCoords<T>& y) const {
-    const CurvePoint::Frame f = curve.frame(y.memory[0]);
+    const CurvePoint::Frame f = curve.frame(y.memory);
     TranslationValue at;
     const T s = curve.parameter(y, f, at);
     return {curve.offset(y, f.n1, s, at), curve.offset(y, f.n2, s, at)};
@@ -90,12 +93,12 @@ struct OnPath {
   static constexpr int kRows = 5;
   static constexpr Needs kNeeds = Needs::both;
   static constexpr RowKind kKind = RowKind::function;
-  static constexpr int kMemory = 3;
+  static constexpr int kMemory = CurvePoint::kMemory;
   static constexpr std::array<const char*, 5> kNames = {"normal1", "normal2", "turn1", "turn2", "turn3"};
 
   template <class T>
   std::array<T, 5> operator()(const LockCoords<T>& y) const {
-    const CurvePoint::Frame f = curve.frame(y.memory[0]);
+    const CurvePoint::Frame f = curve.frame(y.memory);
     TranslationValue at;
     const T s = curve.parameter(y, f, at);
     // q' = (1/2) q w,  q'' = (1/2) q (a - |w|^2/2)   (1.9)

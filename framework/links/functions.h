@@ -6,6 +6,7 @@
 #include <string>
 
 #include "framework/lock/phi_lock.h"
+#include "framework/model/law_fault.h"
 #include "framework/model/site.h"
 
 namespace lockstep {
@@ -21,10 +22,7 @@ struct DistanceFunction {
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - of(*length, y.t);
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const { length->breakpoints(t0, t1, out); }
-  std::string blame(double t) const {
-    const LawValue l = length->at(t);
-    return std::isfinite(l.y + l.yd + l.ydd) ? "" : "the law of its length";
-  }
+  std::string blame(double t) const { return law_fault("the law of its length", *length, t); }
 };
 
 /// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without

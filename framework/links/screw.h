@@ -10,7 +10,7 @@
 namespace lockstep {
 
 /// (7.4) phi = z - lead theta / 2 pi - home - f(t), m. Its multiplier is the axial force of the thread.
-struct ScrewThread {
+struct LOCKSTEP_API ScrewThread {
   double lead;
   LawPtr<MotionLaw> slip{};
   double home = 0;

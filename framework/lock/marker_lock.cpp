@@ -4,6 +4,7 @@
 
 #include "framework/lock/dispatch.h"
 #include "framework/lock/marker_lock_gather.h"
+#include "framework/model/law_fault.h"
 #include "framework/support/clones.h"
 #include "framework/support/error.h"
 
@@ -77,26 +78,15 @@ int MarkerLock::drive_row(int k) const {
 }
 
 std::string MarkerLock::blame(double t) const {
-  const auto bad = [](const auto&... x) { return !(x.allFinite() && ...); };
-  const auto frame = [&](const MarkerFrame& f, const Marker& m) -> std::string {
-    const MarkerMotion k = f.at(t);
-    return bad(k.u, k.ud, k.udd, k.A, k.w, k.a) ? "the laws of marker '" + m.name + "'" : "";
-  };
-  for (const Drive& d : drives_) {
-    const LawValue l = d.law->at(t);
-    if (!std::isfinite(l.y) || !std::isfinite(l.yd) || !std::isfinite(l.ydd))
-      return "the law of drive " + std::string(to_string(d.axis));
-  }
-  if (move_) {
-    const TranslationValue l = move_->at(t);
-    if (bad(l.x, l.v, l.a)) return "the imposed translation law";
-  }
-  if (turn_) {
-    const RotationValue l = turn_->at(t);
-    if (bad(l.q.coefficients(), l.w, l.a)) return "the imposed rotation law";
-  }
-  const std::string at_p = frame(P_, *p_);
-  return at_p.empty() ? frame(S_, *s_) : at_p;
+  for (const Drive& d : drives_)
+    if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), *d.law, t); !f.empty())
+      return f;
+  if (move_)
+    if (std::string f = law_fault("the imposed translation law", *move_, t); !f.empty()) return f;
+  if (turn_)
+    if (std::string f = law_fault("the imposed rotation law", *turn_, t); !f.empty()) return f;
+  std::string at_p = marker_fault(*p_, t);
+  return at_p.empty() ? marker_fault(*s_, t) : at_p;
 }
 
 Quantity MarkerLock::drive(int d) const {

@@ -11,7 +11,8 @@
 
 extern "C" {
 
-/// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled.
+/// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled. Only the seal
+/// is written afterwards (plugin/seal.h), by a tool.
 struct lockstep_abi_record {
   char magic[16];      // "lockstep-abi"
   std::uint32_t size;  // of this record in bytes
@@ -23,8 +24,12 @@ struct lockstep_abi_record {
   std::int32_t library_abi;  // _GLIBCXX_USE_CXX11_ABI
   std::int64_t cxx_level;    // __cplusplus
   std::int32_t eigen_version[3];
-  std::int32_t alignment;  // EIGEN_MAX_ALIGN_BYTES, 0 where Eigen does not align
-  char flags[64];          // settings that change objects or arithmetic: "debug-library fast-math"
+  std::int32_t alignment;         // EIGEN_MAX_ALIGN_BYTES: memory from the heap
+  std::int32_t static_alignment;  // EIGEN_MAX_STATIC_ALIGN_BYTES: members of objects
+  std::int32_t index_size;        // of Eigen::Index, bytes
+  std::uint32_t sealed;           // 1 when the seal was written
+  std::uint64_t seal;             // checksum of what is loaded of the file
+  char flags[64];                 // settings that change objects or arithmetic: "debug-library fast-math "
 };
 }
 
@@ -71,11 +76,24 @@ constexpr lockstep_abi_record abi_of_this_build() {
   r.eigen_version[0] = EIGEN_WORLD_VERSION, r.eigen_version[1] = EIGEN_MAJOR_VERSION,
   r.eigen_version[2] = EIGEN_MINOR_VERSION;
   r.alignment = EIGEN_MAX_ALIGN_BYTES;
+  r.static_alignment = EIGEN_MAX_STATIC_ALIGN_BYTES;
+  r.index_size = sizeof(Eigen::Index);
 #if defined(_GLIBCXX_DEBUG)
   abi_detail::put(r.flags, "debug-library ");
 #endif
 #if defined(__FAST_MATH__)
   abi_detail::put(r.flags, "fast-math ");
+#elif defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+  abi_detail::put(r.flags, "finite-math-only ");
+#endif
+#if !defined(__cpp_exceptions)
+  abi_detail::put(r.flags, "no-exceptions ");
+#endif
+#if !defined(__cpp_rtti)
+  abi_detail::put(r.flags, "no-rtti ");
+#endif
+#if defined(EIGEN_DEFAULT_TO_ROW_MAJOR)
+  abi_detail::put(r.flags, "row-major ");
 #endif
   return r;
 }

@@ -5,18 +5,23 @@
 #include <memory>
 
 #include "framework/record/channel_entry.h"
+#include "framework/system/blame.h"
 
 namespace lockstep::channels {
 
-double loss(const Force& f, const Evaluated& v) { return f.dissipation(v.in) + f.friction_loss(v.in, Reactions(v)); }
+double loss(const Force& f, const Evaluated& v) {
+  return named(f, v.in.t, [&] { return f.dissipation(v.in) + f.friction_loss(v.in, Reactions(v)); });
+}
 
 void of_force(const Force& force, Entries& out) {
   const Force* const f = &force;
   const std::vector<Quantity> own = force.quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} force", force.type()),
-        [f, k](const Sample& s) { return f->reacting_quantity(k, s.values().in, Reactions(s.values())); });
+        fmt::format("quantity of a {} force", force.type()), [f, k](const Sample& s) {
+          const Evaluated& v = s.values();
+          return named(*f, v.in.t, [&] { return f->reacting_quantity(k, v.in, Reactions(v)); });
+        });
   const auto free = [&out](const char* name) {  // a force's own words win
     return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
   };
@@ -32,7 +37,7 @@ void of_force(const Force& force, Entries& out) {
     });
   if (free("potential"))
     add(out, "potential", "J", "energy stored in the force",
-        [f](const Sample& s) { return f->potential(s.values().in); });
+        [f](const Sample& s) { return named(*f, s.state.t, [&] { return f->potential(s.values().in); }); });
   if (free("dissipation"))
     add(out, "dissipation", "W", "power taken out by dampers and friction",
         [f](const Sample& s) { return loss(*f, s.values()); });

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "framework/record/channel_entry.h"
+#include "framework/system/blame.h"
 
 namespace lockstep::channels {
 namespace {
@@ -123,7 +124,7 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
         fmt::format("quantity of a {} link", link.type()),
-        [l, k](const Sample& s) { return l->quantity(k, s.values().in); });
+        [l, k](const Sample& s) { return named(*l, s.state.t, [&] { return l->quantity(k, s.values().in); }); });
 }
 
 }  // namespace lockstep::channels

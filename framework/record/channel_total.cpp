@@ -3,6 +3,7 @@
 
 #include "framework/record/channel_entry.h"
 #include "framework/record/quadrature.h"
+#include "framework/system/blame.h"
 
 namespace lockstep::channels {
 namespace {
@@ -22,7 +23,7 @@ double potential(const Sample& s) {
   for (int k = 0; k < s.system().n_slots(); ++k)
     sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.q.segment<3>(7 * k));
   if (s.system().forces().empty()) return sum;
-  for (const auto& f : s.system().forces()) sum += f->potential(s.values().in);
+  for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.values().in); });
   return sum;
 }
 
@@ -51,7 +52,7 @@ double dissipation(const System& system, const Evaluated& v) {
 
 double supply(const System& system, const Evaluated& v) {
   double sum = 0;
-  for (const auto& f : system.forces()) sum += f->supply(v.in);
+  for (const auto& f : system.forces()) sum += named(*f, v.in.t, [&] { return f->supply(v.in); });
   return sum;
 }
 

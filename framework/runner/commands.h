@@ -35,11 +35,12 @@ struct Words {
       of = "position", tolerances, steps;
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
-  bool quiet = false, json = false, channels = false, separately = false, certify = false;
+  bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
   bool full = false;              ///< every economy off
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
   std::string lanes;              ///< "off": one run at a time
+  std::string kind, name, into;   ///< of a new plugin
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -48,8 +49,9 @@ struct Loaded {
   Scene scene;
 };
 
-/// Built-in things and those of the plugins.
-Registry make_registry(const std::vector<std::string>& plugins);
+/// Built-in things and those of the plugins: of the command line, by name or path; then those that a scene requires, by
+/// name, but for names that the command line gave a file already.
+Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required = {});
 /// Reads the scene and loads plugins; the run settings are the scene's own.
 Loaded read_with_plugins(const Words&);
 /// What the command line says of the run, over what the scene says. Throws UsageError.
@@ -67,6 +69,9 @@ int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);
 int schema_command(const Words&);
+int new_plugin_command(const Words&);
+int plugins_list_command(const Words&);
+int plugins_seal_command(const Words&);
 
 /// Reads the command line, calls a verb, says errors on standard error. Returns an Exit.
 int run_program(int argc, const char* const* argv);

@@ -13,12 +13,6 @@
 namespace lockstep {
 namespace {
 
-// The plugin's own name, however it was asked for.
-std::string plugin_name(const std::string& name_or_path) {
-  const std::string stem = std::filesystem::path(name_or_path).stem().string();
-  return stem.rfind("lib", 0) == 0 ? stem.substr(3) : stem;
-}
-
 // A number of the command line, in SI or with a unit; greater than zero.
 double positive_number(const std::string& option, const std::string& text, Unit unit) {
   double x = 0;
@@ -95,20 +89,23 @@ void put_economies(Scene& scene, const Words& w) {
 
 }  // namespace
 
-Registry make_registry(const std::vector<std::string>& plugins) {
+Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required) {
   Registry registry = builtin_registry();
-  std::set<std::string> loaded;
-  for (const std::string& plugin : plugins)
-    if (loaded.insert(plugin_name(plugin)).second) load_plugin(registry, plugin);
+  std::set<std::string> files, names;
+  for (const std::string& plugin : plugins) {
+    if (!files.insert(plugin).second) continue;
+    load_plugin(registry, plugin);
+    names.insert(plugin_name(plugin));
+  }
+  for (const std::string& plugin : required)
+    if (names.insert(plugin_name(plugin)).second) load_plugin(registry, plugin);
   return registry;
 }
 
 Loaded read_with_plugins(const Words& w) {
   refuse_picture(w.record);
   Scene scene = read_scene(w.scene);
-  std::vector<std::string> plugins = w.plugins;  // those of the command line first: they may say where the scene's are
-  plugins.insert(plugins.end(), scene.plugins.begin(), scene.plugins.end());
-  Registry registry = make_registry(plugins);
+  Registry registry = make_registry(w.plugins, scene.plugins);
   put_economies(scene, w);
   return {std::move(registry), std::move(scene)};
 }

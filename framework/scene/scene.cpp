@@ -1,6 +1,9 @@
 #include "framework/scene/scene.h"
 
+#include <algorithm>
+
 #include "framework/model/json.h"
+#include "framework/plugin/search.h"
 #include "framework/scene/builder.h"
 #include "framework/scene/read.h"
 #include "framework/scene/run_settings.h"
@@ -24,7 +27,17 @@ Scene scene_from(Value root, std::string file) {
                              " of the format is unknown here; this program reads version " + std::to_string(kFormat));
   if (p.has("title")) scene.title = p.text("title");
   if (p.has("description")) scene.description = p.text("description");
-  for (const auto& [name, where] : texts_of(p, "requires")) scene.plugins.push_back(name);
+  for (auto [name, where] : texts_of(p, "requires")) {
+    if (!is_bare_name(name)) {
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+      refuse(where, "scene, requires",
+             "\"" + name +
+                 "\" is no bare name; a scene names plugins, as in \"cam_follower\", and where they may come "
+                 "from is said outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
+    }
+    scene.plugins.push_back(name);
+  }
   scene.run = read_run(p.value("run"));
   return scene;
 }

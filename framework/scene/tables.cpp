@@ -20,7 +20,7 @@ SceneTable scene() {
            {{"lockstep", Form::integer, Unit::none, "", "version of this format: 1"},
             {"title", Form::text, Unit::none, kAbsent, "one line that says what moves"},
             {"description", Form::text, Unit::none, kAbsent, "more about it"},
-            any("requires", "plugins that must be loaded, by name"),
+            any("requires", "plugins that must be loaded, by bare name; no path"),
             {"gravity", Form::vector3, Unit::acceleration, "[0, 0, 0]", "gravity, world axes"},
             {"planar",
              Form::choice,

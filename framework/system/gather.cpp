@@ -3,6 +3,7 @@
 
 #include "framework/support/error.h"
 #include "framework/support/text.h"
+#include "framework/system/blame.h"
 #include "framework/system/system.h"
 
 namespace lockstep {
@@ -62,15 +63,19 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
-  for (const RowRun& run : table.runs) {
-    const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
-    const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
-    if (!plane_)
-      links.front()->gather(links, in, table.span(first));
-    else if (run.in_plane)
-      links.front()->gather_plane(links, in, table.span(first));
-    else
-      for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
+  try {
+    for (const RowRun& run : table.runs) {
+      const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
+      const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
+      if (!plane_)
+        links.front()->gather(links, in, table.span(first));
+      else if (run.in_plane)
+        links.front()->gather_plane(links, in, table.span(first));
+      else
+        for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
+    }
+  } catch (...) {
+    rethrow_from_rows(*this, in, table);
   }
 }
 
@@ -113,7 +118,11 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
     }
   }
   WrenchSum sum(in.motions, f);
-  for (const auto& force : forces_) force->apply(in, sum);
+  try {
+    for (const auto& force : forces_) force->apply(in, sum);
+  } catch (...) {
+    rethrow_from_forces(*this, in);
+  }
   if (plane_ && !forces_.empty()) check_plane(in, f);
 }
 
@@ -143,7 +152,7 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
     const std::span<double> rates = part(sd, link->first_state(), link->n_states());
     if (active)
-      link->state_rates(values.in, rates);
+      named(*link, values.in.t, [&] { link->state_rates(values.in, rates); });
     else
       std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
   }
@@ -152,15 +161,17 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
 
 void System::accept(const Inputs& in, State& state) const {
   for (const auto& link : links_)
-    if (link->n_memory() > 0) link->accept(in, part(state.z, link->first_memory(), link->n_memory()));
+    if (link->n_memory() > 0)
+      named(*link, in.t, [&] { link->accept(in, part(state.z, link->first_memory(), link->n_memory())); });
   for (const auto& force : forces_)
-    if (force->n_memory() > 0) force->accept(in, part(state.z, force->first_memory(), force->n_memory()));
+    if (force->n_memory() > 0)
+      named(*force, in.t, [&] { force->accept(in, part(state.z, force->first_memory(), force->n_memory())); });
 }
 
 std::vector<double> System::breakpoints(double t0, double t1) const {
   std::vector<double> times;
-  for (const auto& link : links_) link->breakpoints(t0, t1, times);
-  for (const auto& force : forces_) force->breakpoints(t0, t1, times);
+  for (const auto& link : links_) named(*link, t0, [&] { link->breakpoints(t0, t1, times); });
+  for (const auto& force : forces_) named(*force, t0, [&] { force->breakpoints(t0, t1, times); });
   std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());

@@ -7,6 +7,8 @@
 
 #include "framework/support/error.h"
 #include "framework/support/text.h"
+#include "framework/system/blame.h"
+#include "framework/system/check_writes.h"
 
 namespace lockstep {
 namespace {
@@ -198,6 +200,12 @@ void System::setup() {
   if (plane_) setup_plane();
   ready_ = true;
   ++revision_;
+  try {
+    check_writes(*this);
+  } catch (...) {
+    ready_ = false;
+    throw;
+  }
 }
 
 // States that steer the step stand first, quadratures behind them.
@@ -239,7 +247,7 @@ void System::setup_links() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     auto& link = links_[l];
     if (merged_[l]) continue;
-    link->setup();
+    set_up(*link);
     if (link->row_count() < 1 || link->row_count() > kMaxRows)
       throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) +
                        " rows; a link has 1 to " + std::to_string(kMaxRows) +
@@ -268,7 +276,7 @@ void System::setup_links() {
 }
 
 void System::setup_forces() {
-  for (auto& force : forces_) force->setup();
+  for (auto& force : forces_) set_up(*force);
 }
 
 void System::check_size(const State& state) const {
@@ -311,10 +319,13 @@ State System::start() const {
   for (const auto& link : links_) {
     state.modes.push_back(link->active_at_start && !link->one_sided);  // one-sided ones: when they are touched
     if (link->one_sided) state.z[link->impact_memory() + 1] = link->active_at_start ? 1.0 : 0.0;
-    link->start_states(part(state.s, link->first_state(), link->n_states()));
-    link->start_memory(part(state.z, link->first_memory(), link->n_memory()));
+    named(*link, 0.0, [&] {
+      link->start_states(part(state.s, link->first_state(), link->n_states()));
+      link->start_memory(part(state.z, link->first_memory(), link->n_memory()));
+    });
   }
-  for (const auto& force : forces_) force->start_memory(part(state.z, force->first_memory(), force->n_memory()));
+  for (const auto& force : forces_)
+    named(*force, 0.0, [&] { force->start_memory(part(state.z, force->first_memory(), force->n_memory())); });
   for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
   return state;
 }

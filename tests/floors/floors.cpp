@@ -27,6 +27,9 @@ const std::map<std::string, int> kFloorOf = {
 // Arrows within a floor that are closed even where nothing points back yet: from, to.
 const std::set<std::pair<std::string, std::string>> kClosed = {{"model", "kkt"}};
 
+// Folders that may be plugins (LOCKSTEP_BUILTINS=OFF): nothing below the top floor may need them, but their register.cpp.
+const std::set<std::string> kMayBePlugins = {"motionlaws", "integrators"};
+
 struct Include {
   std::string file;  // relative to the root
   int line;
@@ -120,6 +123,8 @@ class Inspection {
       fault(include.file, include.line, arrow + "room '" + include.to + "', which has no floor");
     } else if (to > from) {
       fault(include.file, include.line, arrow + "the higher " + name(include.to));
+    } else if (kMayBePlugins.count(include.to) != 0 && from < 7 && include.from != "register") {
+      fault(include.file, include.line, arrow + name(include.to) + ", which may be a plugin");
     } else if (to == from && kClosed.count({include.from, include.to}) != 0) {
       fault(include.file, include.line, arrow + name(include.to) + ", which stands on it");
     } else if (to == from) {

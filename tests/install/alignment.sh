@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# alignment.sh BUILD_TREE COMPILER FLAGS: a client with the settings of lockstep.pc links, whatever its -march; one with
-# others does not, and the linker names the setting. 77: no pkg-config here.
+# alignment.sh BUILD_TREE COMPILER GENERATOR FLAGS: a client with the settings of lockstep.pc links, whatever its
+# -march; one with others does not, and the linker names the setting. 77: no pkg-config here.
 set -uo pipefail
-build="$1" compiler="$2" flags="$3"
+build="$1" compiler="$2" flags="$4"
 here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 prefix="$build/install_test/prefix" place="$build/install_test/alignment"
 if ! command -v pkg-config >/dev/null; then
@@ -34,7 +34,7 @@ refused() {
   local name="$1"
   shift
   if "$compiler" -std=c++20 $flags "$@" -w -ffunction-sections -fdata-sections "$place/right.o" \
-    "$here/alignment/client.cpp" -o "$place/client" $libraries -Wl,--gc-sections >"$place/words.txt" 2>&1; then
+    "$place/wrong.cpp" -o "$place/client" $libraries -Wl,--gc-sections >"$place/words.txt" 2>&1; then
     echo "with '$*' it should not have linked"
     failed=1
   elif ! grep -q -F "$name" "$place/words.txt"; then
@@ -45,6 +45,8 @@ refused() {
 }
 
 echo '#include "framework/math/types.h"' >"$place/right.cpp"
+cp "$place/right.cpp" "$place/wrong.cpp"
+echo 'int main() {}' >>"$place/right.cpp"
 "$compiler" -std=c++20 $flags $settings -c "$place/right.cpp" -o "$place/right.o" || exit 1
 
 links

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# client.sh BUILD_TREE COMPILER FLAGS GENERATOR: a project in a folder of its own finds the package after it was moved,
+# client.sh BUILD_TREE COMPILER GENERATOR FLAGS: a project in a folder of its own finds the package after it was moved,
 # builds a program and a plugin, with make where there is one, and the installed program takes the plugin.
 set -euo pipefail
-build="$1" compiler="$2" flags="$3" generator="$4"
+build="$1" compiler="$2" generator="$3" flags="$4"
 here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 place="$build/install_test/client"
 rm -rf "$place"

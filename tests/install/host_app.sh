@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# host_app.sh BUILD_TREE COMPILER FLAGS GENERATOR: builds samples/host_app, copied to a folder of its own, on the
+# host_app.sh BUILD_TREE COMPILER GENERATOR FLAGS: builds samples/host_app, copied to a folder of its own, on the
 # installed package, with the instructions of this very machine, and runs it.
 set -euo pipefail
-build="$1" compiler="$2" flags="$3" generator="$4"
+build="$1" compiler="$2" generator="$3" flags="$4"
 root="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 place="$build/install_test/host_app"
 rm -rf "$place"

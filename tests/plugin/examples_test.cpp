@@ -17,7 +17,7 @@ using namespace lockstep;
 
 namespace {
 
-Registry with(const char* plugin) {
+Registry registry_with(const char* plugin) {
   Registry registry = builtin_registry();
   load_plugin(registry, plugin, {paths::kPlugins});
   return registry;
@@ -37,13 +37,13 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_CASE("the plugin cam_follower passes check_lock", "[plugin][check]") {
   const CheckReport r =
-      check_lock(with("cam_follower"), "cam_follower", {{"base", 0.05}, {"lift", 0.03}, {"lobes", 3}});
+      check_lock(registry_with("cam_follower"), "cam_follower", {{"base", 0.05}, {"lift", 0.03}, {"lobes", 3}});
   INFO(r.text());
   CHECK(r.ok());
 }
 
 TEST_CASE("the plugin bump passes check_law", "[plugin][check]") {
-  const Registry registry = with("bump");
+  const Registry registry = registry_with("bump");
   const auto law = registry.laws.make("bump", {{"height", 0.2}, {"at", 1.1}, {"width", 0.4}}, &registry, "law");
   const CheckReport r = check_law(*law);
   INFO(r.text());
@@ -52,7 +52,7 @@ TEST_CASE("the plugin bump passes check_law", "[plugin][check]") {
 }
 
 TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal speed", "[plugin][check]") {
-  const Registry registry = with("drag");
+  const Registry registry = registry_with("drag");
   for (const Params& params : {Params{{"coefficient", 0.7}}, Params{{"area", 0.2}, {"shape", 0.47}}}) {
     const CheckReport r = check_force(registry, "drag", params);
     INFO(r.text());
@@ -78,7 +78,7 @@ TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal s
 }
 
 TEST_CASE("the plugin adams_bashforth passes check_integrator in every order", "[plugin][check]") {
-  const Registry registry = with("adams_bashforth");
+  const Registry registry = registry_with("adams_bashforth");
   for (int order = 2; order <= 4; ++order) {
     const CheckReport r = check_integrator(registry, "adams_bashforth", {{"order", order}});
     INFO(r.text());
@@ -91,7 +91,7 @@ TEST_CASE("the plugin adams_bashforth passes check_integrator in every order", "
 }
 
 TEST_CASE("adams_bashforth evaluates once a step and begins anew where its history does not fit", "[plugin][check]") {
-  const Registry registry = with("adams_bashforth");
+  const Registry registry = registry_with("adams_bashforth");
   System system({.gravity = {0, 0, -9.81}});
   system.add_body("top", MassProperties{2.0, Vec3::Zero(), Vec3(0.4, 0.4, 0.7).asDiagonal()}).start.w = {1, 0.5, 2};
   Dynamics dynamics(system, std::make_unique<SchurSolver>());

@@ -15,6 +15,21 @@ namespace lockstep {
 inline Params sample_params(const std::string& shelf, const std::string& type) {
   static const std::map<std::string, const char*> samples = {
       {"link lock", R"({"mask": "x z e2"})"},
+      {"link stop", R"({"coordinate": "rz", "low": -0.5})"},
+      {"link screw", R"({"lead": 0.2, "slip": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
+      {"link rack_and_pinion", R"({"radius": 0.3})"},
+      {"link gear", R"({"teeth_1": 20, "teeth_2": 30})"},
+      {"link belt", R"({"radius_1": 0.2, "radius_2": 0.3})"},
+      {"link differential", R"({"ratio": 2.5})"},
+      {"link cam_roller", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]},
+                             "roller": 0.1})"},
+      {"link cam_flat", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]}})"},
+      {"link point_on_curve", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                  "y": {"type": "sine", "omega": 1, "amplitude": 0.3}}})"},
+      {"link path_follower", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                 "y": {"type": "sine", "omega": 1, "amplitude": 0.3}},
+                                 "turning": {"type": "axis_rotation", "axis": [1, 2, 2],
+                                             "law": {"type": "sine", "omega": 1, "amplitude": 0.5}}})"},
       {"law constant", R"({"value": 0.3})"},
       {"law ramp", R"({"slope": 2, "t0": 0.2})"},
       {"law sine", R"({"omega": 3, "phase": 0.4})"},
@@ -43,6 +58,7 @@ inline Params sample_params(const std::string& shelf, const std::string& type) {
                                   [2, {"axis": [1, 1, 0], "angle": 1.2}]], "outside": "hold"})"},
       {"rotation law product", R"({"first": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}},
                                    "second": {"type": "axis_rotation", "axis": "z", "law": {"type": "sine", "omega": 2}}})"},
+      {"force joint_friction", R"({"mu": 0.2, "mu_static": 0.3, "radius": 0.05, "viscous_turn": 0.1})"},
       {"force applied_force", R"({"force": [1, 2, 3]})"},
       {"force applied_torque", R"({"torque": [1, 2, 3]})"},
       {"force spring_damper", R"({"stiffness": 30, "damping": 2, "free_length": 0.1, "preload": 4})"},
@@ -54,6 +70,13 @@ inline Params sample_params(const std::string& shelf, const std::string& type) {
   };
   const auto at = samples.find(shelf + " " + type);
   return at == samples.end() ? Params{} : Params::unchecked(read_json(at->second, "sample of " + type));
+}
+
+/// How many marker pairs the sample of a link type takes.
+inline int sample_pairs(const std::string& type) {
+  static const std::map<std::string, int> pairs = {{"gear", 2}, {"belt", 2}, {"differential", 3}};
+  const auto at = pairs.find(type);
+  return at == pairs.end() ? 1 : at->second;
 }
 
 }  // namespace lockstep

@@ -1,5 +1,7 @@
 #include "framework/copies/copies.h"
 
+#include "framework/builtins.h"
+#include "framework/dynamics/runge_kutta.h"
 #include "framework/force/torsion_spring_damper.h"
 #include "framework/support/error.h"
 #include "tests/support/allocations.h"
@@ -280,6 +282,61 @@ TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
   const long once = run_to(0.1);
   CHECK(once > 0);  // the library's are counted
   CHECK(run_to(1.0) == once);
+}
+
+namespace {
+
+// Ralston's method of order 2, which nobody but this test has.
+constexpr double kRalstonC[2] = {0, 2.0 / 3};
+constexpr double kRalstonA[2][1] = {{}, {2.0 / 3}};
+constexpr double kRalstonB[2] = {0.25, 0.75};
+constexpr EmbeddedScheme kRalston{"ralston", {2, 2, 2, 1, kRalstonA[0], kRalstonB, kRalstonC}};
+
+struct Ralston final : Integrator {
+  IntegratorInfo info() const override { return {"ralston", 2, false, false, 2}; }
+  const EmbeddedScheme* scheme() const override { return &kRalston; }
+  void begin(Dynamics&, const State& state) override { stages.begin(kRalston.tableau, state), end = state; }
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    stages.evaluate(dynamics, state, h, 0, 2);
+    stages.end(state, h, end);
+    land_or_throw(dynamics, end, "ralston", state.t, h);
+    take_motion(end, state);
+    return {h};
+  }
+  Stages stages;
+  State end;
+};
+
+}  // namespace
+
+TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone", "[unit][copies]") {
+  Registry registry = builtin_registry();
+  registry.integrators.add({"ralston", "order 2", {}}, [](const Params&) { return std::make_unique<Ralston>(); });
+  const std::vector<double> times = {0.25, 0.5};
+  std::vector<State> ends[2];
+  for (const bool lanes : {false, true}) {
+    Family family(3, [](int k) { return chain(2, k, 0.5); });
+    CopiesOptions options;
+    options.integrator = "ralston", options.step = 0.01, options.lanes = lanes, options.registry = &registry;
+    Copies copies(family.pointers(), options);
+    ends[lanes].resize(3);
+    for (const CopyReport& report : copies.run(family.assembled(), times, [&](int copy, std::size_t, const State&s) {
+           ends[lanes][static_cast<std::size_t>(copy)] = s;
+         })) {
+      CHECK(report.finished);
+      CHECK(report.steps == 50);
+      CHECK(report.alone == !lanes);
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(ends[1][k].t == 0.5);
+    CHECK(largest(ends[1][k].q - ends[0][k].q) < 1e-11);
+    CHECK(largest(ends[1][k].v - ends[0][k].v) < 1e-10);
+  }
+  Family family(1, [](int k) { return chain(2, k); });
+  CopiesOptions unknown;
+  unknown.integrator = "ralston";
+  check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }), {"ralston", "no lanes"});
 }
 
 TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {

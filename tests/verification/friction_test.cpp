@@ -247,8 +247,47 @@ TEST_CASE("in a plane friction is the same, and what a plane leaves out is refus
                        {"guide.friction", "planar", "moments"});
 }
 
-TEST_CASE("a fixed link that friction reads is not merged, and wrong parameters are named",
-          "[verification][friction]") {
+namespace {
+
+/// A load cell: pushes nothing, but wants to know what a link carries.
+class LoadCell final : public Force {
+ public:
+  LoadCell(std::string name, const Lock& link) : Force(std::move(name)), link_(&link) {}
+  std::string_view type() const override { return "load_cell"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum&) const override {}
+  std::vector<const Lock*> reads() const override { return {link_}; }
+  std::vector<Quantity> quantities() const override { return {{"weight", "N"}}; }
+  double reacting_quantity(int, const Inputs& in, const Reactions& reactions) const override {
+    return reactions.on_body_of(MarkerFrame(*link_->pairs().front().first), *link_, in).force[2];
+  }
+
+ private:
+  const Lock* link_;
+};
+
+}  // namespace
+
+TEST_CASE("a fixed link that a force reads is not merged into a body", "[verification][friction]") {
+  System system({{0, 0, -kG}});
+  Body& foot = system.add_body("foot", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
+  Body& load = system.add_body("load", MassProperties{3.0, Vec3::Zero(), Mat3::Identity()});
+  system.add<Prismatic>("guide", foot, system.ground(), at(Vec3::Zero(), Vec3::UnitX()));
+  auto& bolt = system.add<Fixed>("bolt", load, foot, at(Vec3::Zero()));
+  const bool read = GENERATE(false, true);
+  if (read) system.add(std::make_unique<LoadCell>("cell", bolt));
+  system.set_merge(true);
+  system.setup();
+  CHECK(system.merged(bolt) == !read);
+  if (!read) return;
+  const Channel weight = make_channel(system, "cell.weight");
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  const State start = system.start();
+  CHECK(weight.value(Sample(dynamics, start, {})) == Approx(3 * kG).epsilon(1e-12));
+}
+
+TEST_CASE("friction: links and parameters that cannot be are named", "[verification][friction]") {
   JointFriction::Options o;
   o.mu = 0.3;
   System system;

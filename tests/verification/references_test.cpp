@@ -51,6 +51,7 @@ TEST_CASE("free-running references hold to 1e-8 over the whole history", "[verif
       Reference{"mass_spring_damper_fast", "mass_spring_damper", {"x_a", "v_a", "x_b", "v_b"}},
       Reference{"moving_marker_ground", "moving_marker_ground", {}},
       Reference{"moving_marker_free", "moving_marker_free", {"u_dd", "f", "f_d", "f_dd"}},  // the laws themselves
+      Reference{"sliding_block", "sliding_block", {}}, Reference{"bouncing_pendulum", "bouncing_pendulum", {}},
       Reference{"andrews_ivp", "andrews_ivp", {"energy_balance", "torque_check"}});
   CAPTURE(r.scene);
   for (const ColumnError& e : errors_of(r)) {

@@ -1,0 +1,173 @@
+// A law, a link, a force and an integrator that do what their key "does" says, as soon as they can.
+#include <cmath>
+#include <stdexcept>
+
+#include "framework/dynamics/integrator.h"
+#include "framework/lock/marker_frame.h"
+#include "framework/plugin/plugin.h"
+
+namespace {
+
+using namespace lockstep;
+
+constexpr double kWhen = 0.05;  // s: well inside a run
+
+void misbehave(const std::string& does) {
+  if (does == "std") throw std::runtime_error("no more");
+  if (does == "int") throw 7;
+  if (does == "error") {
+    try {
+      throw std::runtime_error("the table is empty");
+    } catch (...) {
+      std::throw_with_nested(ModelError("the profile has no point"));
+    }
+  }
+}
+
+Key does_key() { return {"does", Form::text, Unit::none, "\"\"", "what it does wrong"}; }
+
+TypeInfo info_of(const char* name) { return {name, "does what it must not", {does_key()}}; }
+
+struct NaughtyLaw final : MotionLaw {
+  std::string does;
+  static TypeInfo info() { return info_of("naughty_law"); }
+  static LawPtr<MotionLaw> make(const Params& p) {
+    auto law = std::make_shared<NaughtyLaw>();
+    law->does = p.text("does");
+    if (law->does == "null maker") return nullptr;
+    if (law->does == "maker throws") throw std::runtime_error("no making");
+    if (law->does == "maker throws int") throw 3;
+    if (law->does == "maker refuses") p.refuse("does", "is of no use; write another word");
+    return law;
+  }
+  LawValue at(double t) const override {
+    if (t < kWhen && does != "nan at once") return {};
+    misbehave(does);
+    return {does.rfind("nan", 0) == 0 ? std::nan("") : 0.0, 0, 0};
+  }
+};
+
+/// Holds P at S along the axes of S, and writes wrongly.
+class NaughtyLink final : public Lock {
+ public:
+  NaughtyLink(const Site& site, std::string does)
+      : Lock(site.name), p_(&site.p()), s_(&site.s()), does_(std::move(does)) {}
+  static TypeInfo info() { return info_of("naughty_link"); }
+  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
+    return std::make_unique<NaughtyLink>(site, p.text("does"));
+  }
+  std::string_view type() const override { return "naughty_link"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
+  int row_count() const override { return 3; }
+  RowKind row_kind(int) const override { return RowKind::translation; }
+  std::string row_name(int k) const override { return std::string(1, "xyz"[k]); }
+  SlotList slots() const override { return slots_; }
+  void setup() override {
+    if (does_ == "setup") throw ModelError("its rod has no length");
+    if (does_ == "setup int") throw 5;
+    P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
+    slots_ = {};
+    slots_.add(P_.slot);
+    slots_.add(S_.slot);
+    if (does_ == "bad slot") slots_.slot[0] = 77;
+  }
+  void gather(Group links, const Inputs& in, RowSpan out) const override {
+    for (std::size_t i = 0; i < links.size(); ++i)
+      static_cast<const NaughtyLink&>(*links[i]).fill(in, out.lane(does_ == "first lane" ? 0 : i));
+  }
+  int n_states() const override { return does_ == "states" ? 1 : 0; }
+  void start_states(std::span<double> s) const override {
+    if (does_ == "states") s.data()[0] = s.data()[1] = 0;
+  }
+  int n_memory() const override { return does_ == "accept" ? 1 : 0; }
+  void accept(const Inputs& in, std::span<double>) const override {
+    if (in.t > kWhen) throw std::runtime_error("cannot remember");
+  }
+  void tangent(const Inputs&, std::span<const double>, TangentSum&) const override {
+    if (does_ == "tangent") throw std::runtime_error("no tangent");
+  }
+
+ private:
+  void fill(const Inputs& in, const RowBlock& block) const {
+    if (in.t > kWhen) misbehave(does_);
+    const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
+    const Motion& O = in.slot(P_.slot);
+    const int side1 = slots_.position(P_.slot), side2 = slots_.position(S_.slot);
+    const Vec3 r = O.A * P_.u0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 e = Vec3::Unit(k);
+      block.C(k) = P.x[k] - S.x[k];
+      if (does_ == "nan" && in.t > kWhen) block.C(k) = std::nan("");
+      if (does_ == "unwritten" && k == 2) continue;
+      block.Ct(k) = 0;
+      block.Qhat(k) = -(O.A * cross(O.w, cross(O.w, P_.u0)))[k];
+      block.set(side1, k, e, Vec3(O.A.transpose() * cross(r, e)));
+      if (side2 >= 0) block.set(side2, k, -e, Vec3::Zero());
+    }
+    if (does_ == "row") block.set(0, 40, Vec3::UnitX(), Vec3::Zero());
+    if (does_ == "next row") block.C(3) = 1;
+    if (does_ == "before") block.C(-3) = 1;
+    if (does_ == "side") block.set(3, 0, Vec3::UnitX(), Vec3::Zero());
+  }
+  Marker *p_, *s_;
+  std::string does_;
+  MarkerFrame P_, S_;
+  SlotList slots_;
+};
+
+class NaughtyForce final : public Force {
+ public:
+  NaughtyForce(const Site& site, std::string does) : Force(site.name), p_(&site.p()), does_(std::move(does)) {}
+  static TypeInfo info() { return info_of("naughty_force"); }
+  static std::unique_ptr<Force> make(const Site& site, const Params& p) {
+    return std::make_unique<NaughtyForce>(site, p.text("does"));
+  }
+  std::string_view type() const override { return "naughty_force"; }
+  std::vector<const Marker*> markers() const override { return {p_}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override {
+    if (does_ == "slot") out.force(4, Vec3::UnitX(), Vec3::Zero());
+    if (in.t < kWhen) return;
+    misbehave(does_);
+    if (does_ == "nan") out.force(p_->body->slot, Vec3::Constant(std::nan("")), Vec3::Zero());
+  }
+
+ private:
+  Marker* p_;
+  std::string does_;
+};
+
+class NaughtyIntegrator final : public Integrator {
+ public:
+  explicit NaughtyIntegrator(std::string does) : does_(std::move(does)) {}
+  static TypeInfo info_type() { return info_of("naughty_integrator"); }
+  static std::unique_ptr<Integrator> make(const Params& p) {
+    return std::make_unique<NaughtyIntegrator>(p.text("does"));
+  }
+  IntegratorInfo info() const override { return {"naughty_integrator", 1, false, false, 1}; }
+  void begin(Dynamics&, const State&) override {
+    if (does_ == "begin") throw std::runtime_error("no beginning");
+  }
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    if (state.t > kWhen) misbehave(does_);
+    if (state.t > kWhen && does_ == "step") throw StepError("the step is too long", state.t);
+    dynamics.rate(state, rate_);
+    state.q += h * rate_.q, state.v += h * rate_.v, state.t += h;
+    StepReport report;
+    report.h = h;
+    return report;
+  }
+
+ private:
+  std::string does_;
+  StateRate rate_;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) {
+  registry.laws.add<NaughtyLaw>();
+  registry.links.add<NaughtyLink>();
+  registry.forces.add<NaughtyForce>();
+  registry.integrators.add(NaughtyIntegrator::info_type(), &NaughtyIntegrator::make);
+}

@@ -1,0 +1,178 @@
+// What laws, links, forces and integrators of a plugin do wrong while they are used reaches the host by name.
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "framework/analysis/assembly.h"
+#include "framework/builtins.h"
+#include "framework/kkt/sparse_solver.h"
+#include "framework/links/joints.h"
+#include "framework/plugin/loader.h"
+#include "framework/scene/scene.h"
+#include "framework/system/system.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+#include "tests/support/run_with_registry.h"
+#include "tests/support/thrown.h"
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+const std::string kModules = std::string(paths::kBuild) + "/test_plugins";
+
+const Registry& naughty() {
+  static const Registry registry = [] {
+    Registry r = builtin_registry();
+    load_plugin(r, "naughty", {kModules});
+    return r;
+  }();
+  return registry;
+}
+
+// An arm on a hinge, and whatever else; run for a while.
+std::string run(const std::string& links, const std::string& forces = "",
+                const std::string& settings = R"("integrator": "rk4", "step": 0.01)") {
+  const std::string path = scene_file("naughty", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}},
+               {"name": "other", "rod": {"mass": 1, "from": [2,0,0], "to": [3,0,0]}}],
+    "links": [)" + links + "], \"forces\": [" + forces +
+                                                     R"(], "run": {)" + settings + R"(, "until": 0.2})");
+  return thrown_by([&] { run_with_registry(naughty(), path); });
+}
+
+std::string hinge(const std::string& more) {
+  return R"({"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])" + more + "}";
+}
+std::string driven_by(const std::string& does) {
+  return hinge(R"(, "drive": {"axis": "rz", "law": {"type": "naughty_law", "does": ")" + does + "\"}}");
+}
+std::string bad_link(const std::string& does, const std::string& name = "B", const std::string& body = "arm") {
+  return R"({"name": ")" + name + R"(", "type": "naughty_link", "p": ")" + body +
+         R"(", "s": "ground", "at": [0,0,0], "does": ")" + does + "\"}";
+}
+std::string bad_force(const std::string& does) {
+  return R"({"name": "F", "type": "naughty_force", "p": "arm", "at": [0,0,0], "does": ")" + does + "\"}";
+}
+std::string by_method(const std::string& does) {
+  return R"("integrator": {"type": "naughty_integrator", "does": ")" + does + R"("}, "step": 0.01)";
+}
+
+#define SAYS(text, ...)                                                              \
+  do {                                                                               \
+    const std::string answer = text;                                                 \
+    for (const std::string& part : std::initializer_list<std::string> __VA_ARGS__) { \
+      INFO(answer);                                                                  \
+      INFO(part);                                                                    \
+      CHECK(contains(answer, part));                                                 \
+    }                                                                                \
+  } while (false)
+
+}  // namespace
+
+TEST_CASE("a sound thing of the plugin disturbs nobody", "[plugin][user_code]") {
+  CHECK(run(driven_by("")) == "nothing");
+  CHECK(run(bad_link("")) == "nothing");
+  CHECK(run(bad_link("") + ", " + bad_link("", "C", "other")) == "nothing");
+  CHECK(run(hinge(""), bad_force("")) == "nothing");
+  CHECK(run(hinge(""), "", by_method("")) == "nothing");
+}
+
+TEST_CASE("an exception of a law reaches the host with the link, the law, the plugin and the time",
+          "[plugin][user_code]") {
+  const std::string whose = "link 'A' (revolute): the law of drive rz ('naughty_law' of plugin naughty) threw: ";
+  SAYS(run(driven_by("std")), {"UserCodeError: t = 0.05", whose, "no more"});
+  SAYS(run(driven_by("int")), {"UserCodeError: t = 0.05", whose, "an object of type int, which is no exception"});
+  SAYS(run(driven_by("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
+  SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
+                         "torque": {"type": "naughty_law", "does": "std"}})"),
+       {"UserCodeError: t = 0.05",
+        "force 'M' (torque_motor): its law ('naughty_law' of plugin naughty) threw: no more"});
+}
+
+TEST_CASE("a law that is no number is named at its first evaluation", "[plugin][user_code]") {
+  SAYS(run(driven_by("nan")), {"NonFiniteError: t = 0.05", "link 'A' (revolute)",
+                               "the law of drive rz ('naughty_law' of plugin naughty) gives nan, 0, 0"});
+  SAYS(run(driven_by("nan at once")), {"NonFiniteError: t = 0 s", "'naughty_law' of plugin naughty"});
+  SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
+                         "torque": {"type": "naughty_law", "does": "nan"}})"),
+       {"NonFiniteError: t = 0.05", "force 'M' (torque_motor)", "'naughty_law' of plugin naughty"});
+}
+
+TEST_CASE("an exception of a link reaches the host with the link, the plugin and the time", "[plugin][user_code]") {
+  const std::string whose = "link 'B' (naughty_link of plugin naughty) threw: ";
+  SAYS(run(bad_link("std")), {"UserCodeError: t = 0.05", whose, "no more"});
+  SAYS(run(bad_link("int")), {"UserCodeError: t = 0.05", whose, "an object of type int"});
+  SAYS(run(bad_link("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
+  SAYS(run(bad_link("accept")), {"UserCodeError: t = 0.0", whose, "cannot remember"});
+  SAYS(run(bad_link("tangent"), "", R"("integrator": "radau5", "tolerance": 1e-6)"),
+       {"UserCodeError: t = 0", whose, "no tangent"});
+  SAYS(run(bad_link("nan")), {"NonFiniteError: t = 0.06", "link 'B' (naughty_link of plugin naughty)"});
+  SAYS(run(bad_link("setup")), {"link 'B' (naughty_link of plugin naughty)", "its rod has no length"});
+  SAYS(run(bad_link("setup int")), {"UserCodeError: ", whose, "an object of type int"});
+  // the one of two that throws
+  SAYS(run(bad_link("") + ", " + bad_link("std", "C", "other")), {"link 'C' (naughty_link of plugin naughty) threw"});
+}
+
+TEST_CASE("an exception of a force or an integrator reaches the host by name", "[plugin][user_code]") {
+  const std::string force = "force 'F' (naughty_force of plugin naughty)";
+  SAYS(run(hinge(""), bad_force("std")), {"UserCodeError: t = 0.05", force + " threw: no more"});
+  SAYS(run(hinge(""), bad_force("int")), {"UserCodeError: t = 0.05", force + " threw: an object of type int"});
+  SAYS(run(hinge(""), bad_force("nan")), {"NonFiniteError: t = 0.05", force});
+  const std::string method = "integrator 'naughty_integrator' of plugin naughty";
+  SAYS(run(hinge(""), "", by_method("begin")), {"UserCodeError: t = 0 s", method + " threw: no beginning"});
+  SAYS(run(hinge(""), "", by_method("std")), {"UserCodeError: t = 0.06", method + " threw: no more"});
+  SAYS(run(hinge(""), "", by_method("int")), {"UserCodeError: t = 0.06", method + " threw: an object of type int"});
+  SAYS(run(hinge(""), "", by_method("error")), {"ModelError: t = 0.06", method, "the table is empty"});
+  SAYS(run(hinge(""), "", by_method("step")), {"StepError: ", method, "the step is too long"});
+}
+
+TEST_CASE("a link that writes outside of its rows is refused before the first step", "[plugin][user_code]") {
+  const std::string whose = "UserCodeError: link 'B' (naughty_link of plugin naughty) ";
+  SAYS(run(bad_link("row")), {whose + "writes outside of its rows"});
+  SAYS(run(bad_link("next row")), {whose + "writes outside of its rows, behind row 2"});
+  SAYS(run(bad_link("before")), {whose + "writes outside of its rows"});
+  SAYS(run(bad_link("side")), {whose + "writes outside of its rows"});
+  SAYS(run(bad_link("unwritten")), {whose + "leaves Ct of row z unwritten"});
+  SAYS(run(bad_link("states")), {whose + "writes outside of its 1 numbers in start_states()"});
+  SAYS(run(bad_link("bad slot")), {whose + "names slot 77 of 2"});
+  SAYS(run(bad_link("first lane") + ", " + bad_link("first lane", "C", "other")),
+       {"UserCodeError: link 'C' (naughty_link of plugin naughty) leaves C of row x unwritten"});
+  SAYS(run(hinge(""), bad_force("slot")), {"UserCodeError: force 'F' (naughty_force of plugin naughty)", "slot"});
+}
+
+TEST_CASE("a maker that fails is named with its plugin", "[plugin][user_code]") {
+  const std::string law = "law 'naughty_law' (plugin naughty)";
+  SAYS(run(driven_by("null maker")), {"the maker of " + law + " returned nothing"});
+  SAYS(run(driven_by("maker throws")), {"the maker of " + law + " threw: no making"});
+  SAYS(run(driven_by("maker throws int")), {"the maker of " + law + " threw: an object of type int"});
+  SAYS(run(driven_by("maker refuses")), {"SceneError: ", "naughty.json:", "is of no use", law});
+}
+
+TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code]") {
+  struct Wind final : Force {
+    using Force::Force;
+    std::string_view type() const override { return "wind"; }
+    std::vector<const Marker*> markers() const override { return {}; }
+    void setup() override {}
+    void apply(const Inputs&, WrenchSum&) const override { throw std::length_error("too long"); }
+  };
+  System system;
+  system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add(std::make_unique<Wind>("F"));
+  Dynamics dynamics(system, std::make_unique<SparseSolver>());
+  const State start = system.start();
+  bool caught = false;
+  try {
+    dynamics.evaluate(start);
+  } catch (const UserCodeError& error) {
+    caught = true;
+    CHECK(std::string(error.what()) == "t = 0 s: force 'F' (wind) threw: too long");
+    CHECK(error.t == 0);
+    CHECK(error.origin.empty());
+    CHECK_THROWS_AS(std::rethrow_if_nested(error), std::length_error);
+  }
+  CHECK(caught);
+}

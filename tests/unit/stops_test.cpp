@@ -1,0 +1,107 @@
+// One-sided links, stops and friction as scenes say them.
+#include "framework/links/stop.h"
+
+#include "framework/lockstep.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using lockstep::testing::check_words;
+
+namespace {
+
+/// A scene of one arm on a hinge along the axis, with more keys on the link and more after the links.
+std::string arm(const std::string& on_link, const std::string& more = "", const std::string& axis = "z",
+                const std::string& type = "revolute") {
+  return R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "bodies": [{"name": "arm", "mass": 1, "inertia": [0.1, 0.1, 0.1], "center": [0.5, 0, 0]}],
+    "links": [{"name": "A", "type": ")" +
+         type + R"(", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": ")" + axis + "\"" +
+         (on_link.empty() ? "" : ", " + on_link) + "}]" + (more.empty() ? "" : ", " + more) + "}";
+}
+
+Mechanism made(const std::string& text) { return build(scene_from_text(text, "arm.json"), builtin_registry()); }
+
+std::string refusal(const std::string& text) {
+  return testing::message_of<SceneError>([&] { (void)made(text); });
+}
+
+}  // namespace
+
+TEST_CASE("scene: stops of every coordinate are links of their own", "[unit][scene]") {
+  const Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": "-60 deg", "high": 1, "restitution": 0.8},
+                                            {"axis": "x", "high": "20 mm"}, {"axis": "rx", "low": -0.5},
+                                            {"axis": "ry", "low": -0.5}])"));
+  const auto stop = [&](const char* name) -> const Lock& { return m.system.link(name); };
+  for (const char* name : {"A.stop_rz_low", "A.stop_rz_high", "A.stop_x_high", "A.stop_rx_low", "A.stop_ry_low"}) {
+    CAPTURE(name);
+    CHECK(stop(name).type() == "stop");
+    CHECK(stop(name).row_count() == 1);
+    CHECK(stop(name).one_sided.has_value());
+  }
+  CHECK(stop("A.stop_rz_low").one_sided->restitution == 0.8);
+  CHECK(stop("A.stop_x_high").one_sided->restitution == 0);
+  CHECK(static_cast<const TurnStop&>(stop("A.stop_rz_low")).phi().limit == Approx(-kPi / 3));
+  const State start = m.system.start();
+  CHECK(start.modes[0]);
+  CHECK_FALSE(start.modes[1]);  // out of force until it is touched
+}
+
+// A stop about x (or y) of a link counts the turn about that axis: the arm comes to the same angle whichever axis of
+// the link the hinge has.
+TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle", "[unit][scene]") {
+  for (const std::string axis : {"rx", "ry", "rz"}) {
+    CAPTURE(axis);
+    const std::string mask = axis == "rx" ? "x y z e2 e3" : axis == "ry" ? "x y z e1 e3" : "x y z e1 e2";
+    const std::string frame = axis == "rx"   ? R"({"x": "z", "y": "x"})"
+                              : axis == "ry" ? R"({"y": "z", "z": "x"})"
+                                             : R"({"z": "z", "x": "x"})";
+    Mechanism m = made(R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+      "bodies": [{"name": "arm", "mass": 1, "inertia": [0.1, 0.1, 0.1], "center": [0.5, 0, 0]}],
+      "links": [{"name": "A", "type": "lock", "mask": ")" +
+                       mask + R"(", "p": "arm", "s": "ground", "at": [0, 0, 0], "orientation": )" + frame +
+                       R"(, "stops": [{"axis": ")" + axis + R"(", "low": -0.4}]}]})");
+    const Channel angle = make_channel(m.system, "arm.angle_z");
+    Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+    const Registry registry = builtin_registry();
+    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    simulation.run_until(1);
+    CHECK(simulation.report().impacts == 1);
+    CHECK(angle.value(Sample(dynamics, simulation.state(), {})) == Approx(-0.4).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
+  const Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
+      "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_s": [0, 0, 0], "length": 1,
+                 "one_sided": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
+  const OneSided& o = *m.system.link("rope").one_sided;
+  CHECK(o.restitution == 0.5);
+  CHECK(o.rest_speed == Approx(0.002));
+  CHECK(o.below);
+}
+
+TEST_CASE("scene: friction of a link, by its own key and by a force that names it", "[unit][scene]") {
+  const Mechanism own = made(arm(R"("friction": {"mu": 0.1, "radius": "20 mm"})"));
+  CHECK(own.system.force("A.friction").type() == "joint_friction");
+  CHECK(own.system.force("A.friction").reads().front() == &own.system.link("A"));
+  const Mechanism named =
+      made(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "A", "mu": 0.1, "radius": 0.02}])"));
+  CHECK(named.system.force("rub").reads().front() == &named.system.link("A"));
+}
+
+TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
+  check_words(refusal(arm(R"("one_sided": {})")), {"arm.json", "link 'A'", "5 rows", "exactly one"});
+  check_words(refusal(arm(R"("one_sided": {"restitution": 2})")), {"link 'A', one_sided", "restitution", "0", "1"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rz"}])")), {"link 'A', stops[0]", "low", "high"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rz", "low": 1, "high": 0}])")), {"stops[0]", "high", "above"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rw", "low": 1}])")), {"stops[0]", "axis"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rz", "low": 1, "restitution": -1}])")), {"restitution"});
+  check_words(refusal(arm(R"("friction": {"radius": 1})")), {"link 'A', friction", "mu"});
+  check_words(refusal(arm(R"("friction": {"mu": 0.1})")), {"link 'A', friction.radius", "missing"});
+  check_words(refusal(arm(R"("friction": {"mu": 0.1, "raduis": 1})")), {"link 'A', friction", "raduis", "radius"});
+  check_words(refusal(arm(R"("friction": {"mu": 0.1})", "", "z", "spherical")), {"A.friction", "spherical"});
+  check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "mu": 0.1}])")), {"rub", "link"});
+  check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "B", "mu": 0.1}])")),
+              {"rub", "unknown link \"B\""});
+}

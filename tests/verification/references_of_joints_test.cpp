@@ -1,0 +1,197 @@
+// The references whose joints are functions: spatial slider-crank, linkage of Peaucellier, Stewart platform.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "framework/builtins.h"
+#include "framework/dynamics/dynamics.h"
+#include "framework/dynamics/simulation.h"
+#include "framework/kkt/dense_solver.h"
+#include "framework/links/functions.h"
+#include "framework/links/joints.h"
+#include "framework/scene/scene.h"
+#include "motionlaws/from.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_scene.h"
+
+using namespace lockstep;
+
+namespace {
+
+std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
+Table trusted(const std::string& csv) {
+  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
+}
+void check_columns(const Table& ours, const Table& truth, std::vector<std::string> unrecorded,
+                   const std::function<double(const ColumnError&)>& limit) {
+  const auto errors = compare(ours, truth);
+  CHECK(errors.size() + unrecorded.size() == truth.columns().size());
+  for (const ColumnError& e : errors) {
+    CAPTURE(e.name, e.error, e.size);
+    CHECK(e.error <= limit(e));
+  }
+}
+
+}  // namespace
+
+// One coordinate, quadruple precision. At tolerance 1e-10.
+TEST_CASE("the spatial slider-crank holds to its reference over eight turns", "[verification][joints]") {
+  const std::string name = GENERATE(as<std::string>(), "spatial_slider_crank", "spatial_slider_crank_crank_at_A");
+  CAPTURE(name);
+  const SceneRun run = run_scene(scene_path(name));
+  const Table truth = trusted(name);
+  check_columns(run.table, truth, {"dx", "dy", "dz"},
+                [](const ColumnError& e) { return 1e-8 * std::max(1.0, e.size); });
+  double worst = 0, balance = 0;  // the unit vector from C to B
+  for (std::size_t i = 0; i < truth.n_rows(); ++i) {
+    for (const char axis : {'x', 'y', 'z'}) {
+      const std::string d = std::string("d") + axis, b = std::string(1, axis) + "b", c = std::string(1, axis) + "c_rod";
+      worst = std::max(worst, std::abs((run.table[b][i] - run.table[c][i]) / 0.15 - truth[d][i]));
+    }
+    balance = std::max(balance, std::abs(run.table["balance"][i]));
+  }
+  CHECK(worst <= 1e-8);
+  CHECK(balance <= 1e-9);
+}
+
+// Closed form. Driven: whatever the step; in the plane and in space.
+TEST_CASE("the linkage of Peaucellier draws a straight line", "[verification][joints]") {
+  const bool planar = GENERATE(true, false), rk4 = GENERATE(false, true);
+  CAPTURE(planar, rk4);
+  const SceneRun run = run_scene(
+      scene_path("peaucellier"),
+      [&](RunSettings& r) {
+        if (rk4) r.integrator = {"rk4"}, r.step = 2.5e-3;
+        if (!planar) r.solver = {"sparse"};
+      },
+      [&](Scene& s) {
+        if (!planar) s.root = s.root.without({"planar"});
+      });
+  CHECK(run.n_velocities == (planar ? 21 : 42));
+  const Table truth = trusted("peaucellier");
+  check_columns(run.table, truth, {}, [&](const ColumnError& e) {
+    const bool rate = e.name.find("_d") != std::string::npos || e.name == "drive_torque";
+    return rate ? 1e-9 * std::max(1.0, e.size) : rk4 ? 1e-10 : 1e-11;
+  });
+  double worst = 0;
+  for (const double x : run.table["Px"]) worst = std::max(worst, std::abs(x - 0.525));
+  CHECK(worst <= (rk4 ? 1e-10 : 1e-12));
+}
+
+namespace {
+
+// Pose law of the reference page: centre and R = Rz Ry Rx.
+template <class T>
+struct Turn {
+  T z, y, x;
+};
+template <class T>
+Turn<T> turns(const T& t) {
+  return {0.2 * sin(t), 0.15 * sin(2.0 * t + 0.5), 0.1 * sin(3.0 * t + kPi / 2)};
+}
+template <class T>
+std::array<T, 3> centre(const T& t) {
+  return {0.1 * sin(2.0 * t), 0.15 * sin(3.0 * t + 1.0), 1.2 + 0.1 * sin(1.5 * t)};
+}
+/// b in the platform, in the world.
+template <class T>
+std::array<T, 3> point(const T& t, const Vec3& b) {
+  const Turn<T> a = turns(t);
+  const std::array<T, 3> c = centre(t);
+  const T y1 = b[1] * cos(a.x) - b[2] * sin(a.x), z1 = b[1] * sin(a.x) + b[2] * cos(a.x);
+  const T x2 = b[0] * cos(a.y) + z1 * sin(a.y), z2 = z1 * cos(a.y) - b[0] * sin(a.y);
+  return {c[0] + x2 * cos(a.z) - y1 * sin(a.z), c[1] + x2 * sin(a.z) + y1 * cos(a.z), c[2] + z2};
+}
+Vec3 ring(double radius, double degrees, double z) {
+  return {radius * std::cos(degrees * kPi / 180), radius * std::sin(degrees * kPi / 180), z};
+}
+
+}  // namespace
+
+// Closed form: legs of the lengths that the pose law gives, exactly; the platform must follow, its legs push as Newton
+// and Euler say.
+TEST_CASE("a Stewart platform stands where its legs are long enough for, and they push as they should",
+          "[verification][joints]") {
+  const Table truth = trusted("stewart");
+  const double kBase[] = {-10, 10, 110, 130, 230, 250}, kPlatform[] = {-50, 50, 70, 170, 190, 290};
+  const auto number = [&](const char* name, std::size_t i = 0) { return truth[name][i]; };
+  const auto three = [&](const char* x, const char* y, const char* z, std::size_t i) {
+    return Vec3(number(x, i), number(y, i), number(z, i));
+  };
+  const auto quaternion = [&](std::size_t i) {
+    return Quat{number("qw", i), number("qx", i), number("qy", i), number("qz", i)};
+  };
+  System system({.gravity = Vec3(0, 0, -9.81)});
+  Body& platform = system.add_body("platform", MassProperties{10.0, Vec3::Zero(), Vec3(0.6, 0.7, 1.1).asDiagonal()},
+                                   {three("x", "y", "z", 0), quaternion(0)});
+  platform.start = {three("vx", "vy", "vz", 0), rotation(quaternion(0)).transpose() * three("wx", "wy", "wz", 0)};
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 a = ring(1, kBase[k], 0), b = ring(0.5, kPlatform[k], -0.05);
+    const auto length = law([a, b](auto t) {
+      const auto p = point(t, b);
+      const auto x = p[0] - a[0], y = p[1] - a[1], z = p[2] - a[2];
+      return sqrt(x * x + y * y + z * z);
+    });
+    const std::string n = std::to_string(k + 1);
+    system.add<Distance>("leg " + n, system.add_marker("b" + n, platform, {b, Quat{}}),
+                         system.add_marker("a" + n, system.ground(), {a, Quat{}}), length);
+    double worst = 0;  // the law itself
+    for (std::size_t i = 0; i < truth.n_rows(); ++i) {
+      const LawValue l = length->at(truth["t"][i]);
+      worst = std::max({worst, std::abs(l.y - truth["L" + n][i]), std::abs(l.yd - truth["L" + n + "_d"][i]),
+                        std::abs(l.ydd - truth["L" + n + "_dd"][i])});
+    }
+    CHECK(worst <= 1e-13);
+  }
+  Registry registry = builtin_registry();
+  Dynamics dynamics(system, std::make_unique<DenseSolver>());
+  const bool rk4 = GENERATE(false, true);
+  RunSettings settings;
+  settings.integrator = {rk4 ? "rk4" : "dop853"};
+  if (rk4) settings.step = 0.005;
+  Simulation simulation(dynamics, make_integrator(settings, registry),
+                        {.step = settings.step, .tolerance = {1e-10, 1e-12}});
+  double position = 0, turn = 0, speed = 0, force = 0;
+  for (std::size_t i = 0; i < truth.n_rows(); ++i) {
+    if (i > 0) simulation.run_until(truth["t"][i]);
+    const State& s = simulation.state();
+    const Pose p = pose(platform, s);
+    const Twist v = twist(platform, s);
+    const Quat off = conjugate(quaternion(i)) * p.q;
+    position = std::max(position, (p.x - three("x", "y", "z", i)).norm());
+    turn = std::max(turn, 2 * off.vec().norm());
+    speed = std::max(
+        {speed, (v.v - three("vx", "vy", "vz", i)).norm(), (rotation(p.q) * v.w - three("wx", "wy", "wz", i)).norm()});
+    const Evaluated& values = dynamics.evaluate(s);
+    for (int k = 0; k < 6; ++k)  // a multiplier above zero pulls, f pushes
+      force = std::max(force, std::abs(values.lambda[k] + number(("f" + std::to_string(k + 1)).c_str(), i)));
+  }
+  CAPTURE(rk4, position, turn, speed, force);
+  CHECK(position <= (rk4 ? 1e-10 : 1e-11));
+  CHECK(turn <= (rk4 ? 1e-10 : 1e-11));
+  CHECK(speed <= 1e-9);
+  CHECK(force <= 1e-9 * 120);
+}
+
+// The scene takes its lengths from a table: a quintic spline between 81 points.
+TEST_CASE("the Stewart platform of the scene follows its table", "[verification][joints]") {
+  const SceneRun run = run_scene(scene_path("stewart"));
+  const Table truth = trusted("stewart");
+  check_columns(run.table, truth,
+                {"L1",    "L2",    "L3",    "L4",    "L5",    "L6",    "L1_d", "L2_d", "L3_d", "L4_d", "L5_d", "L6_d",
+                 "L1_dd", "L2_dd", "L3_dd", "L4_dd", "L5_dd", "L6_dd", "f1",   "f2",   "f3",   "f4",   "f5",   "f6"},
+                [](const ColumnError& e) {
+                  return e.name[0] == 'v' || e.name[0] == 'w' ? 1e-7 : 1e-10;  // at the points the spline is exact
+                });
+  for (int k = 1; k <= 6; ++k) {
+    const std::string n = std::to_string(k);
+    double worst = 0;
+    for (std::size_t i = 0; i < truth.n_rows(); ++i)
+      worst = std::max(worst, std::abs(run.table["lambda_" + n][i] + truth["f" + n][i]));
+    CAPTURE(k);
+    CHECK(worst <= 1e-3);
+  }
+}
