@@ -14,10 +14,13 @@
 #include "framework/links/joints.h"
 #include "framework/links/screw.h"
 #include "framework/record/recorder.h"
+#include "framework/scene/scene.h"
 #include "motionlaws/constant.h"
 #include "motionlaws/from.h"
 #include "motionlaws/ramp.h"
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
+#include "tests/support/paths.h"
 
 using namespace lockstep;
 
@@ -209,4 +212,24 @@ TEST_CASE("a tappet leaves its cam when it would have to be pulled", "[verificat
   CAPTURE(leaves, lands, worst);
   CHECK(flying > 20);
   CHECK(worst <= 1e-8);
+}
+
+TEST_CASE("joints and couplings from functions take nothing from the heap while they run", "[verification][joints]") {
+  if (!allocations_are_counted()) return;
+  const char* name = GENERATE("screw", "gear_train", "differential", "belt", "rack", "cam", "bead_on_curve",
+                              "path_follower", "spatial_slider_crank", "hooke_double");
+  CAPTURE(name);
+  const Registry registry = builtin_registry();
+  Scene scene = read_scene(std::string(paths::kScenes) + "/" + name + ".json");
+  scene.run.integrator = {"rk4"}, scene.run.step = 1e-3;
+  Mechanism m = build(scene, registry);
+  Dynamics dynamics(m.system, make_solver(m.run, registry));
+  State start = m.system.start();
+  assemble(dynamics, start, m.start_speeds);
+  Simulation simulation(dynamics, make_integrator(m.run, registry), {.step = 1e-3});
+  simulation.set_state(start);
+  for (int i = 0; i < 20; ++i) simulation.step();
+  CHECK(allocations_of([&] {
+          for (int i = 0; i < 100; ++i) simulation.step();
+        }) == 0);
 }
