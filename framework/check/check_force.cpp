@@ -7,7 +7,7 @@
 #include "framework/check/force_check.h"
 #include "framework/check/sample_system.h"
 #include "framework/links/joints.h"
-#include "framework/support/error.h"
+#include "framework/support/user_code_error.h"
 
 namespace lockstep {
 
@@ -15,8 +15,13 @@ CheckReport check_force(System& system, const Force& force, const CheckOptions& 
   const auto& all = system.forces();
   if (std::none_of(all.begin(), all.end(), [&](const auto& f) { return f.get() == &force; }))
     throw ModelError(fmt::format("check_force: force '{}' is not in the system; add it by System::add", force.name()));
-  system.setup();
   CheckReport report(fmt::format("force '{}' ({})", force.name(), force.type()), options.seed);
+  try {
+    system.setup();
+  } catch (const UserCodeError& error) {  // it writes where it must not: no use to look further
+    report.add("setup", {error.what(), "what it says"});
+    return report;
+  }
   ForceCheck(system, force, report, options).run();
   return report;
 }
@@ -27,9 +32,20 @@ CheckReport check_force(const Registry& registry, const std::string& type, const
   for (const SampleKind kind : kAllSamples) {
     SampleSystem sample(kind, options);
     Site site = sample.site("tried");
-    site.link = &sample.system.add<Revolute>("hinge", site.p(), site.s());  // for forces that act in a link
-    const Force& force = sample.system.add(registry.forces.make(type, site, params, &registry, "force 'tried'"));
-    sample.system.setup();
+    Force* made = nullptr;
+    try {
+      site.link = &sample.system.add<Revolute>("hinge", site.p(), site.s());  // for forces that act in a link
+      made = &sample.system.add(registry.forces.make(type, site, params, &registry, "force 'tried'"));
+      sample.system.setup();
+    } catch (const UserCodeError& error) {
+      report.add("setup", {error.what(), "what it says"});
+      break;
+    } catch (const ModelError& error) {
+      if (kind == SampleKind::moving) throw;
+      report.note(fmt::format("not tried with {}: {}", words_of(kind), error.what()));
+      continue;
+    }
+    const Force& force = *made;
     if (kind == SampleKind::p_on_ground && force.slots().empty()) continue;  // it acts at P alone
     CheckReport one(report.subject(), options.seed);
     ForceCheck(sample.system, force, one, options).run();

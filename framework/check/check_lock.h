@@ -22,7 +22,8 @@ namespace lockstep {
 LOCKSTEP_API CheckReport check_lock(System&, const Lock&, const CheckOptions& options = {});
 
 /// The same for a registered type, which is made from `params` between bodies of a small system of its own: both
-/// moving, either side on the ground, markers that move by laws. Throws what the maker throws.
+/// moving, either side on the ground, markers that move by laws. Throws what the maker
+/// throws; what it refuses in the later ones is noted.
 LOCKSTEP_API CheckReport check_lock(const Registry&, const std::string& type, const Params& params = {},
                                     const CheckOptions& options = {});
 

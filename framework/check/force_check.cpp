@@ -16,6 +16,7 @@ ForceCheck::ForceCheck(const System& system, const Force& force, CheckReport& re
 
 void ForceCheck::run() {
   if (!description()) return;
+  draw_reactions();
   Draw draw(options_.seed);
   for (state_ = 0; state_ < options_.states; ++state_) {
     if (!find_place(draw)) return;
@@ -27,8 +28,6 @@ void ForceCheck::run() {
   }
   jumps();
   turns();
-  if (!force_.reads().empty())
-    report_.note("it reads the reactions of links: react() and friction_loss() were not checked");
 }
 
 std::string ForceCheck::here() const { return fmt::format("(seed {}, state {})", options_.seed, state_); }
@@ -44,6 +43,21 @@ void ForceCheck::apply(const Place& at, VecX& f) const {
   f.setZero(6 * n_);
   WrenchSum sum(at.motions, f);
   force_.apply(at.in(), sum);
+  if (reads()) force_.react(at.in(), reactions(), sum);
+}
+
+double ForceCheck::loss(const Place& at) const {
+  return force_.dissipation(at.in()) + (reads() ? force_.friction_loss(at.in(), reactions()) : 0.0);
+}
+
+void ForceCheck::draw_reactions() {
+  if (force_.reads().empty()) return;
+  for (const Lock* link : force_.reads())
+    if (link == nullptr) return add("reads", "reads the reactions of a link that is not there", "reads()");
+  system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
+  Draw draw(options_.seed + 5);
+  lambda_.resize(rows_.n_rows);
+  for (double& x : lambda_) x = draw.number(-20, 20);
 }
 
 double ForceCheck::power(const Place& at) const {
@@ -87,12 +101,12 @@ bool ForceCheck::find_place(Draw& draw) {
     return false;
   };
   if (!f_.allFinite()) return told("its force is not finite", "a division by a length or a speed that may be zero");
-  const double V = force_.potential(place_.in()), D = force_.dissipation(place_.in()), S = force_.supply(place_.in());
+  const double V = force_.potential(place_.in()), D = loss(place_), S = force_.supply(place_.in());
   if (!std::isfinite(V)) return told("potential() is not finite", "potential()");
   if (!std::isfinite(D)) return told("dissipation() is not finite", "dissipation()");
   if (!std::isfinite(S)) return told("supply() is not finite", "supply()");
   for (int k = 0; k < static_cast<int>(force_.quantities().size()); ++k)
-    if (!std::isfinite(force_.quantity(k, place_.in())))
+    if (!reads() && !std::isfinite(force_.quantity(k, place_.in())))
       return told(fmt::format("quantity '{}' is not finite", force_.quantities()[static_cast<std::size_t>(k)].name),
                   "quantity()");
   return true;
@@ -138,19 +152,19 @@ ForceCheck::Balance ForceCheck::balance_of(const Place& at) const {
         out = VecX::Constant(1, force_.potential(on.in()));
       },
       std::min(0.05, quiet_));
-  const double P = power(at), D = force_.dissipation(at.in()), S = force_.supply(at.in());
+  const double P = power(at), D = loss(at), S = force_.supply(at.in());
   return {P + dV.value[0] + D - S, dV.error[0],
           std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)})};
 }
 
 void ForceCheck::balance() {
-  if (const double D = force_.dissipation(place_.in()); D < 0)
+  if (const double D = loss(place_); D < 0)
     add("dissipation", fmt::format("dissipation() is {:.6g} W, below zero {}", D, here()),
         "dissipation(): what dampers take out; what is put in belongs into supply()");
   const Balance b = balance_of(place_);
   report_.compared(b.size > 0 ? b.error / b.size : 0);
   if (!b.wrong()) return;
-  const double P = power(place_), D = force_.dissipation(place_.in()), S = force_.supply(place_.in());
+  const double P = power(place_), D = loss(place_), S = force_.supply(place_.in());
   add("balance",
       fmt::format(
           "gives {:.6g} W to the bodies, and -dV/dt - dissipation() + supply() are {:.6g} W (dissipation {:.6g}, "
@@ -202,6 +216,7 @@ void ForceCheck::tangent() {
   TangentSum sum;
   sum.lay_out(n_);
   force_.tangent(place_.in(), sum);
+  if (reads()) force_.react_tangent(place_.in(), reactions(), sum);
   MatX K = MatX::Zero(6 * n_, 6 * n_), D = K;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p) {
     const auto [row, column] = sum.pairs()[p];

@@ -24,7 +24,11 @@ class ForceCheck {
   void jumps();
   void turns();
 
-  void apply(const Place&, VecX& f) const;
+  void draw_reactions();
+  Reactions reactions() const { return {rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}}; }
+  bool reads() const { return lambda_.size() > 0; }
+  void apply(const Place&, VecX& f) const;  ///< with react(), where it reads reactions
+  double loss(const Place&) const;          ///< dissipation(), and friction_loss() likewise
   double power(const Place&) const;
   /// f.v + dV/dt + dissipation - supply, which is zero; with the error of the difference and the size of its terms.
   struct Balance {
@@ -45,6 +49,8 @@ class ForceCheck {
   const CheckOptions& options_;
   int n_ = 0;
   double length_ = 1;
+  RowTable rows_;  // with multipliers drawn once: what a force that reads reactions is given
+  VecX lambda_;
   Place place_;
   VecX f_;
   double quiet_ = 0;

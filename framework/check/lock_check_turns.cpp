@@ -65,22 +65,32 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     for (int i = 0; i < kSteps; ++i) sorted[static_cast<std::size_t>(i)] = off(k, i);
     std::nth_element(sorted.begin(), sorted.begin() + kSteps / 2, sorted.end());
     if (!(most > 1e-6 && most > 20 * sorted[kSteps / 2])) continue;
-    // a jump stays what it is in a step 64 times smaller
+    // a jump stays what it is in a step 64 times smaller; beside an angle that is not counted on the jacobian does not
+    // change, beside another point of a curve it does
     on.z = memories[static_cast<std::size_t>(worst)];
-    double jump = 0, before = 0;
+    double jump = 0, bend = 0;
+    LockRows before;
     for (int i = 0; i <= 64; ++i) {
       put((worst + i / 64.0) * step);
       bench_.rows(on, r);
-      if (i > 0) jump = std::max(jump, std::abs(r.C[k] - before));
-      before = r.C[k];
+      if (i > 0 && std::abs(r.C[k] - before.C[k]) > jump) {
+        jump = std::abs(r.C[k] - before.C[k]);
+        bend = (r.J.row(k) - before.J.row(k)).norm() / r.J.row(k).norm();
+      }
+      before = r;
       VecX z = on.z;
       accept(z);
       on.z = z;
     }
     if (jump < 0.5 * most) continue;
-    add("turns",
+    const std::string what =
         fmt::format("{} jumps by {:.3g} where '{}' has turned by {:.0f} degrees about z of '{}'", row(k), jump,
-                    move_p ? p.name : s.name, (worst + 0.5) * step * 180 / kPi, s.name),
+                    move_p ? p.name : s.name, (worst + 0.5) * step * 180 / kPi, s.name);
+    if (bend > 0.01) {
+      report_.note(what + ", far off the constraint, and its jacobian with it: it passes to another place there");
+      continue;
+    }
+    add("turns", what,
         link_.n_memory() > 0 ? "accept() and start_memory(): the angle at the last accepted step is remembered in z"
                              : "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
   }

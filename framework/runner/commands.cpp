@@ -160,6 +160,21 @@ CLI::App& add_advise(CLI::App& app, Words& w) {
   return verb;
 }
 
+CLI::App& add_new_plugin(CLI::App& app, Words& w) {
+  CLI::App& verb = *app.add_subcommand(
+      "new-plugin", "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once");
+  verb.add_option("kind", w.kind, "link, law, force or integrator")
+      ->required()
+      ->check(CLI::IsMember({"link", "law", "force", "integrator"}))
+      ->type_name("KIND");
+  verb.add_option("name", w.name, "what scenes call it, and the folder: small letters, digits and _")
+      ->required()
+      ->type_name("NAME");
+  verb.add_option("--into", w.into, "where its folder goes; default: here")->type_name("DIR");
+  verb.footer("Example:\n  lockstep new-plugin link wavy_rail");
+  return verb;
+}
+
 int exit_code_of(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
@@ -264,6 +279,7 @@ int run_program(int argc, const char* const* argv) {
   CLI::App& schema = *app.add_subcommand("schema", "Print the JSON Schema of scene files, for editors");
   add_plugins(schema, w);
   schema.footer("Example:\n  lockstep schema > scene.schema.json");
+  CLI::App& new_plugin = add_new_plugin(app, w);
   CLI::App& plugins = *app.add_subcommand("plugins", "Say which plugins there are; seal the file of one");
   plugins.require_subcommand(1);
   CLI::App& plugins_list = *plugins.add_subcommand("list", "Load each plugin of the search path; say what it brings");
@@ -288,6 +304,7 @@ int run_program(int argc, const char* const* argv) {
     if (assemble.parsed()) return assemble_command(w);
     if (list.parsed()) return list_command(name, w);
     if (describe.parsed()) return describe_command(name, w);
+    if (new_plugin.parsed()) return new_plugin_command(w);
     if (plugins_list.parsed()) return plugins_list_command(w);
     if (plugins_seal.parsed()) return plugins_seal_command(w);
     return schema.parsed() ? schema_command(w) : int(kExitUsage);

@@ -40,6 +40,7 @@ struct Words {
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
   std::string lanes;              ///< "off": one run at a time
+  std::string kind, name, into;   ///< of a new plugin
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -68,6 +69,7 @@ int assemble_command(const Words&);
 int list_command(const std::string& shelf, const Words&);
 int describe_command(const std::string& name, const Words&);
 int schema_command(const Words&);
+int new_plugin_command(const Words&);
 int plugins_list_command(const Words&);
 int plugins_seal_command(const Words&);
 

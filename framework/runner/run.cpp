@@ -1,6 +1,7 @@
 // The verbs that move something: run and assemble.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -107,6 +108,13 @@ void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, 
         "  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
         "cheaper (--integrator radau5 or generalized_alpha)\n",
         r.stiff_since);
+  const auto& links = sim.system().links();
+  const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
+    return link->one_sided && sim.state().modes[static_cast<std::size_t>(link->number())];
+  });
+  if (r.impacts > 0 || resting > 0)
+    fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
+               resting == 1 ? "is" : "are");
   if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
   fmt::print("{}", summary.text());
   if (!sim.system().links().empty())

@@ -112,7 +112,7 @@ class Walk {
     }
     return several() ? std::optional(miss(steps_.size())) : std::nullopt;
   }
-  Place place() const {
+  ScenePlace place() const {
     Key key = kind_.key;
     if (kind_.has_part && kind_.part.holds == Holds::typed)
       key.choices = kind_.part.table == "solvers" ? registry_.solvers.names() : registry_.integrators.names();
@@ -241,11 +241,11 @@ std::string known(std::vector<std::string> names) {
 
 }  // namespace
 
-Place find_place(Value& root, const std::string& path, const Registry& registry) {
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
   Walk walk(root, steps_of(path), registry);
   const std::optional<Miss> miss = walk.go();
   if (!miss) {
-    Place place = walk.place();
+    ScenePlace place = walk.place();
     if (place.value->is_null()) place.near = closest_number(root, place.path);
     return place;
   }

@@ -47,7 +47,7 @@ std::optional<Unit> unit_of(const std::string& text) {
 /// What may stand at a place, and how words become it.
 class Reader {
  public:
-  Reader(const Place& place, std::string path) : key_(place.key), path_(std::move(path)) {
+  Reader(const ScenePlace& place, std::string path) : key_(place.key), path_(std::move(path)) {
     const Form form = key_.form;
     numeric_ = form == Form::number || form == Form::vector3 || form == Form::axis || form == Form::orientation ||
                form == Form::numbers || form == Form::points || form == Form::law || form == Form::laws ||
@@ -139,7 +139,7 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
   refuse_columns(v.path);
   Value root = scene.root;
-  const Place place = find_place(root, v.path, registry);
+  const ScenePlace place = find_place(root, v.path, registry);
   v.place = place.path, v.near = place.near;
   Reader reader(place, v.path);
   const std::string values = text.substr(equals + 1);

@@ -58,6 +58,7 @@ inline Params sample_params(const std::string& shelf, const std::string& type) {
                                   [2, {"axis": [1, 1, 0], "angle": 1.2}]], "outside": "hold"})"},
       {"rotation law product", R"({"first": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}},
                                    "second": {"type": "axis_rotation", "axis": "z", "law": {"type": "sine", "omega": 2}}})"},
+      {"force joint_friction", R"({"mu": 0.2, "mu_static": 0.3, "radius": 0.05, "viscous_turn": 0.1})"},
       {"force applied_force", R"({"force": [1, 2, 3]})"},
       {"force applied_torque", R"({"torque": [1, 2, 3]})"},
       {"force spring_damper", R"({"stiffness": 30, "damping": 2, "free_length": 0.1, "preload": 4})"},
