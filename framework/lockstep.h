@@ -34,6 +34,7 @@
 #include "framework/scene/scene.h"
 #include "framework/scene/sweep.h"
 #include "framework/support/text.h"
+#include "framework/support/user_code_error.h"
 #include "framework/version.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"

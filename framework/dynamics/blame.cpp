@@ -50,6 +50,9 @@ void rethrow_named(const Integrator& method, double t) {
   } catch (const StepError& error) {
     if (!of_a_plugin) throw;
     throw StepError(label(method) + ": " + error.what(), error.t);
+  } catch (const ModelError&) {  // what it cannot do for this mechanism
+    if (!of_a_plugin) throw;
+    std::throw_with_nested(ModelError(at_time(t) + label(method) + ": " + thrown_words(thrown)));
   } catch (const Error&) {
     if (!of_a_plugin) throw;
     name_it();

@@ -10,7 +10,7 @@ inline constexpr const char* kShorter =
 
 /// In a catch block around an integrator's code: what is no Error becomes UserCodeError that names the method and the
 /// time, with the original nested in it. So does an Error of a plugin's method, but for those that name their maker
-/// already or say what no step can mend; a StepError keeps its type.
+/// already or say what no step can mend; a StepError and a ModelError keep their type.
 [[noreturn]] LOCKSTEP_API void rethrow_named(const Integrator&, double t);
 
 /// Runs `act`, which calls the method's code, and returns what it returns.

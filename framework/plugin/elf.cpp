@@ -16,6 +16,7 @@ namespace lockstep {
 namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostPage = std::uint64_t{1} << 16;
 constexpr std::uint64_t kMostAddress = std::uint64_t{1} << 40;
 
 #if defined(__x86_64__)
@@ -171,6 +172,8 @@ void SharedFile::check_loaded() {
                s.p_type == PT_GNU_PROPERTY || s.p_type == PT_GNU_EH_FRAME) {
       const std::uint64_t size = s.p_type == PT_TLS || s.p_type == PT_GNU_RELRO ? s.p_filesz : s.p_memsz;
       if (segment(s.p_vaddr, size, PF_R) == nullptr) image_.refuse("a part that it points to is not loaded");
+      if (s.p_type == PT_GNU_RELRO && s.p_memsz - s.p_filesz >= kMostPage)
+        image_.refuse("a part that it points to is larger than it can be");
       if (s.p_filesz > 0 && offset_of(s.p_vaddr, s.p_filesz, "a part") != s.p_offset)
         image_.refuse("a part that it points to stands elsewhere");
     }

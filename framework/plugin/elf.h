@@ -66,6 +66,7 @@ class SharedFile {
 
   // elf_tables.cpp
   void read_dynamic();
+  void check_pairs() const;
   std::optional<std::uint64_t> tag(std::int64_t which) const;
   std::uint64_t value(std::int64_t which, const char* what) const;
   std::string text(std::uint64_t name) const;

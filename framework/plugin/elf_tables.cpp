@@ -6,6 +6,16 @@
 #include "framework/plugin/elf.h"
 
 namespace lockstep {
+namespace {
+
+// What the system's loader knows; it passes over all others, so that a damaged entry would go unseen.
+bool is_known(std::int64_t tag) {
+  return (tag >= 0 && tag < DT_NUM) || (tag >= DT_GNU_PRELINKED && tag <= DT_SYMINENT) ||
+         (tag >= DT_GNU_HASH && tag <= DT_SYMINFO) || tag == DT_VERSYM || tag == DT_RELACOUNT || tag == DT_FLAGS_1 ||
+         (tag >= DT_VERDEF && tag <= DT_VERNEEDNUM) || (tag >= DT_LOPROC && tag < DT_LOPROC + 16);
+}
+
+}  // namespace
 
 void SharedFile::read_dynamic() {
   const std::uint64_t at = offset_of(dynamic_.p_vaddr, dynamic_.p_filesz, "its dynamic table");
@@ -13,13 +23,32 @@ void SharedFile::read_dynamic() {
     image_.refuse("its dynamic table stands where it cannot be used");
   for (std::uint64_t k = 0; (k + 1) * sizeof(Elf64_Dyn) <= dynamic_.p_filesz; ++k) {
     const auto entry = image_.at<Elf64_Dyn>(at + k * sizeof(Elf64_Dyn));
-    if (entry.d_tag == DT_NULL) return;
+    if (entry.d_tag == DT_NULL) return check_pairs();
+    if (!is_known(entry.d_tag)) image_.refuse("its dynamic table has an unknown entry");
     if (entry.d_tag == DT_NEEDED)
       needed_.push_back(entry.d_un.d_val);
     else if (!tags_.emplace(entry.d_tag, entry.d_un.d_val).second)
       image_.refuse("its dynamic table says one thing twice");
   }
   image_.refuse("its dynamic table has no end");
+}
+
+// A table and its size come together.
+void SharedFile::check_pairs() const {
+  constexpr std::int64_t kPairs[][2] = {{DT_RELA, DT_RELASZ},
+                                        {DT_RELA, DT_RELAENT},
+                                        {DT_JMPREL, DT_PLTRELSZ},
+                                        {DT_JMPREL, DT_PLTREL},
+                                        {DT_INIT_ARRAY, DT_INIT_ARRAYSZ},
+                                        {DT_FINI_ARRAY, DT_FINI_ARRAYSZ},
+                                        {DT_STRTAB, DT_STRSZ},
+                                        {DT_SYMTAB, DT_SYMENT},
+                                        {DT_RELR, DT_RELRSZ},
+                                        {DT_VERNEED, DT_VERNEEDNUM},
+                                        {DT_VERDEF, DT_VERDEFNUM}};
+  for (const auto& [table, size] : kPairs)
+    if (tag(table).has_value() != tag(size).has_value()) image_.refuse("its dynamic table is damaged");
+  if (tag(DT_RELACOUNT) && !tag(DT_RELA)) image_.refuse("its dynamic table is damaged");
 }
 
 std::optional<std::uint64_t> SharedFile::tag(std::int64_t which) const {
@@ -107,6 +136,7 @@ void SharedFile::check_symbols() const {
   for (std::uint64_t k = 1; k < n_symbols_; ++k) {
     const auto s = image_.at<Elf64_Sym>(symbols_ + k * sizeof(Elf64_Sym));
     text(s.st_name);
+    if (s.st_shndx == SHN_UNDEF && s.st_value != 0) image_.refuse("a symbol of another library has a place in it");
     if (s.st_shndx == SHN_UNDEF || s.st_shndx == SHN_ABS) continue;
     const unsigned type = ELF64_ST_TYPE(s.st_info);
     if (type == STT_TLS ? s.st_value > thread_size_

@@ -1,9 +1,11 @@
-// Every type of error of framework/support/error.h: how to catch it, what it carries, and what provokes it.
+// Every type of error of framework/support/error.h and user_code_error.h: how to catch it, what it carries, and what
+// provokes it.
 #include "errors.h"
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
 
 using namespace lockstep;
 
@@ -34,6 +36,9 @@ std::string handled(const std::function<void()>& work, std::string& words) {
   } catch (const PluginError& e) {
     words = e.what();
     return "PluginError";
+  } catch (const UserCodeError& e) {  // a class of yours or of a plugin threw: what it threw is nested in this
+    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
+    return "UserCodeError";
   } catch (const FileError& e) {
     words = e.what();
     return "FileError";
@@ -93,6 +98,14 @@ int provoke_them_all(const Registry& registry) {
        [] {
          Registry mine = builtin_registry();
          load_plugin(mine, "no_such_plugin");
+       }},
+      {"UserCodeError",
+       [&] {
+         const auto broken = [](auto t) {
+           if (t <= 1.0) throw std::runtime_error("the table is empty");
+           return t;
+         };
+         Slider({function(broken)}).run("rk4", 0.01, registry);
        }},
       {"SceneError",
        [&] {

@@ -125,7 +125,7 @@ TEST_CASE("an exception of a force or an integrator reaches the host by name", "
   SAYS(run(hinge(""), "", by_method("begin")), {"UserCodeError: t = 0 s", method + " threw: no beginning"});
   SAYS(run(hinge(""), "", by_method("std")), {"UserCodeError: t = 0.06", method + " threw: no more"});
   SAYS(run(hinge(""), "", by_method("int")), {"UserCodeError: t = 0.06", method + " threw: an object of type int"});
-  SAYS(run(hinge(""), "", by_method("error")), {"UserCodeError: t = 0.06", method, "the table is empty"});
+  SAYS(run(hinge(""), "", by_method("error")), {"ModelError: t = 0.06", method, "the table is empty"});
   SAYS(run(hinge(""), "", by_method("step")), {"StepError: ", method, "the step is too long"});
 }
 

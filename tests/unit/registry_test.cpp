@@ -175,7 +175,7 @@ TEST_CASE("registries are merged whole or not at all", "[unit][plugin]") {
   clash.translation_laws.add<Still>();
   clash.translation_laws.set_origin("storm");
   check_words(message_of<PluginError>([&] { base.merge(clash); }),
-              {"translation law 'constant' (storm)", "(built in)", "another name"});
+              {"translation law 'constant' (plugin storm)", "(built in)", "another name"});
   CHECK(base.laws.names() == std::vector<std::string>{"constant"});
   CHECK(base.translation_laws.find("constant")->origin == "built in");
   CHECK_THROWS_AS(base.merge(base), PluginError);

@@ -2,7 +2,9 @@
 // plugin.
 #include <cstdio>
 
-#include "framework/lockstep.h"
+#include "framework/builtins.h"
+#include "framework/check/check_force.h"
+#include "framework/plugin/loader.h"
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

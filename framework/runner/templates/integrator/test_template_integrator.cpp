@@ -1,7 +1,9 @@
 // Measures the order of the integrator and tries what a run relies on. Give it the file of the plugin.
 #include <cstdio>
 
-#include "framework/lockstep.h"
+#include "framework/builtins.h"
+#include "framework/check/check_integrator.h"
+#include "framework/plugin/loader.h"
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

@@ -1,7 +1,9 @@
 // Holds the joint against differences: jacobian, rates, right side, stiffness. Give it the file of the plugin.
 #include <cstdio>
 
-#include "framework/lockstep.h"
+#include "framework/builtins.h"
+#include "framework/check/check_lock.h"
+#include "framework/plugin/loader.h"
 
 int main(int argc, char** argv) try {
   using namespace lockstep;
