@@ -44,6 +44,7 @@ void run_alone(System& system, int copy, State state, Course course, double h, c
     const std::unique_ptr<Integrator> integrator = task.make_integrator();
     const bool fixed = task.scheme.error == nullptr;
     integrator->set_tolerance(task.options.tolerance);
+    dynamics.accept(state);
     integrator->begin(dynamics, state);
     const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();
     report.t = state.t;

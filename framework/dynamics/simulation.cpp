@@ -149,6 +149,7 @@ void Simulation::Loop::start() {
   if (sim.begun_) return;
   sim.system().check_size(sim.state_);
   check_start(sim.dynamics_, sim.state_, sim.options_.start_limit);
+  sim.dynamics_.accept(sim.state_);  // what is remembered shall know the speeds of the start too
   adaptive = sim.method_->info().adaptive;
   from = scratch = sim.state_;
   step = {};

@@ -36,6 +36,8 @@ class StillPair {
       y_.template head<3>() = S.A0.transpose() * (s_ - S.u0);
       yd_.template head<3>() = S.A0.transpose() * sd;
       bend_.template head<3>() = sdd;  // still in O2 axes, where pull() wants it
+    } else {
+      s_.setZero();  // unread; g++ 12 warns of copies of what is unset
     }
     if constexpr (reads(kNeeds, Needs::rotation)) {
       r_ = conjugate(O2_.e * S.q0) * (O1_.e * P.q0);

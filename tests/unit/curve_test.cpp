@@ -111,9 +111,9 @@ TEST_CASE("A follower's rows are zero on its path with its path's axes, and nowh
 }
 
 TEST_CASE("Points on curves and followers pass the check of links", "[unit][links]") {
-  const auto splined =
-      path({{0, Vec3(0, 0, 0)}, {1, Vec3(1, 0.3, 0)}, {2, Vec3(2, 0, 0.4)}, {3, Vec3(3, -0.3, 0)}, {4, Vec3(4, 0, 0)}},
-           {.degree = 5});
+  PathLaw::Points points;  // longer than the check goes
+  for (int i = -4; i <= 8; ++i) points.emplace_back(i, Vec3(i, 0.3 * std::sin(i), 0.3 * std::cos(2 * i)));
+  const auto splined = path(points, {.degree = 5});
   for (const auto& way : {helix(), loop(), splined})
     for (const bool follower : {false, true})
       for (int i = 0; i < 3; ++i) {

@@ -22,7 +22,7 @@ const char* const kText = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
 struct Searched {
   Registry registry = builtin_registry();
   Value root = read_json(kText, "scene.json");
-  Place operator()(const std::string& path) { return find_place(root, path, registry); }
+  ScenePlace operator()(const std::string& path) { return find_place(root, path, registry); }
   std::string refusal(const std::string& path) {
     return message_of<ModelError>([&] { (*this)(path); });
   }

@@ -51,17 +51,15 @@ std::function<double(double)> rising(double a) {
 
 /// s and s' at the times, from s'' = f(s, s'), by an integrator that is not ours.
 template <class F>
-std::vector<std::array<double, 2>> solved(F f, double s, double sd, const std::vector<double>& times) {
+std::vector<std::vector<double>> solved(F f, double s, double sd, const std::vector<double>& times) {
   using namespace boost::numeric::odeint;
-  using X = std::array<double, 2>;
+  using X = std::vector<double>;
   X x{s, sd};
   std::vector<X> all;
   integrate_times(
       make_controlled(1e-13, 1e-13, runge_kutta_fehlberg78<X>()),
-      [&](const X& y, X& d, double) {
-        d = {y[1], f(y[0], y[1])};
-      },
-      x, times.begin(), times.end(), 1e-3, [&](const X& y, double) { all.push_back(y); });
+      [&](const X& y, X& d, double) { d[0] = y[1], d[1] = f(y[0], y[1]); }, x, times.begin(), times.end(), 1e-3,
+      [&](const X& y, double) { all.push_back(y); });
   return all;
 }
 
@@ -167,7 +165,7 @@ TEST_CASE("a car on a corkscrew is a pendulum", "[verification][joints]") {
   REQUIRE(truth.size() == t.n_rows());
   double s = 0, sd = 0, x = 0, angle = 0, seat = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const auto [way, speed] = truth[i];
+    const double way = truth[i][0], speed = truth[i][1];
     const double rate = -m * g * l * std::sin(way) / M;
     s = std::max(s, std::abs(t["s"][i] - way)), sd = std::max(sd, std::abs(t["s_d"][i] - speed));
     x = std::max({x, std::abs(t["x"][i] - p * way), std::abs(t["z"][i] + 2 * std::cos(way))});

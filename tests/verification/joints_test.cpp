@@ -80,6 +80,8 @@ TEST_CASE("a gear train speeds up as its equivalent inertia says", "[verificatio
                Way{"radau5", "sparse", 2e-3, 1e-9}, Way{"generalized_alpha", "schur", 2e-3, 1e-9});
   CAPTURE(way.integrator, way.solver);
   const SceneRun run = run_scene(scene_path("gear_train"), [&](RunSettings& r) {
+    r.record.push_back({"stage_1.torque_on_p_world_z", "tooth"}),
+        r.record.push_back({"stage_1.torque_on_s_world_z", "carrier"});
     r.integrator = {way.integrator}, r.solver = {way.solver}, r.step = way.step, r.tolerance.relative = way.tolerance;
   });
   const double J1 = 0.5 * 0.4 * 0.02 * 0.02, J2 = 0.5 * 1.6 * 0.04 * 0.04, J3 = 0.016, M = 0.05;
@@ -99,5 +101,8 @@ TEST_CASE("a gear train speeds up as its equivalent inertia says", "[verificatio
   // J1 a1 = M - l1, J3 a3 = 4 l2 (phi_2 = theta_2 - 4 theta_3)
   CHECK(off(t, "lambda_1", steady(M - J1 * alpha)) <= 1e-12);
   CHECK(off(t, "lambda_2", steady(J3 * (-alpha / 8) / 4)) <= 1e-12);
+  // what the link does to gear 1; and to the ground, which carries both shafts: T1 + T2 = l (1 + 2)
+  CHECK(off(t, "tooth", steady(J1 * alpha - M)) <= 1e-12);
+  CHECK(off(t, "carrier", steady(3 * (M - J1 * alpha))) <= 1e-12);
   if (std::string(way.integrator) == "dop853") CHECK(off(t, "balance", steady(0)) <= 1e-12);  // order 2 has less
 }
