@@ -342,7 +342,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     system.add<Test<ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), ScrewThread{pitch, none});
     system.setup();
     State state = system.start();
-    REQUIRE(state.z.size() == 1);
+    REQUIRE(state.z.size() == 3);  // the angle, its rate and their instant
     CHECK(std::abs(state.z[0] - home) < 1e-14);
     const auto turned = [&](const State& from, double angle) {
       State s = from;
