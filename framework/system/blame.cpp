@@ -25,6 +25,19 @@ std::string label_of(const char* kind, const Thing& thing) {
   return std::string(kind) + " '" + thing.name() + "' (" + type_of(thing) + of_plugin(thing.origin()) + ")";
 }
 
+// Whether the Error that is being handled begins with the thing's name: then it has said who it was.
+template <class Thing>
+bool names_itself(const Thing& thing) {
+  try {
+    throw;
+  } catch (const ModelError& error) {
+    const std::string own = label(thing);
+    return std::string(error.what()).rfind(own.substr(0, own.find("' (") + 1), 0) == 0;
+  } catch (...) {
+    return false;
+  }
+}
+
 template <class Thing>
 [[noreturn]] void rethrow(const Thing& thing, double t) {
   const std::exception_ptr thrown = std::current_exception();
@@ -36,7 +49,7 @@ template <class Thing>
     throw;
   } catch (...) {
     const std::string law = law_at_fault(thing, t);
-    if (law.empty() && thing.origin() == "built in") throw;
+    if (law.empty() && (thing.origin() == "built in" || names_itself(thing))) throw;
     const std::string words =
         law.empty() ? label(thing) + " threw: " + thrown_words(thrown) : label(thing) + ": " + law;
     std::throw_with_nested(UserCodeError("t = " + number(t) + " s: " + words, thing.origin(), t));
