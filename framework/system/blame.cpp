@@ -26,6 +26,13 @@ std::string label_of(const char* kind, const Thing& thing) {
 }
 
 template <class Thing>
+[[noreturn]] void name_it(const Thing& thing, double t, const std::exception_ptr& thrown) {
+  const std::string law = law_at_fault(thing, t);
+  const std::string words = law.empty() ? label(thing) + " threw: " + thrown_words(thrown) : label(thing) + ": " + law;
+  std::throw_with_nested(UserCodeError("t = " + number(t) + " s: " + words, thing.origin(), t));
+}
+
+template <class Thing>
 [[noreturn]] void rethrow(const Thing& thing, double t) {
   const std::exception_ptr thrown = std::current_exception();
   try {
@@ -34,12 +41,12 @@ template <class Thing>
     throw;
   } catch (const NonFiniteError&) {
     throw;
+  } catch (const Error&) {  // a class of the library, or the host's own: its words name it
+    if (of_plugin(thing.origin()).empty() && law_at_fault(thing, t).empty()) throw;
+    name_it(thing, t, thrown);
   } catch (...) {
-    const std::string law = law_at_fault(thing, t);
-    if (law.empty() && thing.origin() == "built in") throw;
-    const std::string words =
-        law.empty() ? label(thing) + " threw: " + thrown_words(thrown) : label(thing) + ": " + law;
-    std::throw_with_nested(UserCodeError("t = " + number(t) + " s: " + words, thing.origin(), t));
+    if (thing.origin() == "built in" && law_at_fault(thing, t).empty()) throw;
+    name_it(thing, t, thrown);
   }
 }
 

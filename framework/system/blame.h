@@ -22,7 +22,7 @@ LOCKSTEP_API std::string law_at_fault(const Force&, double t);
 
 /// In a catch block: throws what is in flight as UserCodeError that names the thing, the law of it that threw, and the
 /// time; with the original nested in it. What names its maker already (UserCodeError, NonFiniteError), and any Error of
-/// a built-in thing whose laws are sound, goes on as it is.
+/// a thing that no plugin brought and whose laws are sound, goes on as it is.
 [[noreturn]] LOCKSTEP_API void rethrow_named(const Lock&, double t);
 [[noreturn]] LOCKSTEP_API void rethrow_named(const Force&, double t);
 

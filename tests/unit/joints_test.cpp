@@ -342,7 +342,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     system.add<Test<ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), ScrewThread{pitch, none});
     system.setup();
     State state = system.start();
-    REQUIRE(state.z.size() == 3);  // angle, its rate, the instant
+    REQUIRE(state.z.size() == 3);  // the angle, its rate and their instant
     CHECK(std::abs(state.z[0] - home) < 1e-14);
     const auto turned = [&](const State& from, double angle) {
       State s = from;
@@ -354,7 +354,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
       std::vector<Motion> motions;
       system.motions(s, motions);
       Inputs in;
-      in.t = s.t, in.motions = motions, in.z = {s.z.data(), static_cast<std::size_t>(s.z.size())};
+      in.t = s.t, in.motions = motions, in.z = {s.z.data(), 1};
       system.accept(in, s);
     };
     double angle = home;

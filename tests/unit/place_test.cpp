@@ -54,7 +54,7 @@ TEST_CASE("the tables know unit and form of a place", "[unit][scene]") {
 
 TEST_CASE("keys that the scene leaves out are put in", "[unit][scene]") {
   Searched find;
-  const Place tolerance = find("run.tolerance");
+  const ScenePlace tolerance = find("run.tolerance");
   CHECK(tolerance.value->is_null());
   CHECK_FALSE(tolerance.near == "run.tolerance");
   CHECK(find("bodies.rod.velocity.1").value->number() != nullptr);  // its default is a list
