@@ -354,7 +354,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
       std::vector<Motion> motions;
       system.motions(s, motions);
       Inputs in;
-      in.t = s.t, in.motions = motions, in.z = {s.z.data(), 1};
+      in.t = s.t, in.motions = motions, in.z = {s.z.data(), static_cast<std::size_t>(s.z.size())};
       system.accept(in, s);
     };
     double angle = home;
