@@ -34,7 +34,7 @@ names=()
 for file in "${files[@]}"; do
   names+=("$(field "$file" Package)")
   test -n "$(field "$file" Depends)"
-  field "$file" Description | sed -n 2p | grep -q '^ '
+  field "$file" Description | sed -n 2p | grep '^ ' >/dev/null
 done
 echo "made: ${names[*]}"
 test "${#files[@]}" -eq 4
@@ -54,12 +54,12 @@ throw_away --install "${files[@]}" >"$place/dpkg.txt" 2>&1 || {
 }
 
 program="$root/usr/bin/lockstep"
-env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH ldd "$program" | grep -q "liblockstep.* => $root/" ||
+env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH ldd "$program" | grep "liblockstep.* => $root/" >/dev/null ||
   { echo "the program does not find the library beside it" && exit 1; }
 env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
   --record "$place/four_bar.csv"
 test "$(wc -l <"$place/four_bar.csv")" -gt 10
-"$program" describe bump --plugin bump | grep -q bump  # from the installed folder
+"$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
 for kept in usr/include/lockstep/framework/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
 
 throw_away --purge "${names[@]}" >"$place/dpkg.txt" 2>&1 || {
