@@ -42,7 +42,8 @@ struct LOCKSTEP_API PointOnPlane final : MaskJoint<PointOnPlane, Mask::z> {
 /// Free: sliding along x and y of S, turning about z of S. The xy planes of P and S coincide.
 struct LOCKSTEP_API PlaneOnPlane final : MaskJoint<PlaneOnPlane, Mask::z | Mask::e1 | Mask::e2> {
   static constexpr const char* kType = "plane_on_plane";
-  static constexpr const char* kHelp = "xy planes of P and S coincide; free: sliding along x and y, turning about z";
+  static constexpr const char* kHelp =
+      "planar joint, xy planes of P and S coincide; free: sliding along x and y, turning about z";
   using MaskJoint::MaskJoint;
 };
 /// Free: turning about z of S.

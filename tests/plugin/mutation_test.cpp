@@ -131,7 +131,7 @@ TEST_CASE("the tables of a plugin without a seal are read without trust", "[plug
   Mutator mutator(4);
   int n_refused = 0;
   for (int k = 0; k < 1000; ++k)
-    n_refused += is_taken(plugin_file("mutants", "loose.so", mutator.changed(sound, 0x1800))) ? 0 : 1;
+    n_refused += is_taken(plugin_file("loose", "loose.so", mutator.changed(sound, 0x1800))) ? 0 : 1;
   CHECK(n_refused > 300);
-  fs::remove_all(kModules + "/mutants");
+  fs::remove_all(kModules + "/loose");
 }
