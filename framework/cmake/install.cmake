@@ -26,6 +26,13 @@ install(FILES framework/scene/scene.schema.json DESTINATION ${data_folder} COMPO
 install(FILES LICENSE README.md framework/CHANGELOG.md framework/lock/THEORY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
+# What a user copies from: the page on plugins with its examples, and a host of plugins.
+install(FILES plugins/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins COMPONENT development)
+foreach(example bump cam_follower drag adams_bashforth)
+  install(DIRECTORY plugins/${example} DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins COMPONENT development)
+endforeach()
+install(DIRECTORY samples/host_app DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT development)
+
 install(EXPORT lockstepTargets NAMESPACE lockstep:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(framework/cmake/lockstepConfig.cmake.in ${PROJECT_BINARY_DIR}/lockstepConfig.cmake
                               INSTALL_DESTINATION ${package_folder}

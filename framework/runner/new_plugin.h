@@ -22,7 +22,7 @@ std::string class_name(const std::string& kind, const std::string& name);
 
 /// Makes the folder `into`/`name` and fills it; returns the files written. Nothing that exists is touched. Throws
 /// UsageError for a name that cannot be one (in words: which letters, taken by which type), FileError where a folder or
-/// file stands in the way or cannot be written; then nothing is left behind.
+/// file stands in the way or cannot be written; then none of its files is left behind.
 std::vector<std::string> write_plugin(const std::string& kind, const std::string& name, const std::string& into,
                                       const Registry& taken);
 

@@ -2,6 +2,7 @@
 # new_plugin.sh BUILD_TREE COMPILER GENERATOR FLAGS: with the installed package in install_test/prefix,
 # `lockstep new-plugin` writes a plugin of each kind, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
 set -euo pipefail
+unset LOCKSTEP_PLUGIN_PATH
 build="$1" compiler="$2" generator="$3" flags="$4"
 place="$build/new_plugin_test" prefix="$build/install_test/prefix"
 rm -rf "$place"

@@ -2,6 +2,7 @@
 # package.sh BUILD_TREE CPACK: makes the Debian packages from the build tree, unpacks them by dpkg into a root of their
 # own, runs a scene with the program from there, removes them again, and looks for what they left. 77: no dpkg here.
 set -euo pipefail
+unset LOCKSTEP_PLUGIN_PATH
 build="$1" cpack="$2"
 place="$build/install_test_packages"
 root="$place/root"
@@ -54,13 +55,13 @@ throw_away --install "${files[@]}" >"$place/dpkg.txt" 2>&1 || {
 }
 
 program="$root/usr/bin/lockstep"
-env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH ldd "$program" | grep "liblockstep.* => $root/" >/dev/null ||
+env -u LD_LIBRARY_PATH ldd "$program" | grep "liblockstep.* => $root/" >/dev/null ||
   { echo "the program does not find the library beside it" && exit 1; }
-env -u LD_LIBRARY_PATH -u LOCKSTEP_PLUGIN_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
+env -u LD_LIBRARY_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
   --record "$place/four_bar.csv"
 test "$(wc -l <"$place/four_bar.csv")" -gt 10
 "$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
-for kept in usr/include/lockstep/framework/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
+for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/framework/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
 
 throw_away --purge "${names[@]}" >"$place/dpkg.txt" 2>&1 || {
   cat "$place/dpkg.txt"
