@@ -8,6 +8,7 @@ void Observer::start(const Sample&) {}
 
 void Observer::step(const Sample&) {}
 
+void Observer::jumped(const Sample&) {}
 void Observer::output(const Sample&) {}
 
 void Observer::finish(const Sample&) {}

@@ -31,6 +31,9 @@ class LOCKSTEP_API Observer {
   virtual void start(const Sample&);
   /// Every accepted step, the state at its end.
   virtual void step(const Sample&);
+  /// The velocities jumped at the end of the step seen last (an impact, a link switched, the jump of a law): the same
+  /// instant, the state from which the run goes on.
+  virtual void jumped(const Sample&);
   /// Every output time (the times asked for, or every step when none were); the state interpolated by the method's
   /// dense output and projected, or landed on.
   virtual void output(const Sample&);

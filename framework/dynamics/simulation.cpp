@@ -201,10 +201,14 @@ void Simulation::Loop::advance(double limit, double largest) {
   if (landed && target.jump) make_consistent("the jump of a law");
   if (landed || met || touched) anchor = sim.state_.t, n_from_anchor = 0;
   const bool changed = !sim.events_.empty() && fire_due();
-  if (contacts.empty()) return;
   const bool moved = changed || met || touched || (landed && target.jump);
-  if (moved) settle_contacts();
-  note_contacts(moved);
+  if (!contacts.empty()) {
+    if (moved) settle_contacts();
+    note_contacts(moved);
+  }
+  if (!moved) return;
+  const Sample sample(sim.dynamics_, sim.state_, step);
+  for (Observer* o : sim.observers_) o->jumped(sample);
 }
 
 void Simulation::Loop::observe_end() {

@@ -55,7 +55,9 @@ void Simulation::Loop::begin_contacts() {
   for (std::size_t i = 0; i < n; ++i) {
     if (!contacts.watched(i, sim.state_)) continue;
     check_side(i, "the start");
-    contacts[i].leave(contacts.gap(i, sim.dynamics_.look(sim.state_)));
+    const Gap g = contacts.gap(i, sim.dynamics_.look(sim.state_));
+    contacts[i].leave(g);
+    if (g.cd < -contacts[i].rest_speed()) contacts[i].clear = true;  // it begins with an impact
   }
 }
 

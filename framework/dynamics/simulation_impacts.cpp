@@ -41,6 +41,7 @@ void Simulation::Loop::settle_contacts() {
     approaching = approaching || hits[k].cd < -contacts[touching[k]].margin;
   if (approaching) impact();
   rest();
+  if (approaching) sim.dynamics_.accept(sim.state_);  // counted turns go on at the new speeds
   released.clear();
   if (here || approaching || sim.state_.modes != modes_before) begin_method();
 }

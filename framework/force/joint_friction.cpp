@@ -118,6 +118,10 @@ void JointFriction::setup() {
     if (m->slide || m->spin)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
                        "' moves on its body by a law, and friction is not there for that; drive the link instead");
+  if (const auto* lock = dynamic_cast<const MarkerLock*>(link_); lock != nullptr && lock->turned())
+    throw ModelError("force '" + name() + "': link '" + link_->name() +
+                     "' has a law \"turn\", which turns its free axis away from z of S, and friction is not there for "
+                     "that; turn the marker instead, or drive the link");
   P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
 }
 

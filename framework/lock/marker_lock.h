@@ -34,8 +34,9 @@ class LOCKSTEP_API MarkerLock : public Lock {
   /// The same with the speed given, m/s or rad/s; the coordinate starts where the mechanism does and is integrated.
   void drive_speed(Axis axis, LawPtr<MotionLaw> law);
 
-  Mask mask() const { return mask_; }  ///< the joint's own rows
-  Mask rows() const { return rows_; }  ///< with the drives'
+  bool turned() const { return turn_ != nullptr; }  ///< whether turn() imposed a law
+  Mask mask() const { return mask_; }               ///< the joint's own rows
+  Mask rows() const { return rows_; }               ///< with the drives'
   const Marker& p() const { return *p_; }
   const Marker& s() const { return *s_; }
 

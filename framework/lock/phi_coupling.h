@@ -98,6 +98,10 @@ class PhiCoupling : public Lock {
     std::vector<const Body*> seen;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       pairs[k] = {&site.p(k), &site.s(k)};
+      for (std::size_t j = 0; j < k; ++j)
+        if (pairs[j] == pairs[k])
+          throw ModelError("link '" + site.name + "': pairs " + std::to_string(j + 1) + " and " +
+                           std::to_string(k + 1) + " are the same two markers; couple two different joints");
       for (const Marker* m : {pairs[k].first, pairs[k].second})
         if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
       if (pairs[k].first->body == pairs[k].second->body)

@@ -37,6 +37,7 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<R
       const RawAngle a = raw(s);
       turns->accept(a.angle, s.state.t, a.rate);
     };
+    c.jumped = c.track;
     c.restart = [turns] { turns->restart(); };
   };
   out.push_back({std::move(name), "rad", std::move(help), make});

@@ -14,6 +14,7 @@ struct Channel {
   std::function<double(const Sample&)> value;
   /// Called at the start of a run and at every accepted step, when present: counts turns, rejected tries.
   std::function<void(const Sample&)> track{};
+  std::function<void(const Sample&)> jumped{};  ///< the same instant once more, with other velocities
   /// Called before that at the start of a run, when present: forgets what an earlier run left behind.
   std::function<void()> restart{};
 };

@@ -44,6 +44,12 @@ void Recorder::step(const Sample& sample) {
       if (c.track) c.track(sample);
 }
 
+void Recorder::jumped(const Sample& sample) {
+  for (const std::vector<Channel>* all : {&channels_, &followed_})
+    for (const Channel& c : *all)
+      if (c.jumped) c.jumped(sample);
+}
+
 void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k) row_[k + 1] = channels_[k].value(sample);

@@ -37,6 +37,7 @@ class LOCKSTEP_API Recorder : public Observer {
   /// A run from a new start begins a new table.
   void start(const Sample&) override;
   void step(const Sample&) override;
+  void jumped(const Sample&) override;
   void output(const Sample&) override;
 
  private:

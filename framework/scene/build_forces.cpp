@@ -22,6 +22,9 @@ void Builder::force(const Value& object, const std::string& owner) {
     if (std::find(known.begin(), known.end(), link) == known.end())
       parts.common.refuse("link", "unknown link \"" + link + "\"" + suggestion(link, known));
     where.link = &out_.system.link(link);
+    const auto* entry = registry_.forces.find(parts.type);
+    if (entry->origin == "built in" && parts.type != "joint_friction")
+      parts.common.refuse("link", "a " + parts.type + " acts in no link; name \"p\" and \"s\"");
   }
   placed(object.where, [&] {
     out_.system.add(registry_.forces.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner));

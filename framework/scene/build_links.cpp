@@ -115,7 +115,9 @@ Site Builder::pairs(const Params& p, const std::string& name) {
       if (!contains(known, *word))
         refuse(item.where, place,
                "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling stands after its joints");
-      const auto [P, S] = out_.system.link(*word).pairs().front();
+      const auto its = out_.system.link(*word).pairs();
+      if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
+      const auto [P, S] = its.front();
       all.pairs.emplace_back(&out_.system.marker(P->name), &out_.system.marker(S->name));
     } else {
       const Params own = params_of(item, "pair", place, nullptr);
@@ -143,6 +145,9 @@ void Builder::link(const Value& object, const std::string& owner) {
   placed(object.where, [&] {
     std::unique_ptr<Lock> made =
         registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
+    if (made->pairs().size() < where.pairs.size())
+      p.refuse("pairs", std::to_string(where.pairs.size()) + " are given, and a " + std::string(made->type()) +
+                            " takes " + std::to_string(made->pairs().size()) + "; remove the others");
     made->active_at_start = p.boolean("active");
     one_sided(p, *made);
     Lock& added = out_.system.add(std::move(made));

@@ -61,6 +61,9 @@ void Builder::stops(const Value& object, const std::string& owner, const Site& o
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const OneSided options = one_sided_from(p);
+  if (const auto* lock = dynamic_cast<const MarkerLock*>(&out_.system.link(of.name));
+      lock != nullptr && has(lock->mask(), row_of(axis)))
+    p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "nothing says where it ends; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
     p.refuse("high", "it is " + number(p.number("high")) + " and does not lie above \"low\", " +

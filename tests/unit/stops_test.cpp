@@ -31,7 +31,8 @@ std::string refusal(const std::string& text) {
 TEST_CASE("scene: stops of every coordinate are links of their own", "[unit][scene]") {
   const Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": "-60 deg", "high": 1, "restitution": 0.8},
                                             {"axis": "x", "high": "20 mm"}, {"axis": "rx", "low": -0.5},
-                                            {"axis": "ry", "low": -0.5}])"));
+                                            {"axis": "ry", "low": -0.5}])",
+                               "", "z", "point_on_plane"));
   const auto stop = [&](const char* name) -> const Lock& { return m.system.link(name); };
   for (const char* name : {"A.stop_rz_low", "A.stop_rz_high", "A.stop_x_high", "A.stop_rx_low", "A.stop_ry_low"}) {
     CAPTURE(name);
@@ -104,4 +105,61 @@ TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
   check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "mu": 0.1}])")), {"rub", "link"});
   check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "B", "mu": 0.1}])")),
               {"rub", "unknown link \"B\""});
+}
+
+TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
+  check_words(refusal(arm(R"("stops": [{"axis": "x", "high": 1}])")),
+              {"link 'A', stops[0].axis", "holds x already", "free"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rx", "high": 1}])")), {"stops[0].axis", "holds rx already"});
+  check_words(refusal(arm("", R"("forces": [{"name": "F", "type": "spring_damper", "p": "arm", "s": "ground",
+                                             "at_p": [1, 0, 0], "at_s": [2, 0, 0], "stiffness": 1, "link": "A"}])")),
+              {"force 'F', link", "acts in no link"});
+}
+
+TEST_CASE("scene: friction is refused where a law turns the axis away", "[unit][scene]") {
+  Mechanism m =
+      made(arm(R"("turn": {"type": "constant", "value": {"axis": "x", "angle": 1}}, "friction": {"mu": 0.1})"));
+  check_words(testing::message_of<ModelError>([&] { m.system.setup(); }), {"'A.friction'", "\"turn\"", "axis"});
+}
+
+// A body that begins on its stop and moves into it begins with an impact.
+TEST_CASE("scene: who starts on a stop and moves into it bounces", "[unit][scene]") {
+  Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "arm", "mass": 1, "inertia": [0.1, 0.1, 0.1],
+      "center": [0.5, 0, 0], "omega_world": [0, 0, -1]}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
+               "stops": [{"axis": "rz", "low": 0, "restitution": 1}]}]})");
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  const Registry registry = builtin_registry();
+  Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+  simulation.run_until(0.5);
+  CHECK(simulation.report().impacts == 1);
+  CHECK(simulation.state().v[5] == Approx(1));
+}
+
+// The gears are fast before the stop and slow after it: neither the coupling nor the channel may count on at the speed
+// of before.
+TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
+  for (const double restitution : {0.0, 0.01}) {
+    CAPTURE(restitution);
+    Mechanism m = made(R"({"lockstep": 1,
+      "bodies": [{"name": "a", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.05}, "omega_world": [0, 0, 300]},
+                 {"name": "b", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.05}, "position": [0.3, 0, 0],
+                  "omega_world": [0, 0, -150]}],
+      "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0],
+                 "stops": [{"axis": "rz", "high": 10.3, "restitution": )" +
+                       std::to_string(restitution) + R"(}]},
+                {"name": "B", "type": "revolute", "p": "b", "s": "ground", "at": [0.3, 0, 0]},
+                {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2}]})");
+    Recorder recorder(m.system, {"a.angle_z", "b.angle_z"});
+    Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+    const Registry registry = builtin_registry();
+    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    simulation.add_observer(recorder);
+    simulation.run_until(2);
+    const auto last = [&](std::size_t k) { return recorder.table().columns()[k].values.back(); };
+    CHECK(simulation.report().impacts == 1);
+    CHECK(last(1) + 2 * last(2) == Approx(0).margin(1e-9));
+    const double t_hit = 10.3 / 300, expected = 10.3 - 300 * restitution * (2 - t_hit);
+    CHECK(last(1) == Approx(expected).margin(1e-6));
+  }
 }
