@@ -9,6 +9,7 @@
 #include "framework/force/function_force.h"
 #include "framework/kkt/schur_solver.h"
 #include "framework/support/error.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -186,7 +187,7 @@ void IntegratorCheck::throws(ClosedMotion& motion) {
   } catch (const Error&) {
     thrown = true;
   } catch (const std::exception& error) {
-    add("error", fmt::format("throws something that is no lockstep::Error: {}", error.what()), "step()");
+    add("error", fmt::format("throws something that is no lockstep::Error: {}", what_of(error)), "step()");
     thrown = true;
   }
   if (!thrown)

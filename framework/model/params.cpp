@@ -105,6 +105,30 @@ std::string description(const Key& key) {
 
 bool has_default(const Key& key) { return !key.fallback.empty() && key.fallback != "absent"; }
 
+// One line of UTF-8 without control characters: it goes to terminals and into JSON as it is.
+bool is_plain(const std::string& text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const unsigned c = byte(i), next = byte(i + 1);
+    if (c < 0x20 || c == 0x7f) return false;
+    if (c < 0x80) continue;
+    const std::size_t more = c >= 0xc2 && c < 0xe0 ? 1 : c >= 0xe0 && c < 0xf0 ? 2 : c >= 0xf0 && c < 0xf5 ? 3 : 0;
+    if (more == 0) return false;
+    const bool outside = (c == 0xc2 && next < 0xa0) || (c == 0xe0 && next < 0xa0) || (c == 0xed && next > 0x9f) ||
+                         (c == 0xf0 && next < 0x90) || (c == 0xf4 && next > 0x8f);
+    if (outside) return false;  // control characters, longer than need be, surrogates, beyond U+10FFFF
+    for (std::size_t k = 1; k <= more; ++k)
+      if ((byte(i + k) & 0xc0) != 0x80) return false;
+    i += more;
+  }
+  return true;
+}
+
+void check_plain(const std::string& text, const std::string& what) {
+  if (!is_plain(text))
+    throw ModelError(what + " is no plain line of text: it has control characters, or is no UTF-8; rewrite it");
+}
+
 }  // namespace
 
 LawSource::~LawSource() = default;
@@ -124,11 +148,16 @@ std::string name_of(Form form) {
 
 void check(const TypeInfo& info) {
   if (info.name.empty()) throw ModelError("a type without a name: give its TypeInfo one");
+  check_plain(info.name, "its name");
+  check_plain(info.help, "its help");
   for (std::size_t i = 0; i < info.keys.size(); ++i) {
     const Key& key = info.keys[i];
     const std::string place = "type '" + info.name + "', key '" + key.name + "': ";
     if (key.name.empty())
       throw ModelError("type '" + info.name + "': key number " + std::to_string(i) + " has no name");
+    check_plain(key.name, "the name of its key number " + std::to_string(i));
+    check_plain(key.help, "the help of its key '" + key.name + "'");
+    for (const std::string& choice : key.choices) check_plain(choice, "a choice of its key '" + key.name + "'");
     for (std::size_t j = 0; j < i; ++j)
       if (info.keys[j].name == key.name) throw ModelError(place + "it stands twice in the table; remove one");
     if (key.form == Form::choice && key.choices.empty())

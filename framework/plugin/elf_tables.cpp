@@ -200,6 +200,7 @@ void SharedFile::check_versions() const {
   const std::uint64_t most = std::max<std::uint64_t>({check_needed_versions(), check_own_versions(), 1});
   const auto at = tag(DT_VERSYM);
   if (!at) return;
+  if (!tag(DT_VERNEED) && !tag(DT_VERDEF)) image_.refuse("its symbols have versions that no table names");
   const std::uint64_t table = offset_of(*at, 2 * n_symbols_, "its table of versions");
   for (std::uint64_t k = 0; k < n_symbols_; ++k)
     if ((image_.at<std::uint16_t>(table + 2 * k) & 0x7fff) > most) image_.refuse("its table of versions is damaged");

@@ -51,14 +51,23 @@ dll::shared_library& opened(const fs::path& file) {
   return library;
 }
 
-void set_origin(Registry& registry, const std::string& name) {
-  registry.laws.set_origin(name);
-  registry.translation_laws.set_origin(name);
-  registry.rotation_laws.set_origin(name);
-  registry.links.set_origin(name);
-  registry.forces.set_origin(name);
-  registry.integrators.set_origin(name);
-  registry.solvers.set_origin(name);
+// The entries of `from` as those of the plugin, whatever it says itself of where they come from.
+template <class Shelf>
+void put(Shelf& to, const Shelf& from, const std::string& name) {
+  for (const auto& [type, entry] : from.entries()) to.add(entry.info, entry.make);
+  to.set_origin(name);
+}
+
+Registry as_of(const std::string& name, const Registry& from) {
+  Registry its;
+  put(its.laws, from.laws, name);
+  put(its.translation_laws, from.translation_laws, name);
+  put(its.rotation_laws, from.rotation_laws, name);
+  put(its.links, from.links, name);
+  put(its.forces, from.forces, name);
+  put(its.integrators, from.integrators, name);
+  put(its.solvers, from.solvers, name);
+  return its;
 }
 
 bool empty(const Registry& r) {
@@ -80,6 +89,8 @@ void check_plugin_file(const std::string& file) {
 std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders) {
   const std::string file = find_plugin(name_or_path, folders);
   const std::string name = plugin_name(file), who = "plugin '" + name + "': ";
+  if (name == "built in")
+    throw PluginError(who + "its file has the name of what lockstep brings itself; give it another");
   check_plugin_file(file);
   const KeepRounding rounding;
   dll::shared_library& library = opened(file);  // its code runs from here on
@@ -95,8 +106,7 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   }
   try {
     if (empty(its)) throw PluginError("it registers nothing; let its LOCKSTEP_PLUGIN add something");
-    set_origin(its, name);
-    registry.merge(its);
+    registry.merge(as_of(name, its));
   } catch (const Error& error) {
     throw PluginError(who + error.what());
   }

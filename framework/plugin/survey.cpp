@@ -5,6 +5,7 @@
 #include "framework/plugin/loader.h"
 #include "framework/plugin/seal.h"
 #include "framework/support/error.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -31,7 +32,8 @@ void look_at(PluginCandidate& c, const Registry& base) {
     const lockstep_abi_record record = record_of(file);
     c.build = abi_words(record);
     c.sealed = record.sealed != 0;
-    c.brings = things_of(base, plugin_name(c.file));  // a part of the library itself, where that takes such
+    const std::string name = plugin_name(c.file);
+    if (name != "built in") c.brings = things_of(base, name);  // a part of the library itself, where that takes such
     if (c.brings.empty()) {
       Registry registry = base;
       load_plugin(registry, c.file);
@@ -39,7 +41,7 @@ void look_at(PluginCandidate& c, const Registry& base) {
     }
     c.state = PluginCandidate::State::loaded;
   } catch (const std::exception& error) {
-    c.why = error.what();
+    c.why = what_of(error);
   }
 }
 

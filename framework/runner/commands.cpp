@@ -9,6 +9,7 @@
 #include "framework/scene/describe.h"
 #include "framework/support/error.h"
 #include "framework/support/text.h"
+#include "framework/support/thrown.h"
 #include "framework/support/user_code_error.h"
 #include "framework/version.h"
 
@@ -231,8 +232,11 @@ int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lockstep: {}\n", error.what());
+    fmt::print(stderr, "lockstep: {}\n", what_of(error));
     return exit_code_of(std::current_exception());
+  } catch (...) {
+    fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
+    return kExitFailure;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "framework/record/chart.h"
 #include "framework/record/gnuplot.h"
 #include "framework/support/error.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 
@@ -88,7 +89,7 @@ Drawing draw_columns(const std::string& csv, const std::string& title, const Tab
     drawing.files = {base + ".svg", base + ".png"};
     drawing.n_drawn = names.size();
   } catch (const std::exception& error) {
-    drawing.reason = error.what();
+    drawing.reason = what_of(error);
     drawing.failed = true;
   }
   return drawing;

@@ -65,7 +65,7 @@ int list_command(const std::string& shelf, const Words& w) {
     all[name] = Json::array();
     for (const Description& d : contents) all[name].push_back(json_of(d));
   }
-  if (w.json) fmt::print("{}\n", all.dump(1, ' '));
+  if (w.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 

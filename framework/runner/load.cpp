@@ -92,13 +92,13 @@ void put_economies(Scene& scene, const Words& w) {
 Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required) {
   Registry registry = builtin_registry();
   std::set<std::string> files, names;
-  for (const std::string& plugin : plugins) {
-    if (!files.insert(plugin).second) continue;
-    load_plugin(registry, plugin);
+  const auto load_once = [&](const std::string& plugin) {  // one file may be named by its name and by its path
+    if (files.insert(find_plugin(plugin, {})).second) load_plugin(registry, plugin);
     names.insert(plugin_name(plugin));
-  }
+  };
+  for (const std::string& plugin : plugins) load_once(plugin);
   for (const std::string& plugin : required)
-    if (names.insert(plugin_name(plugin)).second) load_plugin(registry, plugin);
+    if (names.count(plugin_name(plugin)) == 0) load_once(plugin);
   return registry;
 }
 

@@ -32,7 +32,12 @@ void check_letters(const std::string& name) {
       name.find("__") != std::string::npos)
     throw UsageError(
         fmt::format("new-plugin: \"{}\" cannot be a plugin's name; take small letters, digits and single _, "
-                    "a letter first, as in wavy_rail",
+                    "a letter first, at most 60, as in wavy_rail",
+                    name));
+  if (name.starts_with("lib"))
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" begins with \"lib\", which lockstep cuts from the name of a plugin's file "
+                    "(libbump.so is plugin bump); take a name without it",
                     name));
 }
 
@@ -60,7 +65,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
     throw UsageError(
         fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; take another name", name, made));
-  constexpr std::array kTargets = {"all", "clean", "help", "install", "lockstep", "package", "test"};
+  constexpr std::array kTargets = {"all",      "clean",   "edit_cache", "help",          "install",
+                                   "lockstep", "package", "preinstall", "rebuild_cache", "test"};
   if (std::find(kTargets.begin(), kTargets.end(), name) != kTargets.end())
     throw UsageError(
         fmt::format("new-plugin: \"{}\" is a target that every CMake project has; take another name", name));

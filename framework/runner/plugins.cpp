@@ -65,8 +65,8 @@ int plugins_list_command(const Words& w) {
   if (w.json) {
     Json found = Json::array();
     for (const PluginCandidate& c : all) found.push_back(json_of(c));
-    fmt::print("{}\n",
-               Json{{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}}.dump(1));
+    const Json all_words = {{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}};
+    fmt::print("{}\n", all_words.dump(1, ' ', false, Json::error_handler_t::replace));  // a path may be no UTF-8
     return kExitOk;
   }
   if (w.why) {

@@ -16,6 +16,7 @@
 #include "framework/runner/progress.h"
 #include "framework/runner/summary.h"
 #include "framework/scene/observe.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -63,7 +64,7 @@ std::string what_of(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
   } catch (const std::exception& e) {
-    return e.what();
+    return lockstep::what_of(e);
   }
 }
 

@@ -15,6 +15,7 @@
 #include "framework/runner/progress.h"
 #include "framework/scene/sweep_lanes.h"
 #include "framework/support/error.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -202,7 +203,7 @@ class Sweep {
       scene = plan_.scene(number);
     } catch (const std::exception& error) {
       SweepRun failed;
-      failed.failed = true, failed.status = error.what();
+      failed.failed = true, failed.status = what_of(error);
       return failed;
     }
     return sweep_run(scene, plan_.loaded.registry, plan_.columns, watch(scene.run.until, 1), &history);

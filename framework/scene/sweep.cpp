@@ -7,6 +7,7 @@
 #include "framework/scene/observe.h"
 #include "framework/support/error.h"
 #include "framework/support/text.h"
+#include "framework/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -110,7 +111,7 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
     if (history != nullptr) *history = recorder->table();
   } catch (const std::exception& error) {
     result.failed = true;
-    result.status = error.what();
+    result.status = what_of(error);
   }
   result.cpu = thread_seconds() - begin;
   return result;

@@ -11,7 +11,7 @@ namespace {
 
 std::string type_in_flight() {
   const std::type_info* type = abi::__cxa_current_exception_type();
-  if (type == nullptr) return "something of a foreign language";
+  if (type == nullptr) return "something that is no C++ exception";
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> name(abi::__cxa_demangle(type->name(), nullptr, nullptr, &status),
                                                     std::free);
@@ -20,11 +20,17 @@ std::string type_in_flight() {
 
 }  // namespace
 
+std::string what_of(const std::exception& error) {
+  const char* words = error.what();
+  return words == nullptr ? "" : words;
+}
+
 std::string thrown_words(const std::exception_ptr& thrown) {
+  if (!thrown) return "something that is no C++ exception";
   try {
     std::rethrow_exception(thrown);
   } catch (const std::exception& error) {
-    std::string words = error.what();
+    std::string words = what_of(error);
     const auto* outer = dynamic_cast<const std::nested_exception*>(&error);
     if (outer != nullptr && outer->nested_ptr() != nullptr) words += ": " + thrown_words(outer->nested_ptr());
     return words.empty() ? type_in_flight() + " without words" : words;

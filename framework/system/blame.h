@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <string>
+#include <typeinfo>
 
 #include "framework/force/force.h"
 #include "framework/lock/lock.h"
@@ -46,7 +47,8 @@ void set_up(Thing& thing) {
   try {
     thing.setup();
   } catch (const ModelError& error) {
-    if (thing.origin().empty() || thing.origin() == "built in") throw;
+    // a class of its own carries more than words
+    if (thing.origin().empty() || thing.origin() == "built in" || typeid(error) != typeid(ModelError)) throw;
     throw ModelError(label(thing) + ": " + error.what());
   } catch (...) {
     rethrow_named(thing, 0.0);

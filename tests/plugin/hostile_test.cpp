@@ -1,5 +1,6 @@
 // Files that are no plugins, damaged ones, and plugins that register badly: each is refused by a PluginError that says
 // why, and the host goes on.
+#include <elf.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -32,6 +33,12 @@ std::string changed(std::size_t at, const std::string& bytes) {
 }
 
 std::string two_bytes(unsigned value) { return {static_cast<char>(value & 255), static_cast<char>(value >> 8)}; }
+
+std::string eight_bytes(std::uint64_t value) {
+  std::string bytes;
+  for (int k = 0; k < 8; ++k) bytes += static_cast<char>(value >> (8 * k));
+  return bytes;
+}
 
 std::string hostile(const std::string& name, const std::string& bytes) {
   return plugin_file("hostile", name + ".so", bytes);
@@ -133,6 +140,15 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
       {"gives up half way", "plugin 'half': the other half is missing", [] { return kModules + "/half.so"; }},
       {"a library that it needs is not there", "libgcc_x.so.1",
        [] { return hostile("orphan", replaced(unsealed(kProbe), "libgcc_s.so.1", "libgcc_x.so.1")); }},
+      {"versions without their table", "versions that no table names",
+       [] {
+         std::string bytes = unsealed(kProbe);
+         for (const std::uint64_t tag : {DT_VERNEED, DT_VERNEEDNUM})  // entries that the system's loader passes over
+           bytes = replaced(bytes, eight_bytes(tag), eight_bytes(DT_LOPROC + 5 + (tag - DT_VERNEED)));
+         return hostile("versions", bytes);
+       }},
+      {"a file with the name of what is built in", "the name of what lockstep brings itself",
+       [] { return hostile("built in", unsealed(kProbe)); }},
       {"a folder", "is a folder, no plain file",
        [] {
          const std::string path = kModules + "/hostile/folder.so";
@@ -192,12 +208,27 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   CHECK(contains(rude("bad key"), "plugin 'rude': law 'odd' cannot be registered"));
   CHECK(rude("std") == "plugin 'rude': registering threw: no such cam");
   CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is no exception");
+  CHECK(rude("no words") ==
+        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without words");
+  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is no C++ exception");
+  CHECK(contains(rude("bell"), "its help is no plain line of text"));
+  CHECK(contains(rude("latin"), "its name is no plain line of text"));
+  CHECK(contains(rude("key bell"), "the name of its key number 0 is no plain line of text"));
   CHECK(rude("error") == "plugin 'rude': a model that cannot be");
   CHECK(rude("nested") == "plugin 'rude': cam.csv cannot be read: line 3 has no number");
   Registry with_probe = builtin_registry();
   load_plugin(with_probe, kProbe);
   CHECK(rude("as probe", with_probe) ==
         "plugin 'rude': law 'probe_law' (plugin rude) is there already (plugin probe); choose another name");
+}
+
+TEST_CASE("a plugin cannot say that it is built in", "[plugin][hostile]") {
+  setenv("LOCKSTEP_TEST_RUDE", "built in", 1);
+  Registry registry;
+  load_plugin(registry, kModules + "/rude.so");
+  unsetenv("LOCKSTEP_TEST_RUDE");
+  REQUIRE(registry.laws.find("rude_law") != nullptr);
+  CHECK(registry.laws.find("rude_law")->origin == "rude");
 }
 
 TEST_CASE("two registries in one process do not see each other", "[plugin]") {

@@ -87,6 +87,10 @@ TEST_CASE("new-plugin refuses names that cannot be", "[plugin][new_plugin]") {
   CHECK(contains(refusal("law", "dopri5"), "is an integrator of lockstep already"));
   CHECK(contains(refusal("law", "motion"), "would be MotionLaw, which lockstep has"));
   CHECK(contains(refusal("force", "test"), "a target that every CMake project has"));
+  for (const char* target : {"edit_cache", "rebuild_cache", "preinstall"})
+    CHECK(contains(refusal("force", target), "a target that every CMake project has"));
+  CHECK(contains(refusal("link", std::string(61, 'a')), "at most 60"));
+  CHECK(contains(refusal("link", "libra"), "begins with \"lib\", which lockstep cuts"));
   CHECK_FALSE(fs::exists(kPlace));
   const testing::Called r = call("new-plugin gear mine");
   CHECK(r.exit == kExitUsage);

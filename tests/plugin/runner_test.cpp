@@ -199,6 +199,9 @@ TEST_CASE("several plugins stand before, between and after the other words", "[r
   INFO(before.text);
   CHECK(before.exit == 0);
   CHECK(call("list " + one + " laws").exit == 0);
+  const Called twice = call("list laws " + one + " --plugin bump --plugin '" + plugins + "/../plugins/bump.so'");
+  INFO(twice.text);
+  CHECK(twice.exit == 0);
 }
 
 TEST_CASE("a table is never written where its picture goes", "[runner]") {

@@ -176,3 +176,28 @@ TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code
   }
   CHECK(caught);
 }
+
+TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one gets the name", "[plugin][user_code]") {
+  struct KeyError final : ModelError {
+    using ModelError::ModelError;
+  };
+  struct Wind final : Force {
+    bool own;
+    explicit Wind(bool own_class) : Force("F"), own(own_class) { set_origin("weather"); }
+    std::string_view type() const override { return "wind"; }
+    std::vector<const Marker*> markers() const override { return {}; }
+    void setup() override {
+      if (own) throw KeyError("no speed");
+      throw ModelError("no speed");
+    }
+    void apply(const Inputs&, WrenchSum&) const override {}
+  };
+  const auto set_up_with = [](bool own) {
+    System system;
+    system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    system.add(std::make_unique<Wind>(own));
+    system.setup();
+  };
+  CHECK_THROWS_AS(set_up_with(true), KeyError);
+  CHECK(thrown_by([&] { set_up_with(false); }) == "ModelError: force 'F' (wind of plugin weather): no speed");
+}

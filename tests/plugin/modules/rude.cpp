@@ -1,4 +1,6 @@
 // A plugin that registers badly, in the way that LOCKSTEP_TEST_RUDE says.
+#include <unwind.h>
+
 #include <cstdlib>
 #include <exception>
 #include <stdexcept>
@@ -12,6 +14,18 @@ struct Still final : lockstep::MotionLaw {
 };
 
 lockstep::LawPtr<lockstep::MotionLaw> still(const lockstep::Params&) { return std::make_shared<Still>(); }
+
+struct Silent final : std::exception {
+  const char* what() const noexcept override { return nullptr; }
+};
+
+// As the runtime of another language throws.
+void throw_foreign() {
+  static _Unwind_Exception thrown{};
+  thrown.exception_class = 0x1234;
+  thrown.exception_cleanup = nullptr;
+  _Unwind_RaiseException(&thrown);
+}
 
 }  // namespace
 
@@ -28,6 +42,13 @@ LOCKSTEP_PLUGIN(registry) {
     registry.laws.add({"odd", "", {{"a", lockstep::Form::text, lockstep::Unit::none, "no JSON", ""}}}, &still);
   if (how == "std") throw std::out_of_range("no such cam");
   if (how == "int") throw 42;
+  if (how == "no words") throw Silent();
+  if (how == "foreign") throw_foreign();
+  if (how == "built in") registry.laws.set_origin("built in");
+  if (how == "bell") registry.laws.add({"loud", "rings: \a", {}}, &still);
+  if (how == "latin") registry.laws.add({"l\xe4ut", "", {}}, &still);
+  if (how == "key bell")
+    registry.laws.add({"loud", "", {{"a\a", lockstep::Form::number, lockstep::Unit::none, "1", ""}}}, &still);
   if (how == "error") throw lockstep::ModelError("a model that cannot be");
   if (how == "nested") {
     try {
