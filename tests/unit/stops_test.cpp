@@ -118,7 +118,7 @@ TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
 
 TEST_CASE("scene: friction is refused where a law turns the axis away", "[unit][scene]") {
   Mechanism m =
-      made(arm(R"("turn": {"type": "constant", "value": {"axis": "x", "angle": 1}}, "friction": {"mu": 0.1})"));
+      made(arm(R"("turn": {"type": "constant", "orientation": {"axis": "x", "angle": 1}}, "friction": {"mu": 0.1})"));
   check_words(testing::message_of<ModelError>([&] { m.system.setup(); }), {"'A.friction'", "\"turn\"", "axis"});
 }
 
