@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 #include "integrators/embedded_runge_kutta.h"
 
 namespace lockstep {

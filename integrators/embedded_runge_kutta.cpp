@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/kkt/stop_rule.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 

@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "framework/dynamics/integrator.h"
-#include "framework/dynamics/runge_kutta.h"
-#include "framework/dynamics/singular_rate.h"
-#include "framework/dynamics/step_control.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
+#include "framework/dynamics/integrate/singular_rate.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/mechanism/params/params.h"
 #include "integrators/stiffness.h"
 
 namespace lockstep {

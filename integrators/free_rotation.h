@@ -7,8 +7,8 @@
 // kept exactly (Dullweber, Leimkuhler & McLachlan 1997).
 #pragma once
 
-#include "framework/math/quaternion.h"
-#include "framework/support/export.h"
+#include "framework/foundation/math/quaternion.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 

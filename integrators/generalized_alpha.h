@@ -11,10 +11,10 @@
 
 #include <memory>
 
-#include "framework/dynamics/implicit.h"
-#include "framework/dynamics/integrator.h"
-#include "framework/dynamics/step_control.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/evaluate/implicit.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/mechanism/params/params.h"
 #include "integrators/quintic_output.h"
 
 namespace lockstep {

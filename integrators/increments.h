@@ -8,8 +8,8 @@
 //   D' = w + (D x w)/2 + k D x (D x w),   k = (1 - (a/2) cot(a/2))/a^2,   a = |D|
 #pragma once
 
-#include "framework/model/state.h"
-#include "framework/support/export.h"
+#include "framework/mechanism/model/state.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 

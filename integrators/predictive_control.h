@@ -2,8 +2,8 @@
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 #pragma once
 
-#include "framework/support/export.h"
-#include "framework/support/snapshot.h"
+#include "framework/foundation/support/export.h"
+#include "framework/foundation/support/snapshot.h"
 
 namespace lockstep {
 

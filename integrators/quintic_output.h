@@ -7,8 +7,8 @@
 // three stages has h^4 only.
 #pragma once
 
-#include "framework/model/state.h"
-#include "framework/support/export.h"
+#include "framework/mechanism/model/state.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/runge_kutta.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
+#include "framework/foundation/support/error.h"
 #include "integrators/increments.h"
 
 namespace lockstep {

@@ -9,9 +9,9 @@
 
 #include <memory>
 
-#include "framework/dynamics/integrator.h"
-#include "framework/dynamics/step_control.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/mechanism/params/params.h"
 #include "integrators/linearized_motion.h"
 #include "integrators/predictive_control.h"
 #include "integrators/quintic_output.h"

@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include "framework/dynamics/runge_kutta.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 

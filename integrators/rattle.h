@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/dynamics/integrator.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/mechanism/params/params.h"
 #include "integrators/free_rotation.h"
 
 namespace lockstep {

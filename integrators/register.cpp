@@ -1,6 +1,6 @@
 #include "integrators/register.h"
 
-#include "framework/plugin/registry.h"
+#include "framework/description/registry/registry.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "integrators/generalized_alpha.h"

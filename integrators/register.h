@@ -1,7 +1,7 @@
 // The integrators that come with lockstep.
 #pragma once
 
-#include "framework/support/export.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 

@@ -1,9 +1,9 @@
 // rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.
 #pragma once
 
-#include "framework/dynamics/integrator.h"
-#include "framework/dynamics/runge_kutta.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // Source of the scheme: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), I.1.2.
 #include "integrators/semi_implicit_euler.h"
 
-#include "framework/dynamics/runge_kutta.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
 
 namespace lockstep {
 

@@ -3,8 +3,8 @@
 //   v1 = v + h a(t, q, v),  q1 = q (+) h v1 (exponential),  s1 = s + h s'(t, q, v)
 #pragma once
 
-#include "framework/dynamics/integrator.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

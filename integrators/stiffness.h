@@ -7,8 +7,8 @@
 // step. An undamped oscillation must be followed by any method, a mode that is decaying now as well.
 #pragma once
 
-#include "framework/support/export.h"
-#include "framework/support/snapshot.h"
+#include "framework/foundation/support/export.h"
+#include "framework/foundation/support/snapshot.h"
 
 namespace lockstep {
 

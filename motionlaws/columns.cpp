@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string_view>
 
-#include "framework/support/error.h"
-#include "framework/support/text.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
 
 namespace lockstep {
 namespace {

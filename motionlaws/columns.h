@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/math/types.h"
-#include "framework/support/export.h"
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

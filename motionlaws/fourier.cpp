@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 #include "motionlaws/checks.h"
 
 namespace lockstep {

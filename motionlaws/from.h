@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/math/jet.h"
-#include "framework/model/motion_law.h"
+#include "framework/foundation/math/jet.h"
+#include "framework/mechanism/model/motion_law.h"
 #include "motionlaws/rotation_value.h"
 
 namespace lockstep {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 #include "motionlaws/spline_curve.h"
 
 namespace lockstep {

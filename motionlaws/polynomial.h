@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

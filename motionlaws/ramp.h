@@ -1,7 +1,7 @@
 // Law 'ramp'.
 #pragma once
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
 #include "motionlaws/register.h"
 
-#include "framework/plugin/registry.h"
+#include "framework/description/registry/registry.h"
 #include "motionlaws/combine.h"
 #include "motionlaws/constant.h"
 #include "motionlaws/fourier.h"

@@ -1,7 +1,7 @@
 // Laws 'poly345', 'cycloid' and 'harmonic_rise': a rise in a given time, constant before and after.
 #pragma once
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

@@ -1,8 +1,8 @@
 // From a quaternion on jets of time to a RotationValue.
 #pragma once
 
-#include "framework/math/jet.h"
-#include "framework/model/motion_law.h"
+#include "framework/foundation/math/jet.h"
+#include "framework/mechanism/model/motion_law.h"
 
 namespace lockstep {
 

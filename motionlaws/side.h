@@ -1,7 +1,7 @@
 // On which side of a jump an instant lies, and whether two pieces of law meet with one.
 #pragma once
 
-#include "framework/model/motion_law.h"
+#include "framework/mechanism/model/motion_law.h"
 
 namespace lockstep {
 

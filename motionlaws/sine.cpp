@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 #include "motionlaws/checks.h"
 
 namespace lockstep {

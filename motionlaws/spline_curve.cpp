@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/checks.h"
 #include "motionlaws/side.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 #include "motionlaws/columns.h"
 #include "motionlaws/spline_curve.h"
 

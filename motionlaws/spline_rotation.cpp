@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/model/read.h"
+#include "framework/mechanism/params/read.h"
 #include "motionlaws/checks.h"
 #include "motionlaws/rotation_value.h"
 #include "motionlaws/spline_params.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lock/phi_lock.h"
+#include "framework/mechanism/lock/phi_lock.h"
 #include "framework/lockstep.h"
 #include "samples/shared/output.h"
 

@@ -1,10 +1,10 @@
-# Headers keep their paths, so an include line is the same here and in a client: #include "framework/lock/kernel.h".
+# Headers keep their paths, so an include line is the same here and in a client: #include "framework/mechanism/lock/kernel.h".
 # Four components, which packages.cmake makes Debian packages of: library, development, program, plugins.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
 
-install(TARGETS lockstep EXPORT lockstepTargets
+install(TARGETS lockstep_core lockstep_scene lockstep_tools lockstep EXPORT lockstepTargets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # Empty names, or the plugins without which the library has no laws and no integrators.
 install(TARGETS lockstep_motionlaws lockstep_integrators EXPORT lockstepTargets
@@ -15,15 +15,15 @@ endif()
 
 foreach(folder framework motionlaws integrators)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN runner EXCLUDE PATTERN cmake EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN program EXCLUDE PATTERN cmake EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/generated/framework/version.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep/framework COMPONENT development)
 
 install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
-install(FILES framework/scene/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
-install(FILES LICENSE README.md framework/CHANGELOG.md framework/lock/THEORY.md
+install(FILES framework/description/scene/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
+install(FILES LICENSE README.md framework/CHANGELOG.md framework/mechanism/lock/THEORY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # What a user copies from: the page on plugins with its examples, and a host of plugins.

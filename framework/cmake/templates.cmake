@@ -1,6 +1,6 @@
-# The templates of `lockstep new-plugin` as texts inside the program: framework/runner/templates/<kind>/<file>. They are
+# The templates of `lockstep new-plugin` as texts inside the program: framework/tools/program/templates/<kind>/<file>. They are
 # whole plugins, and the tests build and run them as they stand.
-file(GLOB_RECURSE template_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/framework/runner/templates/*)
+file(GLOB_RECURSE template_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/framework/tools/program/templates/*)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${template_files})
 set(template_texts "")
 foreach(template_file IN LISTS template_files)
@@ -10,9 +10,9 @@ foreach(template_file IN LISTS template_files)
   cmake_path(GET folder FILENAME kind)
   string(APPEND template_texts "    {\"${kind}\", \"${name}\", R\"lockstep(${text})lockstep\"},\n")
 endforeach()
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/framework/runner/template_files.cpp @ONLY CONTENT
-"// Written by the configuration from framework/runner/templates.
-#include \"framework/runner/new_plugin.h\"
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/framework/tools/program/template_files.cpp @ONLY CONTENT
+"// Written by the configuration from framework/tools/program/templates.
+#include \"framework/tools/program/new_plugin.h\"
 
 namespace lockstep {
 

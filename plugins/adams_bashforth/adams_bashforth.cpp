@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/plugin/plugin.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // A force as a plugin: the drag of the air, which is at rest, on the point P.
 //
 //   F = -c |v| v at P,   v: velocity of P in the world,   c = coefficient, or density area shape/2
-#include "framework/force/marker_force.h"
-#include "framework/force/variation.h"
-#include "framework/plugin/plugin.h"
+#include "framework/mechanism/forces/marker_force.h"
+#include "framework/mechanism/forces/variation.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

@@ -13,8 +13,8 @@
 #include <exception>
 #include <limits>
 
-#include "framework/dynamics/step_control.h"
-#include "framework/plugin/plugin.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/description/registry/plugin.h"
 #include "ida_memory.h"
 
 namespace {

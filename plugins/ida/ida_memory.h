@@ -9,7 +9,7 @@
 #include <new>
 #include <type_traits>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 
 namespace lockstep::ida_plugin {
 

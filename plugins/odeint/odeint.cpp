@@ -10,8 +10,8 @@
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 
-#include "framework/dynamics/step_control.h"
-#include "framework/plugin/plugin.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Every type of error of framework/support/error.h and user_code_error.h: how to catch it, what it carries, and what
+// Every type of error of framework/foundation/support/error.h and user_code_error.h: how to catch it, what it carries, and what
 // provokes it.
 #include "errors.h"
 

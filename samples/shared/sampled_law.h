@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/model/motion_law.h"
+#include "framework/mechanism/model/motion_law.h"
 
 namespace lockstep::samples {
 

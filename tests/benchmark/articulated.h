@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 
 namespace lockstep::benchmark {
 

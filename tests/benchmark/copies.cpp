@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/analysis/work_precision.h"
-#include "framework/copies/batch.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/support/error.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/batch/batch.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/copies_of.h"
 
 using namespace lockstep;

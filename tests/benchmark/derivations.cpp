@@ -5,11 +5,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/analysis/assembly.h"
-#include "framework/analysis/work_precision.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/joints.h"
-#include "framework/record/chart.h"
+#include "framework/dynamics/simulate/assembly.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/tools/charts/chart.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "samples/shared/output.h"

@@ -3,11 +3,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/analysis/assembly.h"
-#include "framework/analysis/work_precision.h"
-#include "framework/dynamics/implicit.h"
-#include "framework/record/chart.h"
-#include "framework/record/recorder.h"
+#include "framework/dynamics/simulate/assembly.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/dynamics/evaluate/implicit.h"
+#include "framework/tools/charts/chart.h"
+#include "framework/tools/record/recorder.h"
 #include "integrators/rk4.h"
 #include "samples/shared/output.h"
 #include "tests/support/economies.h"

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <string>
 
-#include "framework/analysis/work_precision.h"
+#include "framework/tools/analysis/work_precision.h"
 #include "framework/lockstep.h"
-#include "framework/record/channel.h"
+#include "framework/tools/record/channel.h"
 #include "samples/shared/output.h"
 #include "tests/support/paths.h"
 

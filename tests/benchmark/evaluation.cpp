@@ -4,11 +4,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/analysis/work_precision.h"
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/kkt/sparse_solver.h"
-#include "framework/links/joints.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/dynamics/solvers/sparse_solver.h"
+#include "framework/mechanism/links/joints.h"
 #include "samples/shared/output.h"
 #include "tests/benchmark/articulated.h"
 

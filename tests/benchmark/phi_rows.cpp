@@ -7,14 +7,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/analysis/work_precision.h"
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/functions.h"
-#include "framework/links/gears.h"
-#include "framework/links/joints.h"
-#include "framework/links/screw.h"
-#include "framework/links/universal.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/gears.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/mechanism/links/screw.h"
+#include "framework/mechanism/links/universal.h"
 #include "samples/shared/output.h"
 #include "tests/support/hand_joints.h"
 

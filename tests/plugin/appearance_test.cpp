@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "framework/builtins.h"
-#include "framework/plugin/loader.h"
-#include "framework/scene/schema.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/registry/loader.h"
+#include "framework/description/scene/schema.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

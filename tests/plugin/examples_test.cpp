@@ -1,15 +1,15 @@
 // The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
 #include <cmath>
 
-#include "framework/builtins.h"
-#include "framework/check/check_force.h"
-#include "framework/check/check_integrator.h"
-#include "framework/check/check_law.h"
-#include "framework/check/check_lock.h"
-#include "framework/dynamics/simulation.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/plugin/loader.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_force.h"
+#include "framework/tools/check/check_integrator.h"
+#include "framework/tools/check/check_law.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/description/registry/loader.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <functional>
 
-#include "framework/builtins.h"
-#include "framework/plugin/loader.h"
-#include "framework/plugin/seal.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/registry/loader.h"
+#include "framework/description/registry/seal.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

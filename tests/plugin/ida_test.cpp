@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <string>
 
-#include "framework/builtins.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/joints.h"
-#include "framework/plugin/loader.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/description/registry/loader.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 

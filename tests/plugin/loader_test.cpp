@@ -1,5 +1,5 @@
 // Plugins: found, read, checked before their code runs, taken whole or not at all.
-#include "framework/plugin/loader.h"
+#include "framework/description/registry/loader.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -1,15 +1,15 @@
 // `lockstep new-plugin`: what it writes, and what it refuses. That what it writes builds and passes is tested from the
 // installed package (tests/install/new_plugin.sh) and of the templates themselves (tests template.*).
-#include "framework/runner/new_plugin.h"
+#include "framework/tools/program/new_plugin.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "framework/builtins.h"
-#include "framework/runner/commands.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/program/commands.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

@@ -1,9 +1,9 @@
 // The plugin odeint: a foreign explicit method, its order and its error against the tolerance.
 #include <string>
 
-#include "framework/builtins.h"
-#include "framework/plugin/loader.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/registry/loader.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 

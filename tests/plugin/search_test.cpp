@@ -1,5 +1,5 @@
 // Where plugins may come from: folders, links, who may write there, and what a scene may ask for.
-#include "framework/plugin/search.h"
+#include "framework/description/registry/search.h"
 
 #include <unistd.h>
 
@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "framework/builtins.h"
-#include "framework/plugin/loader.h"
-#include "framework/plugin/survey.h"
-#include "framework/scene/scene.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/registry/loader.h"
+#include "framework/description/registry/survey.h"
+#include "framework/description/scene/scene.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

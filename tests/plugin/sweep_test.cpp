@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/record/table.h"
+#include "framework/tools/record/table.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

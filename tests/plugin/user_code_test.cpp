@@ -3,13 +3,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/analysis/assembly.h"
-#include "framework/builtins.h"
-#include "framework/kkt/sparse_solver.h"
-#include "framework/links/joints.h"
-#include "framework/plugin/loader.h"
-#include "framework/scene/scene.h"
-#include "framework/system/system.h"
+#include "framework/dynamics/simulate/assembly.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/dynamics/solvers/sparse_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/description/registry/loader.h"
+#include "framework/description/scene/scene.h"
+#include "framework/mechanism/system/system.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

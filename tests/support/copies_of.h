@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "framework/analysis/assembly.h"
-#include "framework/force/spring_damper.h"
-#include "framework/kkt/schur_solver.h"
+#include "framework/dynamics/simulate/assembly.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/dynamics/solvers/schur_solver.h"
 #include "motionlaws/from.h"
 #include "tests/support/mechanism.h"
 

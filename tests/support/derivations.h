@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/lock/marker_frame.h"
-#include "framework/lock/marker_lock.h"
-#include "framework/math/jet.h"
-#include "framework/system/system.h"
+#include "framework/mechanism/lock/marker_frame.h"
+#include "framework/mechanism/lock/marker_lock.h"
+#include "framework/foundation/math/jet.h"
+#include "framework/mechanism/system/system.h"
 #include "tests/support/constraint.h"
 #include "tests/support/counted.h"
 #include "tests/support/paper_lock.h"

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/functions.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/joints.h"
 #include "motionlaws/ramp.h"
 #include "motionlaws/sine.h"
 #include "motionlaws/translations.h"

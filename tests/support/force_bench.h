@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/force/force.h"
-#include "framework/lock/marker_frame.h"
+#include "framework/mechanism/forces/force.h"
+#include "framework/mechanism/lock/marker_frame.h"
 #include "tests/support/configuration.h"
 
 namespace lockstep::oracle {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "framework/lock/marker_lock.h"
+#include "framework/mechanism/lock/marker_lock.h"
 
 namespace lockstep::hand {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/math/jet.h"
-#include "framework/model/motion_law.h"
+#include "framework/foundation/math/jet.h"
+#include "framework/mechanism/model/motion_law.h"
 #include "tests/support/catch.h"
 
 namespace lockstep::test {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <utility>
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/joints.h"
 
 namespace lockstep::testing {
 

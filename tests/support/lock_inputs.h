@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "framework/links/joints.h"
-#include "framework/lock/kernel.h"
-#include "framework/system/system.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/mechanism/lock/kernel.h"
+#include "framework/mechanism/system/system.h"
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"
 

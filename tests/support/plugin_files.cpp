@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/plugin/loader.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/loader.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

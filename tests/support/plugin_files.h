@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "framework/plugin/abi.h"
-#include "framework/plugin/registry.h"
+#include "framework/description/registry/abi.h"
+#include "framework/description/registry/registry.h"
 
 namespace lockstep::testing {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "framework/kkt/kkt.h"
+#include "framework/dynamics/solvers/kkt.h"
 
 namespace lockstep::test {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/builtins.h"
-#include "framework/record/recorder.h"
-#include "framework/scene/observe.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/record/recorder.h"
+#include "framework/tools/record/observe.h"
 #include "tests/support/run_with_registry.h"
 
 namespace lockstep {

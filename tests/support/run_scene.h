@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "framework/record/table.h"
-#include "framework/scene/scene.h"
+#include "framework/tools/record/table.h"
+#include "framework/description/scene/scene.h"
 
 namespace lockstep {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "framework/model/json.h"
-#include "framework/model/params.h"
+#include "framework/mechanism/params/json.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

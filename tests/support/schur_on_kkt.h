@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "framework/kkt/schur_solver.h"
+#include "framework/dynamics/solvers/schur_solver.h"
 #include "tests/support/random_kkt.h"
 
 namespace lockstep::test {

@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/simulation.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/joints.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/foundation/support/error.h"
 #include "integrators/dop853.h"
 #include "integrators/rk4.h"
 #include "integrators/semi_implicit_euler.h"

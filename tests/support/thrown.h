@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/support/user_code_error.h"
+#include "framework/foundation/support/user_code_error.h"
 
 namespace lockstep::testing {
 

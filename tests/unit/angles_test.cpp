@@ -1,8 +1,8 @@
-#include "framework/model/angles.h"
+#include "framework/mechanism/params/angles.h"
 
 #include <random>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

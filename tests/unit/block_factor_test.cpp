@@ -1,4 +1,4 @@
-#include "framework/kkt/block_factor.h"
+#include "framework/dynamics/solvers/block_factor.h"
 
 #include <Eigen/LU>
 #include <random>

@@ -1,4 +1,4 @@
-#include "framework/kkt/block_plan.h"
+#include "framework/dynamics/solvers/block_plan.h"
 
 #include <algorithm>
 #include <random>

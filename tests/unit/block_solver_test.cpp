@@ -1,8 +1,8 @@
-#include "framework/kkt/block_solver.h"
+#include "framework/dynamics/solvers/block_solver.h"
 
-#include "framework/kkt/dense_solver.h"
-#include "framework/model/params.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
 #include "tests/support/solver_checks.h"
 

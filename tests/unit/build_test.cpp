@@ -1,9 +1,9 @@
 // Scenes that are right: what the mechanism is made of.
-#include "framework/scene/scene.h"
+#include "framework/description/scene/scene.h"
 
-#include "framework/builtins.h"
-#include "framework/lock/marker_lock.h"
-#include "framework/scene/observe.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/mechanism/lock/marker_lock.h"
+#include "framework/tools/record/observe.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

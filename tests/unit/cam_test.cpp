@@ -1,15 +1,15 @@
 // Cams: the distance of a roller and of a flat face, held against a search along the profile; turn after turn; what
 // profiles are refused.
-#include "framework/links/cam.h"
+#include "framework/mechanism/links/cam.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/builtins.h"
-#include "framework/check/check_lock.h"
-#include "framework/model/json.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/mechanism/params/json.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/from.h"
 #include "motionlaws/spline.h"
 #include "tests/support/catch.h"

@@ -1,9 +1,9 @@
 // Digits of channels, on tables written down by hand.
-#include "framework/analysis/certificate.h"
+#include "framework/tools/analysis/certificate.h"
 
 #include <cmath>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 
 namespace lockstep {

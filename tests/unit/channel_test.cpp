@@ -1,17 +1,17 @@
-#include "framework/record/channel.h"
+#include "framework/tools/record/channel.h"
 
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "framework/force/spring_damper.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/joints.h"
-#include "framework/model/angles.h"
-#include "framework/record/quadrature.h"
-#include "framework/record/recorder.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/mechanism/params/angles.h"
+#include "framework/tools/record/quadrature.h"
+#include "framework/tools/record/recorder.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/from.h"
 #include "motionlaws/ramp.h"
 #include "tests/support/catch.h"

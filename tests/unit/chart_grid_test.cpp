@@ -1,4 +1,4 @@
-#include "framework/record/chart_grid.h"
+#include "framework/tools/charts/chart_grid.h"
 
 #include <unistd.h>
 
@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/record/gnuplot.h"
-#include "framework/support/error.h"
+#include "framework/tools/charts/gnuplot.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,4 +1,4 @@
-#include "framework/record/chart.h"
+#include "framework/tools/charts/chart.h"
 
 #include <unistd.h>
 
@@ -9,8 +9,8 @@
 #include <limits>
 #include <sstream>
 
-#include "framework/record/gnuplot.h"
-#include "framework/support/error.h"
+#include "framework/tools/charts/gnuplot.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

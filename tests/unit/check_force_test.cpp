@@ -1,9 +1,9 @@
 // check_force: right forces pass, wrong ones are named in words.
-#include "framework/check/check_force.h"
+#include "framework/tools/check/check_force.h"
 
-#include "framework/builtins.h"
-#include "framework/lock/marker_frame.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/mechanism/lock/marker_frame.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 

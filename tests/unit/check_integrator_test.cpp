@@ -1,11 +1,11 @@
 // check_integrator: right methods pass, wrong ones are named in words.
-#include "framework/check/check_integrator.h"
+#include "framework/tools/check/check_integrator.h"
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
-#include "framework/builtins.h"
-#include "framework/check/closed_motion.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/closed_motion.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,10 +1,10 @@
 // check_law: right laws pass, wrong ones are named in words.
-#include "framework/check/check_law.h"
+#include "framework/tools/check/check_law.h"
 
 #include <cmath>
 
-#include "framework/builtins.h"
-#include "framework/check/slope.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/slope.h"
 #include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"

@@ -1,10 +1,10 @@
 // check_lock: right links pass, wrong ones are named in words.
-#include "framework/check/check_lock.h"
+#include "framework/tools/check/check_lock.h"
 
-#include "framework/builtins.h"
-#include "framework/links/joints.h"
-#include "framework/lock/phi_lock.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/mechanism/lock/phi_lock.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 

@@ -1,12 +1,12 @@
 // Points on curves and followers of paths: held against a search along the curve; round and round; what is refused.
-#include "framework/links/curve.h"
+#include "framework/mechanism/links/curve.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/check/check_lock.h"
-#include "framework/support/error.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/from.h"
 #include "motionlaws/path.h"
 #include "motionlaws/translations.h"

@@ -1,7 +1,7 @@
-#include "framework/kkt/dense_solver.h"
+#include "framework/dynamics/solvers/dense_solver.h"
 
-#include "framework/model/params.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
 #include "tests/support/messages.h"
 #include "tests/support/solver_checks.h"

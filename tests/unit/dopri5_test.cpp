@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

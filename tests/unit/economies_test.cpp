@@ -1,8 +1,8 @@
 // A feature that a scene does not use costs nothing: unknowns, rows, operations and evaluations, absent and present.
 #include "tests/support/economies.h"
 
-#include "framework/dynamics/simulation.h"
-#include "framework/record/recorder.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/tools/record/recorder.h"
 #include "integrators/rk4.h"
 #include "tests/support/catch.h"
 

@@ -1,7 +1,7 @@
 #include <limits>
 
-#include "framework/force/applied_force.h"
-#include "framework/force/applied_torque.h"
+#include "framework/mechanism/forces/applied_force.h"
+#include "framework/mechanism/forces/applied_torque.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

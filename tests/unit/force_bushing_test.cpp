@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "framework/force/bushing.h"
+#include "framework/mechanism/forces/bushing.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

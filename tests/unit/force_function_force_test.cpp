@@ -1,5 +1,5 @@
-#include "framework/force/function_force.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/forces/function_force.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

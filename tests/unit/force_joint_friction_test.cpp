@@ -1,8 +1,8 @@
-#include "framework/force/joint_friction.h"
+#include "framework/mechanism/forces/joint_friction.h"
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/joints.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

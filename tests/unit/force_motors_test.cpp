@@ -1,5 +1,5 @@
-#include "framework/force/force_motor.h"
-#include "framework/force/torque_motor.h"
+#include "framework/mechanism/forces/force_motor.h"
+#include "framework/mechanism/forces/torque_motor.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

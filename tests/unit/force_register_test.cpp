@@ -1,7 +1,7 @@
-#include "framework/force/register.h"
+#include "framework/mechanism/forces/register.h"
 
-#include "framework/plugin/registry.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/registry.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "framework/force/torsion_spring_damper.h"
+#include "framework/mechanism/forces/torsion_spring_damper.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

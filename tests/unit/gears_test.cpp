@@ -1,14 +1,14 @@
 // Gears, belts, differentials, racks and screws: which way they turn, from any start; their check; what is refused.
-#include "framework/links/gears.h"
+#include "framework/mechanism/links/gears.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/check/check_lock.h"
-#include "framework/links/rack_and_pinion.h"
-#include "framework/links/screw.h"
-#include "framework/support/error.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/mechanism/links/rack_and_pinion.h"
+#include "framework/mechanism/links/screw.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"

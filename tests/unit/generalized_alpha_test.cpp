@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "framework/force/spring_damper.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

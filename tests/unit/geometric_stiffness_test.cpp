@@ -1,10 +1,10 @@
-#include "framework/lock/geometric_stiffness.h"
+#include "framework/mechanism/lock/geometric_stiffness.h"
 
 #include <complex>
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/functions.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 

@@ -1,8 +1,8 @@
-#include "framework/analysis/grid.h"
+#include "framework/tools/analysis/grid.h"
 
 #include <set>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,11 +1,11 @@
-#include "framework/model/inertia.h"
+#include "framework/mechanism/model/inertia.h"
 
 #include <functional>
 #include <limits>
 #include <random>
 #include <vector>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

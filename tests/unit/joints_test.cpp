@@ -8,9 +8,9 @@
 
 #include <Eigen/SVD>
 
-#include "framework/links/functions.h"
-#include "framework/links/joints.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_functions.h"
 #include "tests/support/lock_inputs.h"

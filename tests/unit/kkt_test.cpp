@@ -1,4 +1,4 @@
-#include "framework/kkt/kkt.h"
+#include "framework/dynamics/solvers/kkt.h"
 
 #include "tests/support/catch.h"
 #include "tests/support/random_kkt.h"

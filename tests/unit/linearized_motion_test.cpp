@@ -1,6 +1,6 @@
 #include "integrators/linearized_motion.h"
 
-#include "framework/force/spring_damper.h"
+#include "framework/mechanism/forces/spring_damper.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

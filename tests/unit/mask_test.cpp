@@ -1,9 +1,9 @@
 // Masks and axes in words, both ways, and what is no word.
-#include "framework/lock/mask.h"
+#include "framework/mechanism/lock/mask.h"
 
 #include <string>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,7 +1,7 @@
 // Bodies bolted together move as one slot: equal motion with fewer unknowns, and what must stay a link stays one.
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/joints.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

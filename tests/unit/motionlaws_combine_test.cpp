@@ -1,6 +1,6 @@
 // Sequence, repeat and the combinations: values against formulas, breakpoints found where they are and nowhere else.
-#include "framework/math/types.h"
-#include "framework/support/error.h"
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/combine.h"
 #include "motionlaws/constant.h"
 #include "motionlaws/polynomial.h"

@@ -3,8 +3,8 @@
 // are known.
 #include <array>
 
-#include "framework/math/types.h"
-#include "framework/support/error.h"
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/constant.h"
 #include "motionlaws/from.h"
 #include "motionlaws/path.h"

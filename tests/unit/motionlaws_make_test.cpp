@@ -3,9 +3,9 @@
 #include <fstream>
 #include <functional>
 
-#include "framework/math/types.h"
-#include "framework/plugin/registry.h"
-#include "framework/support/error.h"
+#include "framework/foundation/math/types.h"
+#include "framework/description/registry/registry.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/combine.h"
 #include "motionlaws/fourier.h"
 #include "motionlaws/path.h"

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <fstream>
 
-#include "framework/math/types.h"
-#include "framework/support/error.h"
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/columns.h"
 #include "motionlaws/spline.h"
 #include "tests/support/law_checks.h"

@@ -2,8 +2,8 @@
 #include <array>
 #include <limits>
 
-#include "framework/math/types.h"
-#include "framework/support/error.h"
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/error.h"
 #include "motionlaws/constant.h"
 #include "motionlaws/fourier.h"
 #include "motionlaws/from.h"

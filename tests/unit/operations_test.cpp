@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "framework/lock/dispatch.h"
-#include "framework/lock/look.h"
+#include "framework/mechanism/lock/dispatch.h"
+#include "framework/mechanism/lock/look.h"
 #include "tests/support/catch.h"
 #include "tests/support/counted.h"
 #include "tests/support/lock_inputs.h"

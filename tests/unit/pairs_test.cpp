@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/builtins.h"
-#include "framework/scene/scene.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/scene/scene.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,11 +1,11 @@
-#include "framework/model/params.h"
+#include "framework/mechanism/params/params.h"
 
 #include <cmath>
 #include <limits>
 
-#include "framework/model/json.h"
-#include "framework/model/read.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/params/json.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

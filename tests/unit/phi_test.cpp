@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "framework/check/check_lock.h"
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/functions.h"
-#include "framework/links/gears.h"
-#include "framework/links/screw.h"
-#include "framework/links/universal.h"
-#include "framework/support/error.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/gears.h"
+#include "framework/mechanism/links/screw.h"
+#include "framework/mechanism/links/universal.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/hand_joints.h"
 #include "tests/support/lock_inputs.h"

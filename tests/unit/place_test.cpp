@@ -1,8 +1,8 @@
-#include "framework/scene/place.h"
+#include "framework/description/scene/place.h"
 
-#include "framework/builtins.h"
-#include "framework/model/json.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/mechanism/params/json.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

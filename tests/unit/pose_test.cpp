@@ -1,5 +1,5 @@
 // Poses: composition and inverse, against points carried one by one.
-#include "framework/math/pose.h"
+#include "framework/foundation/math/pose.h"
 
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"

@@ -1,4 +1,4 @@
-#include "framework/scene/read.h"
+#include "framework/description/scene/read.h"
 
 #include <algorithm>
 #include <clocale>
@@ -11,8 +11,8 @@
 #include <locale>
 #include <random>
 
-#include "framework/scene/write.h"
-#include "framework/support/error.h"
+#include "framework/description/scene/write.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

@@ -1,7 +1,7 @@
-#include "framework/plugin/registry.h"
+#include "framework/description/registry/registry.h"
 
-#include "framework/model/json.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/params/json.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

@@ -1,4 +1,4 @@
-#include "framework/dynamics/runge_kutta.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
 
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

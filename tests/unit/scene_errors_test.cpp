@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/builtins.h"
-#include "framework/scene/observe.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/record/observe.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,15 +1,15 @@
 // The schema: up to date as committed, and one with the tables and the registry.
-#include "framework/scene/schema.h"
+#include "framework/description/scene/schema.h"
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "framework/builtins.h"
-#include "framework/scene/describe.h"
-#include "framework/scene/tables.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/scene/describe.h"
+#include "framework/description/scene/tables.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
@@ -20,7 +20,7 @@ TEST_CASE("the committed schema is the one that the tables make", "[unit][scene]
   REQUIRE(file);
   std::ostringstream text;
   text << file.rdbuf();
-  // When this fails: build/release/bin/lockstep schema > framework/scene/scene.schema.json
+  // When this fails: build/release/bin/lockstep schema > framework/description/scene/scene.schema.json
   CHECK(text.str() == scene_schema(builtin_registry()));
 }
 

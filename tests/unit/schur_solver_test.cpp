@@ -1,11 +1,11 @@
-#include "framework/kkt/schur_solver.h"
+#include "framework/dynamics/solvers/schur_solver.h"
 
-#include "framework/dynamics/dynamics.h"
+#include "framework/dynamics/evaluate/dynamics.h"
 
-#include "framework/kkt/dense_solver.h"
-#include "framework/kkt/schur_plan.h"
-#include "framework/kkt/sparse_solver.h"
-#include "framework/model/params.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/dynamics/solvers/schur_plan.h"
+#include "framework/dynamics/solvers/sparse_solver.h"
+#include "framework/mechanism/params/params.h"
 #include "tests/support/allocations.h"
 #include "tests/support/mechanism.h"
 #include "tests/support/schur_on_kkt.h"

@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulation.h"
+#include "framework/dynamics/simulate/simulation.h"
 
 #include <cmath>
 #include <functional>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/support/error.h"
+#include "framework/foundation/support/error.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "integrators/rk4.h"

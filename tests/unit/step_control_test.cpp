@@ -1,8 +1,8 @@
-#include "framework/dynamics/step_control.h"
+#include "framework/dynamics/integrate/step_control.h"
 
 #include <cmath>
 
-#include "framework/dynamics/runge_kutta.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

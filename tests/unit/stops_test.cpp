@@ -1,5 +1,5 @@
 // One-sided links, stops and friction as scenes say them.
-#include "framework/links/stop.h"
+#include "framework/mechanism/links/stop.h"
 
 #include "framework/lockstep.h"
 #include "tests/support/catch.h"

@@ -1,9 +1,9 @@
 // Runs of a sweep eight at a time against the same runs one by one.
-#include "framework/scene/sweep_lanes.h"
+#include "framework/tools/sweep/sweep_lanes.h"
 
 #include <cmath>
 
-#include "framework/builtins.h"
+#include "framework/description/registry/builtins.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

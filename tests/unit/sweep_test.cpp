@@ -1,10 +1,10 @@
 // A sweep of pendulums against their closed forms.
-#include "framework/scene/sweep.h"
+#include "framework/tools/sweep/sweep.h"
 
 #include <cmath>
 
-#include "framework/analysis/grid.h"
-#include "framework/builtins.h"
+#include "framework/tools/analysis/grid.h"
+#include "framework/description/registry/builtins.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

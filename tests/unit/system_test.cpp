@@ -1,14 +1,14 @@
 // The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
-#include "framework/system/system.h"
+#include "framework/mechanism/system/system.h"
 
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "framework/links/functions.h"
-#include "framework/links/joints.h"
-#include "framework/support/error.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"

@@ -1,4 +1,4 @@
-#include "framework/kkt/tangent.h"
+#include "framework/mechanism/rows/tangent.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

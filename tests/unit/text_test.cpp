@@ -1,4 +1,4 @@
-#include "framework/support/text.h"
+#include "framework/foundation/support/text.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "framework/record/turn_counter.h"
+#include "framework/tools/record/turn_counter.h"
 
 #include "tests/support/catch.h"
 

@@ -1,6 +1,6 @@
-#include "framework/model/units.h"
+#include "framework/mechanism/params/units.h"
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;

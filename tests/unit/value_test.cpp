@@ -1,4 +1,4 @@
-#include "framework/model/value.h"
+#include "framework/mechanism/params/value.h"
 
 #include "tests/support/catch.h"
 

@@ -1,15 +1,15 @@
-#include "framework/force/variation.h"
+#include "framework/mechanism/forces/variation.h"
 
 #include <complex>
 
-#include "framework/force/applied_force.h"
-#include "framework/force/applied_torque.h"
-#include "framework/force/bushing.h"
-#include "framework/force/force_motor.h"
-#include "framework/force/function_force.h"
-#include "framework/force/spring_damper.h"
-#include "framework/force/torque_motor.h"
-#include "framework/force/torsion_spring_damper.h"
+#include "framework/mechanism/forces/applied_force.h"
+#include "framework/mechanism/forces/applied_torque.h"
+#include "framework/mechanism/forces/bushing.h"
+#include "framework/mechanism/forces/force_motor.h"
+#include "framework/mechanism/forces/function_force.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/mechanism/forces/torque_motor.h"
+#include "framework/mechanism/forces/torsion_spring_damper.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

@@ -1,7 +1,7 @@
-#include "framework/scene/vary.h"
+#include "framework/description/scene/vary.h"
 
-#include "framework/builtins.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

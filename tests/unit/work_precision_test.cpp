@@ -1,13 +1,13 @@
 // Work against precision on a mechanism whose motion is known, with an integrator that lies and one that fails.
-#include "framework/analysis/work_precision_chart.h"
+#include "framework/tools/analysis/work_precision_chart.h"
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 
-#include "framework/kkt/sparse_solver.h"
-#include "framework/links/joints.h"
-#include "framework/support/error.h"
+#include "framework/dynamics/solvers/sparse_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/foundation/support/error.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"
 #include "integrators/rk4.h"

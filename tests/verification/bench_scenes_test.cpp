@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/builtins.h"
-#include "framework/scene/scene.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/scene/scene.h"
 #include "tests/benchmark/peers/scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "framework/builtins.h"
-#include "framework/dynamics/dynamics.h"
-#include "framework/dynamics/simulation.h"
-#include "framework/kkt/schur_solver.h"
-#include "framework/links/cam.h"
-#include "framework/links/curve.h"
-#include "framework/links/joints.h"
-#include "framework/scene/scene.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/mechanism/links/cam.h"
+#include "framework/mechanism/links/curve.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/description/scene/scene.h"
 #include "motionlaws/from.h"
 #include "motionlaws/ramp.h"
 #include "tests/support/catch.h"

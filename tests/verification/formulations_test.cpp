@@ -7,9 +7,9 @@
 
 #include <Eigen/LU>
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/dynamics/matrix.h"
-#include "framework/kkt/dense_solver.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/evaluate/matrix.h"
+#include "framework/dynamics/solvers/dense_solver.h"
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/mechanism.h"

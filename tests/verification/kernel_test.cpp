@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "framework/lock/look.h"
+#include "framework/mechanism/lock/look.h"
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/lock_checks.h"

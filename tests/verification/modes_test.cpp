@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/implicit.h"
-#include "framework/force/spring_damper.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/joints.h"
-#include "framework/lock/phi_lock.h"
+#include "framework/dynamics/evaluate/implicit.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/mechanism/lock/phi_lock.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

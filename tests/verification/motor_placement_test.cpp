@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/dynamics.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/joints.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 

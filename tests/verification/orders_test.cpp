@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/joints.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/joints.h"
 #include "integrators/dop853.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau5.h"

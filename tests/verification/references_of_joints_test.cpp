@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "framework/builtins.h"
-#include "framework/dynamics/dynamics.h"
-#include "framework/dynamics/simulation.h"
-#include "framework/kkt/dense_solver.h"
-#include "framework/links/functions.h"
-#include "framework/links/joints.h"
-#include "framework/scene/scene.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/joints.h"
+#include "framework/description/scene/scene.h"
 #include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 #include "tests/benchmark/peers/extrapolate.h"
 #include "tests/benchmark/peers/mechanisms.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/math/types.h"
+#include "framework/foundation/math/types.h"
 
 namespace lockstep::peers {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "framework/lockstep.h"
-#include "framework/scene/read.h"
+#include "framework/description/scene/read.h"
 #include "tests/benchmark/peers/measure.h"
 #include "tests/benchmark/peers/scenes.h"
 

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "framework/builtins.h"
-#include "framework/plugin/loader.h"
+#include "framework/description/registry/builtins.h"
+#include "framework/description/registry/loader.h"
 #include "framework/version.h"
 #include "integrators/rk4.h"
 #include "motionlaws/sine.h"

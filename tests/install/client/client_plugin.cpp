@@ -1,5 +1,5 @@
 // The smallest law: y = slope t.
-#include "framework/plugin/plugin.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
 // A plugin that brings nothing.
-#include "framework/plugin/plugin.h"
+#include "framework/description/registry/plugin.h"
 
 LOCKSTEP_PLUGIN(registry) { (void)registry; }

@@ -1,6 +1,6 @@
 // A plugin that gives up half way: nothing of it may stay.
-#include "framework/plugin/plugin.h"
-#include "framework/support/error.h"
+#include "framework/description/registry/plugin.h"
+#include "framework/foundation/support/error.h"
 
 namespace {
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "framework/dynamics/integrator.h"
-#include "framework/lock/marker_frame.h"
-#include "framework/plugin/plugin.h"
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/mechanism/lock/marker_frame.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

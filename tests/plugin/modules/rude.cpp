@@ -5,7 +5,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "framework/plugin/plugin.h"
+#include "framework/description/registry/plugin.h"
 
 namespace {
 

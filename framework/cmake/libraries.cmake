@@ -1,0 +1,34 @@
+# How the parts of the library are built.
+
+# Other people's headers that most files need, compiled once for each target.
+set(lockstep_common_headers <Eigen/Core> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <string>
+    <string_view> <unordered_map> <utility> <vector> <spdlog/fmt/fmt.h>)
+
+option(LOCKSTEP_PRECOMPILE "Compile common headers once (OFF: every file brings its own, as tools that read one file want)" ON)
+function(lockstep_precompile target)
+  if(LOCKSTEP_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
+# Code that no inner loop calls: compiled quickly.
+function(lockstep_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# lockstep_add_library(part file source...): the target lockstep_<part>, lockstep::<part> for clients, lib<file>.so.
+function(lockstep_add_library part file)
+  add_library(lockstep_${part} SHARED ${ARGN})
+  add_library(lockstep::${part} ALIAS lockstep_${part})
+  set_target_properties(lockstep_${part} PROPERTIES
+    OUTPUT_NAME ${file} EXPORT_NAME ${part} VERSION ${PROJECT_VERSION} SOVERSION ${LOCKSTEP_ABI}
+    DEFINE_SYMBOL lockstep_EXPORTS INSTALL_RPATH "$ORIGIN"
+    LINK_DEPENDS ${PROJECT_SOURCE_DIR}/framework/cmake/exports.map)
+  target_link_libraries(lockstep_${part} PRIVATE lockstep_own)
+  target_link_options(lockstep_${part} PRIVATE
+                      "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
+  lockstep_precompile(lockstep_${part} ${lockstep_common_headers})
+  if(NOT part STREQUAL "core")
+    lockstep_cold(lockstep_${part})
+  endif()
+endfunction()

@@ -1,9 +1,0 @@
-// The passes, 8 lanes a register.
-#define LOCKSTEP_SET avx512
-#define LOCKSTEP_WIDE 8
-#if defined(__x86_64__)
-#define LOCKSTEP_TARGET [[gnu::target("avx512f")]]
-#else
-#define LOCKSTEP_TARGET
-#endif
-#include "framework/copies/lane_all.h"

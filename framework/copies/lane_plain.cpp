@@ -1,5 +1,0 @@
-// The passes, 2 lanes a register.
-#define LOCKSTEP_SET plain
-#define LOCKSTEP_WIDE 2
-#define LOCKSTEP_TARGET
-#include "framework/copies/lane_all.h"

@@ -1,0 +1,67 @@
+#include "framework/description/registry/abi.h"
+
+#include <algorithm>
+
+#include "framework/description/registry/loader.h"
+#include "framework/description/registry/seal.h"
+
+namespace lockstep {
+namespace {
+
+std::string version(const std::int32_t (&v)[3]) {
+  return std::to_string(v[0]) + "." + std::to_string(v[1]) + "." + std::to_string(v[2]);
+}
+
+template <std::size_t N>
+std::string text(const char (&s)[N]) {
+  return {s, std::find(s, s + N, '\0')};
+}
+
+std::string flags(const lockstep_abi_record& r) {
+  std::string all = text(r.flags);
+  while (!all.empty() && all.back() == ' ') all.pop_back();
+  return all.empty() ? "none" : all;
+}
+
+}  // namespace
+
+lockstep_abi_record read_abi(const std::string& path) { return record_of(SharedFile(path)); }
+
+std::string abi_words(const lockstep_abi_record& r) {
+  return "ABI " + std::to_string(r.abi) + ", " + text(r.compiler) + " " + version(r.compiler_version) + ", " +
+         text(r.library) + " " + std::to_string(r.library_version) + ", Eigen " + version(r.eigen_version) +
+         ", alignment " + std::to_string(r.alignment);
+}
+
+std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host) {
+  const auto build = [](const lockstep_abi_record& r) {
+    return "ABI " + std::to_string(r.abi) + " with " + text(r.compiler) + " " + version(r.compiler_version);
+  };
+  const auto sentence = [](const std::string& its, const std::string& ours) {
+    return "built for " + its + ", this host is " + ours + "; rebuild the plugin against this lockstep";
+  };
+  if (plugin.abi != host.abi || plugin.size != host.size || text(plugin.compiler) != text(host.compiler) ||
+      plugin.compiler_version[0] != host.compiler_version[0])
+    return sentence(build(plugin), build(host));
+  const auto differs = [&](const std::string& what, const std::string& its, const std::string& ours) {
+    return its == ours ? std::string() : sentence(what + " " + its, what + " " + ours);
+  };
+  const auto library = [](const lockstep_abi_record& r) {
+    return text(r.library) + " " + std::to_string(r.library_version) + (r.library_abi != 0 ? "" : " (old strings)");
+  };
+  const auto alignment = [](const lockstep_abi_record& r) {
+    return std::to_string(r.alignment) +
+           (r.static_alignment == r.alignment ? "" : " (objects " + std::to_string(r.static_alignment) + ")");
+  };
+  for (const std::string& difference :
+       {differs("C++", std::to_string(plugin.cxx_level), std::to_string(host.cxx_level)),
+        differs("the standard library", library(plugin), library(host)),
+        differs("Eigen", version(plugin.eigen_version), version(host.eigen_version)),
+        differs("alignment", alignment(plugin), alignment(host)),
+        differs("Eigen's index of", std::to_string(plugin.index_size), std::to_string(host.index_size)),
+        differs("settings", flags(plugin), flags(host))})
+    if (!difference.empty()) return difference;
+  return {};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,53 @@
+// The one file that knows every room's register function.
+#include "framework/description/registry/builtins.h"
+
+#include "framework/mechanism/forces/register.h"
+#include "framework/dynamics/solvers/register.h"
+#include "framework/mechanism/links/register.h"
+#if LOCKSTEP_BUILTINS
+#include "integrators/register.h"
+#include "motionlaws/register.h"
+#else
+#include "framework/description/registry/loader.h"
+#include "framework/foundation/support/error.h"
+#endif
+
+namespace lockstep {
+namespace {
+
+#if LOCKSTEP_BUILTINS
+void add_laws_and_integrators(Registry& registry) {
+  register_motion_laws(registry);
+  register_integrators(registry);
+}
+#else
+// Their origin is the plugin's name.
+void add_laws_and_integrators(Registry& registry) {
+  for (const char* folder : {"motionlaws", "integrators"}) try {
+      load_plugin(registry, folder);
+    } catch (const PluginError& error) {
+      throw PluginError(std::string("this lockstep takes its ") + folder +
+                        " from a plugin (it was built with LOCKSTEP_BUILTINS=OFF): " + error.what());
+    }
+}
+#endif
+
+}  // namespace
+
+Registry builtin_registry() {
+  Registry registry;
+  add_laws_and_integrators(registry);
+  register_links(registry);
+  register_forces(registry);
+  register_solvers(registry);
+  registry.laws.set_origin("built in");
+  registry.translation_laws.set_origin("built in");
+  registry.rotation_laws.set_origin("built in");
+  registry.links.set_origin("built in");
+  registry.forces.set_origin("built in");
+  registry.integrators.set_origin("built in");
+  registry.solvers.set_origin("built in");
+  return registry;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,36 @@
+// Loads plugins: finds the file, reads what it was built with, opens it and takes over what it registers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/description/registry/abi.h"
+#include "framework/description/registry/registry.h"
+#include "framework/description/registry/search.h"
+
+namespace lockstep {
+
+/// Loads "cam_follower", "plugins/cam_follower" or "plugins/cam_follower.so" ("lib" before the name is tried as well)
+/// and returns the path of the file. A name without a '/' is looked for in `folders`, or in plugin_folders() when there
+/// are none; there it is refused when it could come from a stranger (description/registry/search.h). A path is your word that this
+/// file may be loaded: hand no path on that came out of a scene. All or nothing: on an error the registry is as it was.
+/// The plugin stays loaded for the life of the process, because objects carry its code. Throws PluginError: not found
+/// (with the places), no plugin, damaged, built differently (with the first field that differs), a name that is taken,
+/// or what the plugin itself threw.
+LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
+                                     const std::vector<std::string>& folders = {});
+
+/// All that load_plugin() looks at in a file before it opens it: that it is a shared library for this machine, whole and
+/// sound in its structure; its record; its seal. None of its code runs. Throws PluginError.
+LOCKSTEP_API void check_plugin_file(const std::string& path);
+
+/// The record in the file of a plugin, read without opening it as a library. Throws PluginError.
+LOCKSTEP_API lockstep_abi_record read_abi(const std::string& path);
+
+/// "ABI 3, gcc 12.2.0, libstdc++ 12, Eigen 3.4.0, alignment 16"
+LOCKSTEP_API std::string abi_words(const lockstep_abi_record&);
+
+/// Empty when a plugin with record `plugin` fits `host`, else the sentence that says what differs and what to do.
+LOCKSTEP_API std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host);
+
+}  // namespace lockstep

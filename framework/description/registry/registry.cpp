@@ -1,0 +1,178 @@
+#include "framework/description/registry/registry.h"
+
+#include <exception>
+#include <typeinfo>
+
+#include "framework/mechanism/params/read.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+namespace {
+
+std::string origin_words(const std::string& origin) {
+  if (origin.empty()) return {};
+  return origin == "built in" ? " (built in)" : " (plugin " + origin + ")";
+}
+
+// In a catch block around a maker, which is the user's code: our errors keep their type and their place, and say which
+// plugin they come from; what is none becomes one.
+[[noreturn]] void rethrow_from_maker(const std::string& owner, const std::string& what, const std::string& origin) {
+  const std::exception_ptr thrown = std::current_exception();
+  const std::string from = " [" + what + origin_words(origin) + "]";
+  const bool of_a_plugin = !origin.empty() && origin != "built in";
+  try {
+    throw;
+  } catch (const SceneError& error) {
+    if (!of_a_plugin) throw;
+    throw SceneError(error.what() + from, error.file, error.line, error.column);
+  } catch (const ModelError& error) {
+    // a force's complaint about a key is a class of its own, by which the key's place is found
+    if (!of_a_plugin || typeid(error) != typeid(ModelError)) throw;
+    throw ModelError(error.what() + from);
+  } catch (const PluginError&) {
+    throw;
+  } catch (const FileError&) {
+    throw;
+  } catch (...) {
+    if (origin == "built in") throw;
+    std::throw_with_nested(
+        PluginError(owner + "the maker of " + what + origin_words(origin) + " threw: " + thrown_words(thrown)));
+  }
+}
+
+// What follows "type", or a constant: anything but an object is the value of the law "constant".
+template <class L>
+LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSource& laws, const std::string& owner) {
+  if (v.object() == nullptr) {
+    const auto* constant = shelf.find("constant");
+    if (v.is_null() || v.boolean() != nullptr || constant == nullptr || constant->info.keys.empty())
+      refuse(v.where, owner, "expected an object {\"type\": ..., and its keys}, got " + shown(v));
+    Value object(Value::Object{{constant->info.keys.front().name, v, v.where}});
+    object.where = v.where;
+    return shelf.make("constant", Params::unchecked(std::move(object)), &laws, owner);
+  }
+  const Value* type = v.find("type");
+  if (type == nullptr) refuse(v.where, owner, "missing key \"type\"; add one of " + join(shelf.names(), " or "));
+  const std::string name = read_text(*type, part_of(owner, "type"));
+  if (shelf.find(name) == nullptr)
+    refuse(type->where, owner, "unknown law \"" + name + "\"" + suggestion(name, shelf.names()));
+  return shelf.make(name, Params::unchecked(v.without({"type"})), &laws, owner);
+}
+
+}  // namespace
+
+template <class Product, class... Args>
+void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
+  const std::string what = kind_ + " '" + info.name + "'";
+  if (info.name.empty()) throw PluginError("a " + kind_ + " has no name; give its TypeInfo one");
+  if (!make) throw PluginError(what + " has no maker; pass a function that makes it");
+  if (const Entry* taken = find(info.name))
+    throw PluginError(what + " is there already" + origin_words(taken->origin) + "; choose another name");
+  try {
+    check(info);
+  } catch (const ModelError& error) {
+    throw PluginError(what + " cannot be registered: " + error.what());
+  }
+  std::string name = info.name;
+  entries_.emplace(std::move(name), Entry{std::move(info), std::move(make), {}});
+}
+
+template <class Product, class... Args>
+Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params,
+                                      const LawSource* laws, const std::string& owner) const {
+  const Entry* entry = find(name);
+  if (entry == nullptr)
+    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
+  const Params checked = params.checked(entry->info, owner, laws);
+  const std::string what = kind_ + " '" + name + "'", whose = owner.empty() ? "" : owner + ": ";
+  Product product;
+  try {
+    product = entry->make(args..., checked);
+  } catch (...) {
+    rethrow_from_maker(whose, what, entry->origin);
+  }
+  if (!product)
+    throw PluginError(whose + "the maker of " + what + origin_words(entry->origin) +
+                      " returned nothing; it has to return what it made, or throw");
+  if constexpr (requires { product->set_name(name, entry->origin); })
+    product->set_name(name, entry->origin);
+  else if constexpr (requires { product->set_origin(entry->origin); })
+    product->set_origin(entry->origin);
+  return product;
+}
+
+template <class Product, class... Args>
+auto Shelf<Product, Args...>::find(const std::string& name) const -> const Entry* {
+  const auto found = entries_.find(name);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+template <class Product, class... Args>
+std::vector<std::string> Shelf<Product, Args...>::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries_) names.push_back(name);
+  return names;
+}
+
+template <class Product, class... Args>
+void Shelf<Product, Args...>::set_origin(const std::string& origin) {
+  for (auto& [name, entry] : entries_)
+    if (entry.origin.empty()) entry.origin = origin;
+}
+
+template <class Product, class... Args>
+void Shelf<Product, Args...>::merge(const Shelf& other) {
+  for (const auto& [name, entry] : other.entries_)
+    if (const Entry* taken = find(name))
+      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is there already" +
+                        origin_words(taken->origin) + "; choose another name");
+  auto merged = entries_;
+  merged.insert(other.entries_.begin(), other.entries_.end());
+  entries_.swap(merged);
+}
+
+template class Shelf<LawPtr<MotionLaw>>;
+template class Shelf<LawPtr<TranslationLaw>>;
+template class Shelf<LawPtr<RotationLaw>>;
+template class Shelf<std::unique_ptr<Lock>, const Site&>;
+template class Shelf<std::unique_ptr<Force>, const Site&>;
+template class Shelf<std::unique_ptr<Integrator>>;
+template class Shelf<std::unique_ptr<LinearSolver>>;
+
+Registry::Registry() {
+  laws.kind_ = "law";
+  translation_laws.kind_ = "translation law";
+  rotation_laws.kind_ = "rotation law";
+  links.kind_ = "link";
+  forces.kind_ = "force";
+  integrators.kind_ = "integrator";
+  solvers.kind_ = "solver";
+}
+
+LawPtr<MotionLaw> Registry::scalar_law(const Value& v, const std::string& owner) const {
+  return law_from(laws, v, *this, owner);
+}
+
+LawPtr<TranslationLaw> Registry::translation_law(const Value& v, const std::string& owner) const {
+  return law_from(translation_laws, v, *this, owner);
+}
+
+LawPtr<RotationLaw> Registry::rotation_law(const Value& v, const std::string& owner) const {
+  return law_from(rotation_laws, v, *this, owner);
+}
+
+void Registry::merge(const Registry& other) {
+  Registry merged = *this;
+  merged.laws.merge(other.laws);
+  merged.translation_laws.merge(other.translation_laws);
+  merged.rotation_laws.merge(other.rotation_laws);
+  merged.links.merge(other.links);
+  merged.forces.merge(other.forces);
+  merged.integrators.merge(other.integrators);
+  merged.solvers.merge(other.solvers);
+  *this = std::move(merged);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,83 @@
+// Registry: shelves of named makers. A plain value that is passed in and filled at run time; two registries in one
+// process know nothing of each other.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/dynamics/integrate/integrator.h"
+#include "framework/mechanism/forces/force.h"
+#include "framework/dynamics/solvers/linear_solver.h"
+#include "framework/mechanism/lock/lock.h"
+#include "framework/mechanism/params/params.h"
+#include "framework/mechanism/params/site.h"
+
+namespace lockstep {
+
+/// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
+/// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.
+template <class Product, class... Args>
+class LOCKSTEP_API Shelf {
+ public:
+  using Maker = std::function<Product(Args..., const Params&)>;
+  struct Entry {
+    TypeInfo info;
+    Maker make;
+    std::string origin;  ///< "built in", or the plugin's name
+  };
+
+  template <class T>
+  void add() {
+    add(T::info(), &T::make);
+  }
+  /// Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
+  void add(TypeInfo info, Maker make);
+  /// Throws SceneError: unknown name (with the closest), or whatever Params refuses. `laws` makes nested laws.
+  Product make(const std::string& name, Args... args, const Params&, const LawSource* laws,
+               const std::string& owner) const;
+  const Entry* find(const std::string& name) const;
+  const std::map<std::string, Entry>& entries() const { return entries_; }
+  std::vector<std::string> names() const;
+  void set_origin(const std::string& origin);  ///< of all entries that have none yet
+  void merge(const Shelf& other);              ///< throws PluginError before it changes anything
+
+ private:
+  std::string kind_;  // "law", "link", ... for messages
+  std::map<std::string, Entry> entries_;
+  friend class Registry;
+};
+
+class LOCKSTEP_API Registry final : public LawSource {
+ public:
+  Registry();
+  Shelf<LawPtr<MotionLaw>> laws;
+  Shelf<LawPtr<TranslationLaw>> translation_laws;
+  Shelf<LawPtr<RotationLaw>> rotation_laws;
+  Shelf<std::unique_ptr<Lock>, const Site&> links;
+  Shelf<std::unique_ptr<Force>, const Site&> forces;
+  Shelf<std::unique_ptr<Integrator>> integrators;
+  Shelf<std::unique_ptr<LinearSolver>> solvers;
+
+  /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the
+  /// law "constant", whose first key it becomes.
+  LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const override;
+  LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const override;
+  LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const override;
+
+  /// All of `other`'s entries, or none: throws PluginError naming the first name that is taken.
+  void merge(const Registry& other);
+};
+
+extern template class Shelf<LawPtr<MotionLaw>>;
+extern template class Shelf<LawPtr<TranslationLaw>>;
+extern template class Shelf<LawPtr<RotationLaw>>;
+extern template class Shelf<std::unique_ptr<Lock>, const Site&>;
+extern template class Shelf<std::unique_ptr<Force>, const Site&>;
+extern template class Shelf<std::unique_ptr<Integrator>>;
+extern template class Shelf<std::unique_ptr<LinearSolver>>;
+
+}  // namespace lockstep

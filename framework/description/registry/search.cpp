@@ -1,0 +1,165 @@
+#include "framework/description/registry/search.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+namespace fs = std::filesystem;
+namespace dll = boost::dll;
+
+std::string ending() { return dll::shared_library::suffix().string(); }
+
+fs::path own_file() {
+  std::error_code error;
+  return dll::symbol_location_ptr(&plugin_folders, error);
+}
+
+bool holds(const fs::path& folder, const fs::path& file) {
+  const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  return end == folder.end() && rest != file.end();
+}
+
+bool is_own_group(gid_t group) {
+  std::vector<gid_t> groups(static_cast<std::size_t>(std::max(0, getgroups(0, nullptr))));
+  if (!groups.empty())
+    groups.resize(static_cast<std::size_t>(std::max(0, getgroups(static_cast<int>(groups.size()), groups.data()))));
+  return group == getegid() || std::find(groups.begin(), groups.end(), group) != groups.end();
+}
+
+// Who could put other code there: "" when only you, root, or who owns this library and so runs in your program anyway.
+std::string stranger_at(const fs::path& path) {
+  struct stat s {
+  }, own{};
+  if (stat(path.c_str(), &s) != 0) return "it cannot be looked at";
+  if (stat(own_file().c_str(), &own) != 0) own.st_uid = 0, own.st_gid = 0;
+  const std::string whose = S_ISDIR(s.st_mode) ? "its folder " + path.string() : "the file";
+  if (s.st_uid != 0 && s.st_uid != geteuid() && s.st_uid != own.st_uid)
+    return whose + " belongs to user " + std::to_string(s.st_uid) + ", who is neither you nor root; chown it";
+  if ((s.st_mode & S_IWOTH) != 0) return whose + " can be written by everybody; chmod o-w it";
+  if ((s.st_mode & S_IWGRP) != 0 && s.st_gid != 0 && s.st_gid != own.st_gid && !is_own_group(s.st_gid))
+    return whose + " can be written by group " + std::to_string(s.st_gid) + ", which is not yours; chmod g-w it";
+  return {};
+}
+
+// Why a file that was found by its name must not be loaded.
+std::string problem_of(const fs::path& path, const fs::path& folder, const std::vector<std::string>& folders) {
+  std::error_code error;
+  const fs::path file = fs::canonical(path, error);
+  if (error) return "it is a link that leads nowhere";
+  if (fs::is_directory(file)) return "it is a folder";
+  const bool inside = std::any_of(folders.begin(), folders.end(), [&](const std::string& allowed) {
+    const fs::path real = fs::canonical(allowed, error);
+    return !error && holds(real, file);
+  });
+  if (!inside)
+    return "it leads out of the plugin folders, to " + file.string() +
+           "; name that folder in LOCKSTEP_PLUGIN_PATH, or give the path";
+  for (const fs::path& p : {file, file.parent_path(), fs::canonical(folder, error)})
+    if (const std::string stranger = stranger_at(p); !stranger.empty()) return stranger;
+  return {};
+}
+
+// As a path, with the ending of a library, with "lib" before it as well.
+std::vector<fs::path> spellings(const fs::path& path) {
+  std::vector<fs::path> all = {path};
+  if (path.extension() != ending()) {
+    fs::path with = path;
+    with += ending();
+    all.push_back(with);
+    all.push_back(with.parent_path() / ("lib" + with.filename().string()));
+  }
+  return all;
+}
+
+std::string file_at(const std::string& path) {
+  std::error_code error;
+  for (const fs::path& file : spellings(path))
+    if (fs::exists(file, error) && (!fs::is_directory(file, error) || file.extension() == ending()))
+      if (const fs::path real = fs::canonical(file, error); !error) return real.string();
+  throw PluginError("plugin '" + path + "': there is no such file; check the path, or build it first");
+}
+
+}  // namespace
+
+std::vector<std::string> plugin_folders() {
+  std::vector<std::string> folders;
+  const auto add = [&](const fs::path& folder) {
+    const std::string name = folder.lexically_normal().string();
+    if (!name.empty() && std::find(folders.begin(), folders.end(), name) == folders.end()) folders.push_back(name);
+  };
+  if (const char* path = secure_getenv("LOCKSTEP_PLUGIN_PATH")) {
+    std::istringstream parts(path);
+    for (std::string folder; std::getline(parts, folder, ':');)
+      if (!folder.empty()) add(folder);
+  }
+  std::error_code error;
+  const fs::path program = dll::program_location(error), library = own_file();
+  if (!program.empty()) add(program.parent_path() / ".." / "plugins");
+  if (!library.empty()) add(library.parent_path() / ".." / "plugins");
+  if (!library.empty()) add(library.parent_path() / "lockstep" / "plugins");
+  return folders;
+}
+
+std::string plugin_name(const std::string& path) {
+  const fs::path file = path;
+  const std::string stem = file.extension() == ending() ? file.stem().string() : file.filename().string();
+  return stem.rfind("lib", 0) == 0 ? stem.substr(3) : stem;
+}
+
+bool is_bare_name(const std::string& name) {
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '+' || c == '.';
+  };
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), good);
+}
+
+std::string find_plugin(const std::string& name, std::vector<std::string> folders) {
+  if (name.find('/') != std::string::npos) return file_at(name);
+  if (folders.empty()) folders = plugin_folders();
+  std::error_code error;
+  for (const std::string& folder : folders)
+    for (const fs::path& spelled : spellings(fs::path(folder) / name)) {
+      if (spelled.extension() != ending() || fs::symlink_status(spelled, error).type() == fs::file_type::not_found)
+        continue;
+      const std::string problem = problem_of(spelled, folder, folders);
+      if (problem.empty()) return fs::canonical(spelled, error).string();
+      throw PluginError("plugin '" + name + "' (" + spelled.string() + ") is refused: " + problem);
+    }
+  throw PluginError("plugin '" + name + "' not found; looked in " + (folders.empty() ? "no folder" : join(folders)) +
+                    "; give its path, or name its folder in LOCKSTEP_PLUGIN_PATH");
+}
+
+std::vector<FoundFile> files_in(const std::vector<std::string>& folders) {
+  std::vector<FoundFile> found;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    std::vector<fs::path> paths;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+      if (it->path().extension() == ending()) paths.push_back(it->path());
+    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {  // as find_plugin() takes them
+      const auto key = [](const fs::path& p) { return std::pair(plugin_name(p.string()), p.string().size()); };
+      return key(a) < key(b);
+    });
+    for (const fs::path& path : paths) {
+      const fs::path file = fs::weakly_canonical(path, error);
+      found.push_back(
+          {folder, path.string(), error ? path.string() : file.string(), problem_of(path, folder, folders)});
+    }
+  }
+  return found;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,72 @@
+#include "framework/description/registry/survey.h"
+
+#include <map>
+
+#include "framework/description/registry/loader.h"
+#include "framework/description/registry/seal.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+namespace {
+
+std::vector<std::pair<std::string, std::string>> things_of(const Registry& registry, const std::string& origin) {
+  std::vector<std::pair<std::string, std::string>> things;
+  const auto look = [&](const char* kind, const auto& shelf) {
+    for (const auto& [name, entry] : shelf.entries())
+      if (entry.origin == origin) things.emplace_back(kind, name);
+  };
+  look("link", registry.links);
+  look("law", registry.laws);
+  look("translation law", registry.translation_laws);
+  look("rotation law", registry.rotation_laws);
+  look("force", registry.forces);
+  look("integrator", registry.integrators);
+  look("solver", registry.solvers);
+  return things;
+}
+
+void look_at(PluginCandidate& c, const Registry& base) {
+  try {
+    const SharedFile file(c.file);
+    const lockstep_abi_record record = record_of(file);
+    c.build = abi_words(record);
+    c.sealed = record.sealed != 0;
+    const std::string name = plugin_name(c.file);
+    if (name != "built in") c.brings = things_of(base, name);  // a part of the library itself, where that takes such
+    if (c.brings.empty()) {
+      Registry registry = base;
+      load_plugin(registry, c.file);
+      c.brings = things_of(registry, plugin_name(c.file));
+    }
+    c.state = PluginCandidate::State::loaded;
+  } catch (const std::exception& error) {
+    c.why = what_of(error);
+  }
+}
+
+}  // namespace
+
+std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<std::string> folders) {
+  if (folders.empty()) folders = plugin_folders();
+  std::vector<PluginCandidate> all;
+  std::map<std::string, std::string> first;  // of each name: the file that is taken
+  for (const FoundFile& found : files_in(folders)) {
+    PluginCandidate c;
+    c.name = plugin_name(found.path);
+    c.folder = found.folder, c.path = found.path, c.file = found.file;
+    const auto [taken, is_first] = first.emplace(c.name, found.path);
+    if (!is_first) {
+      c.state = PluginCandidate::State::hidden;
+      c.why = taken->second + " is taken, which stands before it";
+    } else if (!found.problem.empty()) {
+      c.why = found.problem;
+    } else {
+      look_at(c, base);
+    }
+    all.push_back(std::move(c));
+  }
+  return all;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,138 @@
+// build(): the order of things, and what its parts share.
+#include <algorithm>
+
+#include "framework/description/scene/builder.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+
+std::string owner_of(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
+
+std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index) {
+  const Value* name = object.find("name");
+  if (name != nullptr && name->text() != nullptr) return owner_of(kind, *name->text());
+  return list + "[" + std::to_string(index) + "]";
+}
+
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws) {
+  return Params(object, scene_table(table).info, owner, laws);
+}
+
+const Value::List& objects_of(const Params& parent, const std::string& key) {
+  static const Value::List kNone;
+  if (!parent.has(key)) return kNone;
+  const Value& v = parent.value(key);
+  if (v.list() == nullptr) parent.refuse(key, "expected a list of objects, got " + shown(v));
+  return *v.list();
+}
+
+std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const std::string& key) {
+  std::vector<std::pair<std::string, Where>> texts;
+  if (!parent.has(key)) return texts;
+  const Value& v = parent.value(key);
+  if (v.list() == nullptr) parent.refuse(key, "expected a list of texts, got " + shown(v));
+  for (const Value& item : *v.list()) texts.emplace_back(read_text(item, part_of(parent.owner(), key)), item.where);
+  return texts;
+}
+
+double positive(const Params& p, const std::string& key, const std::string& what) {
+  const double x = p.number(key);
+  if (!(x > 0)) p.refuse(key, "the " + what + " is " + number(x) + "; it must be greater than 0");
+  return x;
+}
+
+std::vector<std::string> Builder::names(const std::string& kind) const {
+  std::vector<std::string> all;
+  if (const auto found = taken_.find(kind); found != taken_.end())
+    for (const auto& [name, where] : found->second) all.push_back(name);
+  return all;
+}
+
+std::string Builder::claim(const Params& object, const std::string& kind) {
+  const std::string name = object.text("name");
+  const Where& where = object.value("name").where;
+  const std::string owner = owner_of(kind, name);
+  if (name.empty()) refuse(where, kind, "the name is empty; give it one");
+  for (const char c : name)
+    if (std::string_view(".@,[]\"'").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20)
+      refuse(where, owner,
+             "a name with '" + std::string(1, c) +
+                 "' would not be told apart in channels; use letters, digits, '_' and '-'");
+  static const std::vector<std::string> kReserved = {"ground", "energy", "momentum", "angular_momentum", "solver"};
+  if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
+    refuse(where, owner, "the name \"" + name + "\" is lockstep's own; choose another");
+  for (const char* other : {"body", "marker", "link", "force", "event"}) {
+    const bool shared =
+        other == kind || (kind != "event" && std::string(other) != "event");  // a channel means one thing
+    const auto found = taken_[other].find(name);
+    if (shared && found != taken_[other].end())
+      refuse(where, owner,
+             "the name is taken by a " + std::string(other) + " at " + found->second.text() +
+                 "; give one of the two another");
+  }
+  taken_[kind][name] = where;
+  return name;
+}
+
+void Builder::build() {
+  const Params root = params_of(scene_.root, "scene", "scene", &registry_);
+  out_.system.set_gravity(root.vector3("gravity"));
+  out_.run = scene_.run;
+  bodies(root);
+  markers(root);
+  links(root);
+  forces(root);
+  events(root);
+  set_merge(root.text("merge"));
+  set_plane(root.text("planar"));
+  make_integrator(out_.run, registry_);
+  make_solver(out_.run, registry_);
+  set_up();
+}
+
+void Builder::set_merge(const std::string& how) {
+  if (how != "auto") return;
+  std::vector<const Lock*> keep;
+  const auto named = [&](const std::string& text, const std::string& name) {
+    return text == name || text.rfind(name + ".", 0) == 0;
+  };
+  for (const auto& link : out_.system.links()) {
+    bool wanted = false;
+    for (const ChannelRequest& r : out_.run.record) wanted = wanted || named(r.channel, link->name());
+    for (const EventRequest& e : out_.events) {
+      wanted = wanted || named(e.channel, link->name());
+      for (const auto* names : {&e.event.activate, &e.event.deactivate})
+        for (const std::string& name : *names) wanted = wanted || name == link->name();
+    }
+    if (wanted) keep.push_back(link.get());
+  }
+  out_.system.set_merge(true, std::move(keep));
+}
+
+void Builder::set_plane(const std::string& normal) {
+  if (normal == "auto")
+    out_.system.set_planar(find_plane(out_.system));
+  else if (normal != "off")
+    out_.system.set_planar(Plane{normal[0] - 'x'});
+}
+
+// What the System refuses names the body, link or force; its place in the file is put before it.
+void Builder::set_up() {
+  try {
+    out_.system.setup();
+  } catch (const ModelError& error) {
+    const std::string message = error.what();
+    for (const auto& [kind, things] : taken_)
+      for (const auto& [name, where] : things)
+        if (message.find(owner_of(kind, name)) != std::string::npos) refuse(where, "", message);
+    refuse(scene_.root.where, "", message);
+  }
+}
+
+Mechanism build(const Scene& scene, const Registry& registry) {
+  Mechanism mechanism;
+  Builder(scene, registry, mechanism).build();
+  return mechanism;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,239 @@
+// Bodies and markers of a scene.
+#include <algorithm>
+
+#include "framework/mechanism/model/inertia.h"
+#include "framework/description/scene/builder.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+const std::vector<std::string> kShapes = {"rod", "box", "cylinder", "sphere"};
+
+// Names of those keys that are given.
+std::vector<std::string> given(const Params& p, const std::vector<std::string>& keys) {
+  std::vector<std::string> found;
+  for (const std::string& key : keys)
+    if (p.has(key)) found.push_back(key);
+  return found;
+}
+
+void refuse_beside(const Params& p, const std::string& why, const std::vector<std::string>& keys) {
+  for (const std::string& key : given(p, keys)) p.refuse(key, why + "; remove \"" + key + "\"");
+}
+
+// Mass of a shape of this volume.
+double shape_mass(const Params& shape, double volume) {
+  if (shape.has("mass") == shape.has("density"))
+    shape.refuse(
+        shape.has("mass") ? "density" : "mass",
+        "give either \"mass\" or \"density\", " + std::string(shape.has("mass") ? "not both" : "there is neither"));
+  return shape.has("mass") ? positive(shape, "mass", "mass") : positive(shape, "density", "density") * volume;
+}
+
+Shape read_rod(const Params& rod) {
+  const Vec3 from = rod.vector3("from"), to = rod.vector3("to");
+  const double length = (to - from).norm();
+  if (!(length > 0)) rod.refuse("to", "both ends are at the same point; a rod needs a length");
+  const double radius = rod.has("radius") ? positive(rod, "radius", "radius") : length / 50;
+  const double mass = shape_mass(rod, cylinder_volume(radius, length));
+  if (!rod.has("axial_inertia")) return lockstep::rod(mass, from, to, radius);
+  refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
+  return slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"));
+}
+
+MassProperties read_solid(const Params& solid, const std::string& kind) {
+  if (kind == "box") {
+    const Vec3 size = solid.vector3("size");
+    if (!(size.minCoeff() > 0))
+      solid.refuse("size", "an edge is " + number(size.minCoeff()) + " m; all three must be greater than 0");
+    return box(shape_mass(solid, box_volume(size)), size);
+  }
+  const double radius = positive(solid, "radius", "radius");
+  if (kind == "sphere") return sphere(shape_mass(solid, sphere_volume(radius)), radius);
+  const double length = positive(solid, "length", "length");
+  return cylinder(shape_mass(solid, cylinder_volume(radius, length)), radius, length);
+}
+
+// [a, b, c], an object of entries, or three rows.
+const Mat3& read_symmetric(const Params& body, const Mat3& J) {
+  const Mat3 skew = 0.5 * (J - J.transpose());
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < i; ++k)
+      if (std::abs(skew(i, k)) > 1e-10 * J.cwiseAbs().maxCoeff())
+        body.refuse("inertia", "the matrix is not symmetric: entry " + std::to_string(i + 1) + std::to_string(k + 1) +
+                                   " is " + brief(J(i, k)) + " and entry " + std::to_string(k + 1) +
+                                   std::to_string(i + 1) + " is " + brief(J(k, i)) + "; make them equal");
+  return J;
+}
+
+Mat3 read_inertia(const Params& body) {
+  const Value& v = body.value("inertia");
+  const std::string place = part_of(body.owner(), "inertia");
+  if (v.object() != nullptr) {
+    const Params entry = params_of(v, "inertia", place, nullptr);
+    Mat3 J;
+    const double xy = entry.number("xy"), yz = entry.number("yz"), zx = entry.number("zx");
+    J << entry.number("xx"), xy, zx, xy, entry.number("yy"), yz, zx, yz, entry.number("zz");
+    return J;
+  }
+  if (v.list() != nullptr && v.list()->size() == 3 && v.list()->front().list() != nullptr)
+    return read_symmetric(body, read_matrix3(v, Unit::inertia, place));
+  if (v.list() == nullptr || v.list()->size() != 3)
+    body.refuse(
+        "inertia",
+        "expected [Jxx, Jyy, Jzz], {\"xx\":, \"yy\":, \"zz\":, \"xy\":, ...} or three rows of three, got " + shown(v));
+  return read_vector3(v, Unit::inertia, place).asDiagonal();
+}
+
+MassProperties read_mass(const Params& body) {
+  const double mass = positive(body, "mass", "mass");
+  if (!body.has("inertia"))
+    body.refuse("mass",
+                "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", ...), or make it "
+                "a \"particle\"");
+  const Vec3 center = body.vector3("center");
+  Vec3 origin = center;
+  if (const Value& at = body.value("inertia_at"); !at.is_null() && (at.text() == nullptr || *at.text() != "center")) {
+    if (at.text() != nullptr) body.refuse("inertia_at", "expected \"center\" or [x, y, z], got " + shown(at));
+    origin = read_vector3(at, Unit::length, part_of(body.owner(), "inertia_at"));
+  }
+  return placed(body.value("inertia").where, [&] {
+    const MassProperties m = about(mass, center, read_inertia(body), origin, body.orientation("inertia_axes"));
+    check(m, body.owner());
+    return m;
+  });
+}
+
+// Mass and, for a rod, where it places its frame. `kind` is the one key of the shapes or "mass" that is given.
+Shape read_matter(const Params& body, const std::string& kind) {
+  if (kind == "mass") return {read_mass(body), {}};
+  refuse_beside(body, "\"" + kind + "\" brings mass and inertia along",
+                {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
+  const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
+  return placed(body.value(kind).where, [&]() -> Shape {
+    if (kind == "rod") return read_rod(shape);
+    return {read_solid(shape, kind), {}};
+  });
+}
+
+// The one of `kinds` that is given; refuses none and several.
+std::string the_kind(const Params& body, std::vector<std::string> kinds) {
+  const std::vector<std::string> found = given(body, kinds);
+  for (std::string& kind : kinds) kind = "\"" + kind + "\"";
+  if (found.empty()) body.refuse("name", "nothing says what it weighs; add one of " + join(kinds, " or "));
+  if (found.size() > 1)
+    body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both say what it is; remove one of the two");
+  return found.front();
+}
+
+MassProperties read_part(const Value& v, const std::string& owner) {
+  const Params part = params_of(v, "part", owner, nullptr);
+  std::vector<std::string> kinds = kShapes;
+  kinds.push_back("mass");
+  const std::string kind = the_kind(part, kinds);
+  const Shape shape = read_matter(part, kind);
+  if (kind == "rod") refuse_beside(part, "\"rod\" says itself where the part is", {"position", "orientation"});
+  const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
+  return moved(shape.mass, pose);
+}
+
+MassProperties read_compound(const Params& body) {
+  refuse_beside(body, "\"compound\" brings mass and inertia along",
+                {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
+  const Value::List& items = objects_of(body, "compound");
+  if (items.empty()) body.refuse("compound", "the list is empty; give at least one part");
+  std::vector<MassProperties> parts;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    parts.push_back(read_part(items[i], part_of(body.owner(), "compound") + "[" + std::to_string(i) + "]"));
+  return compound(parts);
+}
+
+// v of the frame's origin (world), w in body axes.
+Twist read_start(const Params& body, const Pose& home) {
+  if (body.has("omega_body") && body.has("omega_world"))
+    body.refuse("omega_world", "\"omega_body\" is given as well; remove one of the two");
+  Twist start{body.vector3("velocity"), Vec3::Zero()};
+  if (body.has("omega_body")) start.w = body.vector3("omega_body");
+  if (body.has("omega_world")) start.w = rotation(home.q).transpose() * body.vector3("omega_world");
+  return start;
+}
+
+}  // namespace
+
+void Builder::bodies(const Params& root) {
+  const Value::List& items = objects_of(root, "bodies");
+  for (std::size_t i = 0; i < items.size(); ++i) body(items[i], owner_of("body", items[i], "bodies", i));
+}
+
+void Builder::body(const Value& object, const std::string& owner) {
+  const Params p = params_of(object, "body", owner, &registry_);
+  const std::string name = claim(p, "body");
+  const Pose home{p.vector3("position"), p.orientation("orientation")};
+  const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
+  System& system = out_.system;
+  if (p.boolean("fixed")) {
+    refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
+    // Its matter may stand there, and is checked; a rod still places the frame.
+    const std::vector<std::string> matter = given(p, kMass);
+    if (matter.size() > 1) the_kind(p, kMass);
+    Pose at = home;
+    if (!matter.empty() && matter.front() == "particle")
+      positive(p, "particle", "mass");
+    else if (!matter.empty() && matter.front() == "compound")
+      read_compound(p);
+    else if (!matter.empty() && (matter.front() != "mass" || p.has("inertia"))) {
+      const Shape shape = read_matter(p, matter.front());
+      if (matter.front() == "rod") {
+        refuse_beside(p, "\"rod\" says itself where the body is", {"position", "orientation"});
+        at = shape.home;
+      }
+    }
+    placed(object.where, [&] { system.add_fixed(name, at); });
+    return;
+  }
+  const std::string kind = the_kind(p, kMass);
+  if (kind == "particle") {
+    refuse_beside(p, "a particle has no rotation and no inertia",
+                  {"inertia", "inertia_at", "inertia_axes", "center", "orientation", "omega_body", "omega_world"});
+    const double mass = positive(p, "particle", "mass");
+    placed(object.where, [&] { system.add_particle(name, mass, home.x).start.v = p.vector3("velocity"); });
+    return;
+  }
+  if (kind == "rod") refuse_beside(p, "\"rod\" says itself where the body is", {"position", "orientation"});
+  const Shape shape = kind == "compound" ? Shape{read_compound(p), {}} : read_matter(p, kind);
+  const Pose pose = kind == "rod" ? shape.home : home;
+  placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
+}
+
+void Builder::markers(const Params& root) {
+  const Value::List& items = objects_of(root, "markers");
+  for (std::size_t i = 0; i < items.size(); ++i) marker(items[i], owner_of("marker", items[i], "markers", i));
+}
+
+void Builder::marker(const Value& object, const std::string& owner) {
+  const Params p = params_of(object, "marker", owner, &registry_);
+  const std::string name = claim(p, "marker");
+  const std::string carrier = p.text("body");
+  std::vector<std::string> known = names("body");
+  known.push_back("ground");
+  if (std::find(known.begin(), known.end(), carrier) == known.end())
+    p.refuse("body", "unknown body \"" + carrier + "\"" + suggestion(carrier, known));
+  Body& body = out_.system.body(carrier);
+  const bool world = p.has("world_at") || p.has("world_orientation");
+  if (world)
+    refuse_beside(p, "the place is given in the world already (\"world_at\", \"world_orientation\")",
+                  {"at", "orientation"});
+  const auto pose = [&](const char* at, const char* orientation) {
+    return Pose{p.has(at) ? p.vector3(at) : Vec3(Vec3::Zero()),
+                p.has(orientation) ? p.orientation(orientation) : Quat{}};
+  };
+  placed(object.where, [&] {
+    Marker& m = world ? out_.system.add_marker_at(name, body, pose("world_at", "world_orientation"))
+                      : out_.system.add_marker(name, body, pose("at", "orientation"));
+    if (p.has("slide")) m.slide = p.translation_law("slide");
+    if (p.has("spin")) m.spin = p.rotation_law("spin");
+  });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,84 @@
+// Forces and events of a scene.
+#include <algorithm>
+
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/split.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+
+void Builder::forces(const Params& root) {
+  const Value::List& items = objects_of(root, "forces");
+  for (std::size_t i = 0; i < items.size(); ++i) force(items[i], owner_of("force", items[i], "forces", i));
+}
+
+void Builder::force(const Value& object, const std::string& owner) {
+  const Split parts = split(object, scene_table("force"), registry_.forces, owner, registry_);
+  const std::string name = claim(parts.common, "force");
+  Site where = site(parts.common, name, false);
+  if (parts.common.has("link")) {
+    const std::string link = parts.common.text("link");
+    const std::vector<std::string> known = names("link");
+    if (std::find(known.begin(), known.end(), link) == known.end())
+      parts.common.refuse("link", "unknown link \"" + link + "\"" + suggestion(link, known));
+    where.link = &out_.system.link(link);
+    const auto* entry = registry_.forces.find(parts.type);
+    if (entry->origin == "built in" && parts.type != "joint_friction")
+      parts.common.refuse("link", "a " + parts.type + " acts in no link; name \"p\" and \"s\"");
+  }
+  placed(object.where, [&] {
+    out_.system.add(registry_.forces.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner));
+  });
+}
+
+void Builder::events(const Params& root) {
+  const Value::List& items = objects_of(root, "events");
+  for (std::size_t i = 0; i < items.size(); ++i) event(items[i], owner_of("event", items[i], "events", i));
+}
+
+std::vector<std::string> Builder::links_named(const Params& event, const std::string& key) const {
+  std::vector<std::string> links;
+  const std::vector<std::string> known = names("link");
+  for (const auto& [name, where] : texts_of(event, key)) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      refuse(where, part_of(event.owner(), key), "unknown link \"" + name + "\"" + suggestion(name, known));
+    links.push_back(name);
+  }
+  return links;
+}
+
+void Builder::event(const Value& object, const std::string& owner) {
+  const Params p = params_of(object, "event", owner, nullptr);
+  EventRequest request;
+  request.where = object.where;
+  Event& e = request.event;
+  e.name = claim(p, "event");
+  if (p.has("at") == p.has("when"))
+    p.refuse(p.has("when") ? "when" : "name", p.has("when") ? "\"at\" is given as well; remove one of the two"
+                                                            : "nothing says when it happens; add \"at\" or \"when\"");
+  if (p.has("at") && (e.at = p.number("at")) < 0)
+    p.refuse("at", "the instant " + number(e.at) + " s lies before the start at 0 s");
+  if (p.has("when")) {
+    const Params when = params_of(p.value("when"), "condition", part_of(owner, "when"), nullptr);
+    const std::string sense = when.text("direction");
+    request.channel = when.text("channel");
+    request.crosses = when.number("crosses");
+    request.where = when.value("channel").where;
+    e.crossing = sense == "rising"    ? Event::Crossing::rising
+                 : sense == "falling" ? Event::Crossing::falling
+                                      : Event::Crossing::any;
+  }
+  e.once = p.boolean("once");
+  e.stop = p.boolean("stop");
+  e.activate = links_named(p, "activate");
+  e.deactivate = links_named(p, "deactivate");
+  for (const std::string& name : e.activate)
+    if (std::find(e.deactivate.begin(), e.deactivate.end(), name) != e.deactivate.end())
+      p.refuse("deactivate",
+               "link '" + name + "' is to begin and to end at the same instant; remove it from one of the lists");
+  if (e.activate.empty() && e.deactivate.empty() && !e.stop)
+    p.refuse("name", "nothing happens there; add \"activate\", \"deactivate\" or \"stop\": true");
+  out_.events.push_back(std::move(request));
+}
+
+}  // namespace lockstep

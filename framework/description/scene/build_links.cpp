@@ -1,0 +1,212 @@
+// Where links and forces stand; links with their drives, laws and starts.
+#include <algorithm>
+#include <cmath>
+
+#include "framework/mechanism/lock/marker_lock.h"
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/split.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+const std::vector<std::string> kPlaces = {"at", "at_p", "at_s", "axis", "orientation"};
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool still(const Body& body) { return body.fixed; }
+
+// Origin of the new marker for side "p" or "s"; false when nothing says it.
+bool origin_of(const Params& p, const std::string& key, const Body& body, Vec3& x) {
+  const std::string own = "at_" + key;
+  if (p.has("at") && p.has(own)) p.refuse(own, "\"at\" says where both markers are; remove one of the two");
+  if (p.has("at") || p.has(own)) {
+    x = p.vector3(p.has("at") ? "at" : own);
+  } else if (body.freedoms == Freedoms::particle) {
+    x = body.home.x;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Quat axes_of(const Params& p) {
+  if (p.has("axis") && p.has("orientation"))
+    p.refuse("orientation", "\"axis\" is given as well; remove one of the two");
+  if (p.has("axis")) return at(Vec3::Zero(), p.vector3("axis")).q;
+  return p.has("orientation") ? p.orientation("orientation") : Quat{};
+}
+
+}  // namespace
+
+// The marker that the key names, or a new one on the body that it names; `other` is the home pose of the marker on the
+// other side when that one is there already, and the place of last resort.
+Marker* Builder::side(const Params& p, const std::string& key, const std::string& name, const Pose* other) {
+  const std::string word = p.text(key);
+  if (contains(names("marker"), word)) return &out_.system.marker(word);
+  std::vector<std::string> known = names("marker"), bodies = names("body");
+  bodies.push_back("ground");
+  if (!contains(bodies, word)) {
+    known.insert(known.end(), bodies.begin(), bodies.end());
+    p.refuse(key, "unknown marker or body \"" + word + "\"" + suggestion(word, known));
+  }
+  Body& body = out_.system.body(word);
+  Pose world{Vec3::Zero(), axes_of(p)};
+  if (!origin_of(p, key, body, world.x)) {
+    if (other == nullptr)
+      p.refuse(key, "\"" + word +
+                        "\" is a body, and nothing says where on it; add \"at\": [x, y, z] (world), or name a marker");
+    world.x = other->x;
+  }
+  if (other != nullptr && !p.has("axis") && !p.has("orientation")) world.q = other->q;
+  return &out_.system.add_marker_at(name + (key == "p" ? ".P" : ".S"), body, world);
+}
+
+Site Builder::site(const Params& p, const std::string& name, bool both) {
+  Site site;
+  site.name = name;
+  if (!p.has("p") && !p.has("s")) {
+    for (const std::string& key : kPlaces)
+      if (p.has(key)) p.refuse(key, "it says where, but neither \"p\" nor \"s\" says on what; add \"p\"");
+    return site;
+  }
+  if (!p.has("p")) p.refuse("s", "\"s\" is given without \"p\"; name the first marker or body \"p\"");
+  const std::vector<std::string> known = names("marker");
+  const bool marker_p = contains(known, p.text("p")), marker_s = p.has("s") && contains(known, p.text("s"));
+  if (marker_p && (marker_s || !p.has("s")))
+    for (const std::string& key : kPlaces)
+      if (p.has(key)) p.refuse(key, "the markers are placed already; remove it, or name bodies instead");
+  const auto home = [](const Marker& m) { return m.body->home * m.local; };
+  Pose at_marker;
+  Marker *P = nullptr, *S = nullptr;
+  if (marker_s) S = side(p, "s", name, nullptr), at_marker = home(*S);
+  P = side(p, "p", name, marker_s && !marker_p ? &at_marker : nullptr);
+  at_marker = home(*P);
+  if (p.has("s") && S == nullptr) S = side(p, "s", name, &at_marker);
+  if (S != nullptr && P->body == S->body)
+    p.refuse("s", "both sides are on body '" + P->body->name +
+                      "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
+  if (both && still(*P->body) && still(*S->body))
+    p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name +
+                      "' both stand still, so there is nothing to hold; remove it");
+  site.pairs.emplace_back(P, S);
+  return site;
+}
+
+// Of a coupling: each the markers of a link that is there, or two of its own.
+Site Builder::pairs(const Params& p, const std::string& name) {
+  for (const char* key : {"p", "s"})
+    if (p.has(key)) p.refuse(key, "\"pairs\" says where the link stands; remove one of the two");
+  for (const std::string& key : kPlaces)
+    if (p.has(key)) p.refuse(key, "it stands inside the pairs; move it there");
+  const Value::List* items = p.value("pairs").list();
+  if (items == nullptr || items->empty())
+    p.refuse("pairs", "expected a list of link names and of objects, got " + shown(p.value("pairs")));
+  Site all;
+  all.name = name;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const Value& item = (*items)[i];
+    const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");
+    if (const std::string* word = item.text()) {
+      std::vector<std::string> known = names("link");
+      std::erase(known, name);  // the link itself is taken, but not there yet
+      if (!contains(known, *word))
+        refuse(item.where, place,
+               "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling stands after its joints");
+      const auto its = out_.system.link(*word).pairs();
+      if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
+      const auto [P, S] = its.front();
+      all.pairs.emplace_back(&out_.system.marker(P->name), &out_.system.marker(S->name));
+    } else {
+      const Params own = params_of(item, "pair", place, nullptr);
+      for (const char* key : {"p", "s"})
+        if (!own.has(key)) refuse(item.where, place, "missing key \"" + std::string(key) + "\"; a pair has both sides");
+      all.pairs.push_back(site(own, name + "." + std::to_string(i + 1), false).pairs.front());
+    }
+  }
+  return all;
+}
+
+void Builder::links(const Params& root) {
+  const Value::List& items = objects_of(root, "links");
+  for (std::size_t i = 0; i < items.size(); ++i) link(items[i], owner_of("link", items[i], "links", i));
+}
+
+void Builder::link(const Value& object, const std::string& owner) {
+  const Split parts = split(object, scene_table("link"), registry_.links, owner, registry_);
+  const Params& p = parts.common;
+  const std::string name = claim(p, "link");
+  if (!p.has("pairs"))
+    for (const char* key : {"p", "s"})
+      if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
+  const Site where = p.has("pairs") ? pairs(p, name) : site(p, name, true);
+  placed(object.where, [&] {
+    std::unique_ptr<Lock> made =
+        registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
+    if (made->pairs().size() < where.pairs.size())
+      p.refuse("pairs", std::to_string(where.pairs.size()) + " are given, and a " + std::string(made->type()) +
+                            " takes " + std::to_string(made->pairs().size()) + "; remove the others");
+    made->active_at_start = p.boolean("active");
+    one_sided(p, *made);
+    Lock& added = out_.system.add(std::move(made));
+    laws(p, added);
+    drives(p, added);
+    start_speeds(p, added);
+    brought_along(p, where, added);
+  });
+}
+
+void Builder::laws(const Params& p, Lock& link) {
+  auto* lock = dynamic_cast<MarkerLock*>(&link);
+  for (const char* key : {"move", "turn"})
+    if (lock == nullptr && p.has(key))
+      p.refuse(key, "a link of type \"" + std::string(link.type()) + "\" takes no imposed motion; remove it");
+  if (p.has("move")) placed(p.value("move").where, [&] { lock->move(p.translation_law("move")); });
+  if (p.has("turn")) placed(p.value("turn").where, [&] { lock->turn(p.rotation_law("turn")); });
+}
+
+// One drive, or a list of them.
+void Builder::drives(const Params& p, Lock& link) {
+  if (!p.has("drive")) return;
+  const Value& v = p.value("drive");
+  auto* lock = dynamic_cast<MarkerLock*>(&link);
+  if (lock == nullptr)
+    p.refuse("drive", "a link of type \"" + std::string(link.type()) + "\" takes no drive; remove it");
+  const Value::List one = {v};
+  const Value::List& items = v.list() != nullptr ? *v.list() : one;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::string place = part_of(p.owner(), "drive") + (v.list() != nullptr ? "[" + std::to_string(i) + "]" : "");
+    const Params drive = params_of(items[i], "drive", place, &registry_);
+    if (drive.has("law") == drive.has("speed"))
+      drive.refuse(drive.has("speed") ? "speed" : "axis",
+                   drive.has("speed") ? "\"law\" is given as well; a drive follows one of the two"
+                                      : "nothing drives it; add \"law\" or \"speed\"");
+    const Axis axis = axis_from(drive.text("axis"));
+    placed(drive.value("axis").where, [&] {
+      if (drive.has("law")) lock->drive(axis, drive.law("law"));
+      if (drive.has("speed")) lock->drive_speed(axis, drive.law("speed"));
+    });
+  }
+}
+
+void Builder::start_speeds(const Params& p, const Lock& link) {
+  if (!p.has("start")) return;
+  const Params start = params_of(p.value("start"), "start", part_of(p.owner(), "start"), nullptr);
+  if (!start.has("velocity")) return;
+  const Params speeds =
+      params_of(start.value("velocity"), "start_velocity", part_of(start.owner(), "velocity"), nullptr);
+  const auto* lock = dynamic_cast<const MarkerLock*>(&link);
+  for (const Key& key : scene_table("start_velocity").info.keys) {
+    if (!speeds.has(key.name)) continue;
+    if (lock == nullptr)
+      speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
+    const Axis axis = axis_from(key.name);
+    if (has(lock->rows(), row_of(axis)))
+      speeds.refuse(key.name, "the link holds or drives this coordinate; a start speed needs a free one");
+    out_.start_speeds.push_back({link.name(), axis, speeds.number(key.name)});
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,99 @@
+// What a link brings along: its one-sidedness, the stops of its travel, its friction.
+#include <cmath>
+
+#include "framework/mechanism/forces/joint_friction.h"
+#include "framework/description/scene/builder.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+OneSided one_sided_from(const Params& p) {
+  OneSided o;
+  o.restitution = p.number("restitution");
+  o.rest_speed = p.number("rest_speed");
+  if (!(o.restitution >= 0 && o.restitution <= 1))
+    p.refuse("restitution", "it is " + number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
+  if (!(o.rest_speed > 0))
+    p.refuse("rest_speed", "it is " + number(o.rest_speed) + "; it must be above zero, or bounces would never end");
+  return o;
+}
+
+// Axes in which the axis k of the old ones is z: x y z -> y z x for k = 0, z x y for k = 1.
+Quat axes_with_z(int k) {
+  Mat3 A = Mat3::Zero();
+  for (int j = 0; j < 3; ++j) A((k + 1 + j) % 3, j) = 1;
+  return quaternion_of(A);
+}
+
+}  // namespace
+
+void Builder::one_sided(const Params& link, Lock& lock) {
+  if (!link.has("one_sided")) return;
+  const Params p = params_of(link.value("one_sided"), "one_sided", part_of(link.owner(), "one_sided"), nullptr);
+  const std::string side = p.text("side");
+  const bool its_own = lock.one_sided.has_value();  // a stop knows its side
+  if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");
+  lock.one_sided = one_sided_from(p);
+  lock.one_sided->below = side == "below";
+}
+
+void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
+  if (link.has("stops")) {
+    const Value::List& items = objects_of(link, "stops");
+    for (std::size_t i = 0; i < items.size(); ++i)
+      stops(items[i], part_of(link.owner(), "stops") + "[" + std::to_string(i) + "]", site);
+  }
+  if (!link.has("friction")) return;
+  const Value& keys = link.value("friction");
+  const std::string owner = part_of(link.owner(), "friction"), name = site.name + ".friction";
+  (void)params_of(keys, "friction", owner, nullptr);
+  Site where;
+  where.name = name, where.link = &lock;
+  placed(keys.where, [&] {
+    out_.system.add(registry_.forces.make("joint_friction", where, Params::unchecked(keys), &registry_, owner));
+  });
+  taken_["force"][name] = keys.where;
+}
+
+// One or both ends of one coordinate.
+void Builder::stops(const Value& object, const std::string& owner, const Site& of) {
+  const Params p = params_of(object, "travel", owner, nullptr);
+  const Axis axis = axis_from(p.text("axis"));
+  const OneSided options = one_sided_from(p);
+  if (const auto* lock = dynamic_cast<const MarkerLock*>(&out_.system.link(of.name));
+      lock != nullptr && has(lock->mask(), row_of(axis)))
+    p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
+  if (!p.has("low") && !p.has("high")) p.refuse("axis", "nothing says where it ends; add \"low\" or \"high\"");
+  if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
+    p.refuse("high", "it is " + number(p.number("high")) + " and does not lie above \"low\", " +
+                         number(p.number("low")) + "; exchange them");
+  for (const char* end : {"low", "high"}) {
+    if (!p.has(end)) continue;
+    Site site;
+    site.name = of.name + ".stop_" + p.text("axis") + "_" + end;
+    Marker *P = &of.p(), *S = &of.s();
+    std::string coordinate = p.text("axis");
+    if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts turns about z: markers that have it there
+      for (const Marker* m : {P, S})
+        if (m->slide || m->spin)
+          p.refuse("axis", "marker '" + m->name +
+                               "' moves by a law, so a stop of its turn about x or y needs markers of its own: add a "
+                               "link of type \"stop\"");
+      const Pose turned{Vec3::Zero(), axes_with_z(index(axis) - 3)};
+      P = &out_.system.add_marker(site.name + ".P", *P->body, P->local * turned);
+      S = &out_.system.add_marker(site.name + ".S", *S->body, S->local * turned);
+      coordinate = "rz";
+    }
+    site.pairs.emplace_back(P, S);
+    placed(object.where, [&] {
+      const Params keys{{"coordinate", coordinate}, {end, p.number(end)}};
+      std::unique_ptr<Lock> stop = registry_.links.make("stop", site, keys, &registry_, owner);
+      stop->one_sided = options;
+      out_.system.add(std::move(stop));
+    });
+    taken_["link"][site.name] = object.where;
+  }
+}
+
+}  // namespace lockstep

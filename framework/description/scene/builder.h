@@ -1,0 +1,87 @@
+// Builder: what the parts of build() share. Private to this room.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "framework/mechanism/params/read.h"
+#include "framework/description/scene/scene.h"
+#include "framework/description/scene/tables.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+/// "link 'A'": kind and name as they stand in messages.
+std::string owner_of(const std::string& kind, const std::string& name);
+/// The same for an object of a list whose name may be missing or no text: then "links[2]".
+std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
+
+/// An object of a table without a shelf, checked.
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws);
+
+/// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
+const Value::List& objects_of(const Params& parent, const std::string& key);
+
+/// The texts under a key of Holds::texts.
+std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const std::string& key);
+
+/// A number that must be greater than zero.
+double positive(const Params&, const std::string& key, const std::string& what);
+
+/// Runs f; a ModelError becomes a SceneError at `where`, `context` before its words.
+template <class F>
+decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (const ModelError& error) {
+    refuse(where, context, error.what());
+  }
+}
+template <class F>
+decltype(auto) placed(const Where& where, F&& f) {
+  return placed(where, "", std::forward<F>(f));
+}
+
+class Builder {
+ public:
+  Builder(const Scene& scene, const Registry& registry, Mechanism& out)
+      : scene_(scene), registry_(registry), out_(out) {}
+  void build();
+
+ private:
+  void bodies(const Params& root);
+  void body(const Value& object, const std::string& owner);
+  void markers(const Params& root);
+  void marker(const Value& object, const std::string& owner);
+  Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
+  Site site(const Params& common, const std::string& name, bool both);
+  Site pairs(const Params& link, const std::string& name);
+  void links(const Params& root);
+  void link(const Value& object, const std::string& owner);
+  void drives(const Params& common, Lock& link);
+  void laws(const Params& common, Lock& link);
+  void one_sided(const Params& link, Lock&);
+  void brought_along(const Params& link, const Site&, Lock&);
+  void stops(const Value& object, const std::string& owner, const Site&);
+  void start_speeds(const Params& common, const Lock& link);
+  void forces(const Params& root);
+  void force(const Value& object, const std::string& owner);
+  void events(const Params& root);
+  void event(const Value& object, const std::string& owner);
+  std::vector<std::string> links_named(const Params& event, const std::string& key) const;
+  void set_merge(const std::string& how);
+  void set_plane(const std::string& normal);
+  void set_up();
+
+  // Notes the name of a new thing; refuses names that are taken, empty or that channels could not tell apart.
+  std::string claim(const Params& object, const std::string& kind);
+  std::vector<std::string> names(const std::string& kind) const;
+
+  const Scene& scene_;
+  const Registry& registry_;
+  Mechanism& out_;
+  std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
+};
+
+}  // namespace lockstep

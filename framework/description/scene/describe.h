@@ -1,0 +1,38 @@
+// What a person may ask about the types of a registry and the objects of a scene: names, help, keys.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/description/registry/registry.h"
+#include "framework/description/scene/tables.h"
+
+namespace lockstep {
+
+/// One entry of a shelf, or one object of a scene file.
+struct Description {
+  std::string shelf;          ///< "links", "laws", ..., "scene"
+  TypeInfo info;              ///< with the keys that every one of its kind has
+  std::string origin;         ///< "built in", or the plugin's name
+  std::vector<Part> parts{};  ///< what its keys of Form::any hold
+};
+
+/// Names of the shelves, in the order of `list`: "laws", "translation_laws", "rotation_laws", "links", "forces",
+/// "integrators", "solvers".
+LOCKSTEP_API std::vector<std::string> shelf_names();
+
+/// Everything on one shelf ("laws" brings all three kinds of law); without keys in common. Throws SceneError for
+/// another name.
+LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std::string& shelf);
+
+/// All that have this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with
+/// the closest name when there is none.
+LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
+
+/// Text for a terminal: help, keys with form, unit, default and help.
+LOCKSTEP_API std::string describe(const Description&);
+
+/// "length in m", "\"x\" or \"y\"", "object: see `lockstep describe drive`", ...
+LOCKSTEP_API std::string form_words(const Key&, const std::vector<Part>& parts = {});
+
+}  // namespace lockstep

@@ -1,0 +1,257 @@
+#include "framework/description/scene/place.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include "framework/mechanism/params/json.h"
+#include "framework/mechanism/params/units.h"
+#include "framework/description/scene/split.h"
+#include "framework/description/scene/tables.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+constexpr std::size_t kMostLeaves = 20'000;  // that are looked through for a near path
+
+/// What the tables say of a value: the key and part that it stands under, and, of an object, what it may hold.
+struct Kind {
+  Key key{};
+  Part part{"", Holds::texts};
+  bool has_part = false;
+  Keys keys{};
+  std::vector<Part> parts{};
+};
+
+template <class Shelf>
+void add_type(Kind& kind, const Value& v, const Shelf& shelf) {
+  const Value* type = v.find("type");
+  const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
+  if (entry != nullptr) kind.keys = keys_together(kind.keys, entry->info.keys);
+}
+
+void add_part(Kind& kind, const Value& v, const Registry& registry) {
+  const std::string& table = kind.part.table;
+  if (kind.part.holds == Holds::typed) {
+    if (table == "integrators") add_type(kind, v, registry.integrators);
+    if (table == "solvers") add_type(kind, v, registry.solvers);
+    return;
+  }
+  if (table.empty()) return;
+  const SceneTable& t = scene_table(table);
+  kind.keys = t.info.keys, kind.parts = t.parts;
+  if (t.shelf == "links") add_type(kind, v, registry.links);
+  if (t.shelf == "forces") add_type(kind, v, registry.forces);
+}
+
+// Of v, which stands under the key and part of `kind`; things of a list keep both from it.
+Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
+  if (v.object() == nullptr) return kind;
+  if (kind.has_part) add_part(kind, v, registry);
+  if (kind.key.form == Form::law || kind.key.form == Form::laws) add_type(kind, v, registry.laws);
+  if (kind.key.form == Form::translation_law) add_type(kind, v, registry.translation_laws);
+  if (kind.key.form == Form::rotation_law) add_type(kind, v, registry.rotation_laws);
+  return kind;
+}
+
+// What is known of the value under a key of an object of this kind.
+Kind under(const Kind& object, const std::string& name) {
+  Kind kind;
+  kind.key.form = Form::any, kind.key.unit = Unit::any;
+  for (const Key& key : object.keys)
+    if (key.name == name) kind.key = key;
+  for (const Part& part : object.parts)
+    if (part.key == name) kind.part = part, kind.has_part = true;
+  return kind;
+}
+
+std::vector<std::string> steps_of(const std::string& path) {
+  std::vector<std::string> steps(1);
+  for (const char c : path) {
+    if (c == '.')
+      steps.emplace_back();
+    else
+      steps.back() += c;
+  }
+  return steps;
+}
+
+std::string joined(const std::vector<std::string>& steps) {
+  std::string path;
+  for (const std::string& step : steps) path += (path.empty() ? "" : ".") + step;
+  return path;
+}
+
+std::string step_to(const Value& item, std::size_t index) {
+  const Value* name = item.find("name");
+  return name != nullptr && name->text() != nullptr ? *name->text() : std::to_string(index);
+}
+
+/// Where a path ends before its time.
+struct Miss {
+  std::size_t step = 0;  // the first that leads nowhere; the number of steps: the whole leads to no plain value
+  std::vector<std::string> candidates{};
+  std::string problem{};
+};
+
+class Walk {
+ public:
+  Walk(Value& root, std::vector<std::string> steps, const Registry& registry)
+      : registry_(registry), steps_(std::move(steps)), here_(&root) {
+    Kind kind;
+    kind.part = {"", Holds::object, "scene"}, kind.has_part = true;
+    kind_ = kind_of(root, kind, registry_);
+  }
+
+  std::optional<Miss> go() {
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      const bool found = here_->object() != nullptr ? into_object(i) : here_->list() != nullptr && into_list(i);
+      if (!found) return miss(i);
+    }
+    return several() ? std::optional(miss(steps_.size())) : std::nullopt;
+  }
+  ScenePlace place() const {
+    Key key = kind_.key;
+    if (kind_.has_part && kind_.part.holds == Holds::typed)
+      key.choices = kind_.part.table == "solvers" ? registry_.solvers.names() : registry_.integrators.names();
+    return {here_, path_, "", std::move(key)};
+  }
+
+ private:
+  bool into_object(std::size_t i) {
+    const std::string& name = steps_[i];
+    Value::Object& members = *here_->object();
+    const Kind kind = under(kind_, name);
+    auto member = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == name; });
+    if (member == members.end()) {
+      if (kind.key.name.empty() || kind.key.fallback.empty()) return false;
+      Value fresh = by_default(kind, i + 1 == steps_.size());
+      fresh.where = here_->where;
+      members.push_back({name, std::move(fresh), here_->where});
+      member = std::prev(members.end());
+    }
+    here_ = &member->value;
+    kind_ = kind_of(*here_, kind, registry_);
+    path_ += (path_.empty() ? "" : ".") + name;
+    return true;
+  }
+
+  bool into_list(std::size_t i) {
+    Value::List& items = *here_->list();
+    std::size_t index = items.size();
+    for (std::size_t k = 0; k < items.size() && index == items.size(); ++k)
+      if (items[k].find("name") != nullptr && step_to(items[k], k) == steps_[i]) index = k;
+    if (index == items.size()) {
+      const char* end = steps_[i].data() + steps_[i].size();
+      const auto [stop, error] = std::from_chars(steps_[i].data(), end, index);
+      if (error != std::errc() || stop != end || index >= items.size()) return false;
+    }
+    here_ = &items[index];
+    kind_ = kind_of(*here_, {kind_.key, kind_.part, kind_.has_part}, registry_);
+    path_ += (path_.empty() ? "" : ".") + step_to(*here_, index);
+    return true;
+  }
+
+  // A key that the scene leaves out: empty at the end of the path, else with what its default holds.
+  static Value by_default(const Kind& kind, bool last) {
+    if (kind.has_part && kind.part.holds == Holds::object) return Value(Value::Object{});
+    const bool several = kind.key.form == Form::vector3 || kind.key.form == Form::numbers;
+    if ((several || !last) && kind.key.fallback != "absent") return read_json(kind.key.fallback, "");
+    return {};
+  }
+
+  // Lists and objects, also those that are not there yet.
+  bool several() const {
+    if (here_->list() != nullptr || here_->object() != nullptr) return true;
+    if (!here_->is_null()) return false;
+    const Form form = kind_.key.form;
+    if (form == Form::any) return !(kind_.has_part && kind_.part.holds == Holds::typed) && kind_.key.choices.empty();
+    return form == Form::vector3 || form == Form::axis || form == Form::orientation || form == Form::numbers ||
+           form == Form::points || form == Form::laws || form == Form::translation_law || form == Form::rotation_law;
+  }
+
+  Miss miss(std::size_t i) const {
+    Miss m{i, {}, ""};
+    const std::string owner = path_.empty() ? "the scene" : "\"" + path_ + "\"";
+    if (const Value::List* items = here_->list())
+      for (std::size_t k = 0; k < items->size(); ++k) m.candidates.push_back(step_to((*items)[k], k));
+    if (const Value::Object* members = here_->object()) {
+      for (const Value::Member& member : *members) m.candidates.push_back(member.key);
+      for (const Key& key : kind_.keys)
+        if (here_->find(key.name) == nullptr) m.candidates.push_back(key.name);
+    }
+    const bool plain = here_->list() == nullptr && here_->object() == nullptr;
+    if (i == steps_.size())
+      m.problem = plain ? owner + " is not in the scene and holds several values; put it there first"
+                        : owner + " holds several values; name one of them";
+    else
+      m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
+    return m;
+  }
+
+  const Registry& registry_;
+  std::vector<std::string> steps_;
+  Value* here_;
+  Kind kind_;
+  std::string path_;
+};
+
+// Paths to all numbers of the scene.
+void add_leaves(const Value& v, const std::string& path, std::vector<std::string>& leaves) {
+  if (leaves.size() >= kMostLeaves) return;
+  const std::string before = path.empty() ? "" : path + ".";
+  if (const Value::List* items = v.list())
+    for (std::size_t i = 0; i < items->size(); ++i) add_leaves((*items)[i], before + step_to((*items)[i], i), leaves);
+  if (const Value::Object* members = v.object())
+    for (const Value::Member& member : *members) add_leaves(member.value, before + member.key, leaves);
+  const bool quantity = v.text() != nullptr && read_quantity(*v.text(), Unit::any).problem.empty();
+  if (v.number() != nullptr || quantity) leaves.push_back(path);
+}
+
+std::string closest_number(const Value& root, const std::string& path) {
+  std::vector<std::string> leaves;
+  add_leaves(root, "", leaves);
+  return closest_name(path, leaves);
+}
+
+// The path with the closest name in the place of each that leads nowhere, else the closest path to a number; "" : none.
+std::string nearest(const Value& root, const std::string& path, const Registry& registry) {
+  std::vector<std::string> steps = steps_of(path);
+  for (std::size_t tries = 0; tries <= steps.size(); ++tries) {
+    Value copy = root;
+    const std::optional<Miss> miss = Walk(copy, steps, registry).go();
+    if (!miss) return joined(steps);
+    if (miss->step == steps.size()) break;
+    const std::string closest = closest_name(steps[miss->step], miss->candidates);
+    if (closest.empty() || closest == steps[miss->step]) break;
+    steps[miss->step] = closest;
+  }
+  return closest_number(root, path);
+}
+
+std::string known(std::vector<std::string> names) {
+  constexpr std::size_t kMost = 12;
+  if (names.empty()) return {};
+  const bool cut = names.size() > kMost;
+  if (cut) names.resize(kMost);
+  return "; known: " + join(names, ", ") + (cut ? ", ..." : "");
+}
+
+}  // namespace
+
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
+  Walk walk(root, steps_of(path), registry);
+  const std::optional<Miss> miss = walk.go();
+  if (!miss) {
+    ScenePlace place = walk.place();
+    if (place.value->is_null()) place.near = closest_number(root, place.path);
+    return place;
+  }
+  const std::string near = nearest(root, path, registry);
+  throw ModelError("\"" + path + "\": " + miss->problem +
+                   (near.empty() ? known(miss->candidates) : "; did you mean \"" + near + "\"?"));
+}
+
+}  // namespace lockstep

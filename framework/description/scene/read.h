@@ -1,0 +1,15 @@
+// JSON files to Values.
+#pragma once
+
+#include <string>
+
+#include "framework/mechanism/params/json.h"
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+
+/// The Value that the file describes; see read_json. Throws FileError when the file cannot be read, SceneError for its
+/// content.
+LOCKSTEP_API Value read_json_file(const std::string& path);
+
+}  // namespace lockstep

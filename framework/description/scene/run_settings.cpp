@@ -1,0 +1,170 @@
+#include "framework/description/scene/run_settings.h"
+
+#include <algorithm>
+
+#include "framework/description/scene/builder.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+// "rk4" or {"type": "rk4", keys}.
+Typed read_typed(const Params& run, const std::string& key, const Typed& fallback) {
+  const Value& v = run.value(key);
+  if (v.is_null() && !run.has(key)) return fallback;
+  if (v.text() != nullptr) return {*v.text(), Value(Value::Object{}), v.where};
+  const Value* type = v.find("type");
+  if (type == nullptr || type->text() == nullptr)
+    run.refuse(key, "expected a name, or {\"type\": name, and its keys}, got " + shown(v));
+  Typed typed{*type->text(), Value(Value::Object{}), type->where};
+  for (const Value::Member& member : *v.object())
+    if (member.key != "type") typed.keys.object()->push_back(member);
+  typed.keys.where = v.where;
+  return typed;
+}
+
+Stabilization::Kind kind_from(const std::string& word) {
+  if (word == "baumgarte") return Stabilization::Kind::baumgarte;
+  return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
+}
+
+Stabilization read_stabilization(const Params& run) {
+  Stabilization s;
+  const Value& v = run.value("stabilization");
+  if (!run.has("stabilization")) return s;
+  const SceneTable& table = scene_table("stabilization");
+  if (v.object() == nullptr) {
+    s.kind = kind_from(read_choice(v, table.info.keys.front().choices, "run.stabilization"));
+    return s;
+  }
+  const Params p = params_of(v, "stabilization", "run.stabilization", nullptr);
+  s.kind = kind_from(p.text("kind"));
+  s.alpha = p.number("alpha"), s.beta = p.number("beta"), s.tolerance = positive(p, "tolerance", "tolerance");
+  for (const char* rate : {"alpha", "beta"})
+    if (p.number(rate) < 0) p.refuse(rate, "the rate is " + brief(p.number(rate)) + " 1/s; it must be >= 0");
+  return s;
+}
+
+std::vector<double> read_times(const Params& run) {
+  if (!run.has("times")) return {};
+  if (run.has("output")) run.refuse("times", "\"output\" and \"times\" both say when to record; remove one of the two");
+  const std::vector<double> times = run.numbers("times");
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i] < 0) run.refuse("times", "instant " + number(times[i]) + " s lies before the start at 0 s; remove it");
+    if (i > 0 && times[i] <= times[i - 1])
+      run.refuse("times", "instants must rise, but " + number(times[i]) + " s follows " + number(times[i - 1]) + " s");
+  }
+  return times;
+}
+
+void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
+  const auto name = [](const ChannelRequest& r) { return r.name.empty() ? r.channel : r.name; };
+  if (name(request).empty() || request.channel.empty())
+    refuse(request.where, "run.record", "a channel needs a name; \"\" is none");
+  const std::string column = name(request);
+  if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
+    refuse(request.where, "run.record",
+           "a column's name holds a line end or another control character; a CSV header "
+           "stands on one line: leave it out");
+  const auto same = [&](const ChannelRequest& other) { return name(other) == name(request); };
+  if (std::any_of(all.begin(), all.end(), same))
+    refuse(request.where, "run.record",
+           "column \"" + name(request) + "\" is asked for twice; give one of them a name of its own");
+  all.push_back(std::move(request));
+}
+
+std::vector<ChannelRequest> read_record(const Params& run) {
+  std::vector<ChannelRequest> all;
+  if (!run.has("record")) return all;
+  const Value::List* items = run.value("record").list();
+  if (items == nullptr) run.refuse("record", "expected a list of channels, got " + shown(run.value("record")));
+  for (const Value& item : *items) {
+    if (item.text() != nullptr) {
+      add_request(all, {*item.text(), "", item.where});
+    } else if (item.object() != nullptr) {
+      for (const Value::Member& m : *item.object())
+        add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where});
+    } else {
+      refuse(item.where, "run.record", "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
+    }
+  }
+  return all;
+}
+
+// Panels: lists of names that are recorded.
+std::vector<std::vector<std::string>> read_draw(const Params& run, const std::vector<ChannelRequest>& record) {
+  std::vector<std::vector<std::string>> panels;
+  if (!run.has("draw")) return panels;
+  std::vector<std::string> known;
+  for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
+  const Value::List* lists = run.value("draw").list();
+  if (lists == nullptr)
+    run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
+  for (const Value& panel : *lists) {
+    if (panel.list() == nullptr)
+      refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
+    if (panel.list()->empty())
+      refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
+    panels.emplace_back();
+    for (const Value& item : *panel.list()) {
+      const std::string name = read_text(item, "run.draw");
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        refuse(item.where, "run.draw", "\"" + name + "\" is not recorded" + suggestion(name, known));
+      panels.back().push_back(name);
+    }
+  }
+  return panels;
+}
+
+}  // namespace
+
+RunSettings read_run(const Value& v) {
+  RunSettings run;
+  run.where = v.where;
+  const Params p = params_of(v, "run", "run", nullptr);
+  run.integrator = read_typed(p, "integrator", run.integrator);
+  run.solver = read_typed(p, "solver", run.solver);
+  if (p.has("step")) run.step = positive(p, "step", "step");
+  if (p.has("until")) run.until = positive(p, "until", "end of the run");
+  if (p.has("output")) run.output = positive(p, "output", "interval");
+  run.tolerance.relative = positive(p, "tolerance", "tolerance");
+  run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
+  run.times = read_times(p);
+  run.formulation = p.text("formulation") == "quaternion" ? Formulation::quaternion : Formulation::omega;
+  if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
+  run.stabilization = read_stabilization(p);
+  run.assemble = p.boolean("assemble");
+  run.record = read_record(p);
+  run.draw = read_draw(p, run.record);
+  return run;
+}
+
+std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {
+  if (registry.integrators.find(run.integrator.type) == nullptr)
+    refuse(run.integrator.where, "run.integrator",
+           "unknown integrator \"" + run.integrator.type + "\"" +
+               suggestion(run.integrator.type, registry.integrators.names()));
+  const TypeInfo& info = registry.integrators.find(run.integrator.type)->info;
+  const Params keys(run.integrator.keys, info, "run.integrator", &registry);
+  auto method = placed(run.integrator.where, [&] {
+    return registry.integrators.make(run.integrator.type, keys, &registry, "run.integrator");
+  });
+  if (!method->info().adaptive && run.step <= 0)
+    refuse(run.integrator.where.line > 0 ? run.integrator.where : run.where, "run.integrator",
+           "\"" + run.integrator.type +
+               "\" takes fixed steps and no step is given; add \"step\" to \"run\", as in \"step\": 0.001");
+  method->set_tolerance(run.tolerance);
+  return method;
+}
+
+std::unique_ptr<LinearSolver> make_solver(const RunSettings& run, const Registry& registry) {
+  if (registry.solvers.find(run.solver.type) == nullptr)
+    refuse(run.solver.where, "run.solver",
+           "unknown solver \"" + run.solver.type + "\"" + suggestion(run.solver.type, registry.solvers.names()));
+  const TypeInfo& info = registry.solvers.find(run.solver.type)->info;
+  const Params keys(run.solver.keys, info, "run.solver", &registry);
+  return placed(run.solver.where,
+                [&] { return registry.solvers.make(run.solver.type, keys, &registry, "run.solver"); });
+}
+
+}  // namespace lockstep

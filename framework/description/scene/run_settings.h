@@ -1,0 +1,11 @@
+// The object "run" of a scene.
+#pragma once
+
+#include "framework/description/scene/scene.h"
+
+namespace lockstep {
+
+/// Settings as the scene says, defaults where it is silent (or null). Throws SceneError.
+LOCKSTEP_API RunSettings read_run(const Value&);
+
+}  // namespace lockstep

@@ -1,0 +1,13 @@
+// JSON Schema of scene files, for editors: generated from the tables of the scene and the types of a registry.
+#pragma once
+
+#include <string>
+
+#include "framework/description/registry/registry.h"
+
+namespace lockstep {
+
+/// JSON Schema, draft 2020-12, ends with a newline. The committed scene.schema.json is that of the built-in registry.
+LOCKSTEP_API std::string scene_schema(const Registry&);
+
+}  // namespace lockstep

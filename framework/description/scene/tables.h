@@ -1,0 +1,48 @@
+// The objects of a scene file: one table of keys each. Parser, schema and `describe` read these; there is no second
+// list.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+
+/// What stands under a key of Form::any.
+enum class Holds {
+  object,            ///< one object of `table`
+  objects,           ///< a list of them
+  object_or_list,    ///< either
+  choice_or_object,  ///< one of the key's choices, or an object of `table`
+  texts,             ///< a list of texts
+  texts_or_objects,  ///< a list of texts and of objects of `table`
+  text_lists,        ///< a list of lists of texts
+  channels,          ///< a list of channel names and of objects {"own name": "channel name"}
+  typed,             ///< a name on the shelf `table`, or {"type": name, and its keys}
+  vector_or_object,  ///< [x, y, z], an object of `table`, or three rows of three
+  vector_or_word     ///< [x, y, z], or one of the key's choices
+};
+
+struct Part {
+  std::string key;
+  Holds holds;
+  std::string table{};
+};
+
+/// One kind of object: its name, help and keys, and what its keys of Form::any hold. Where `shelf` is given, an object
+/// also takes the keys of the type that its key "type" names there.
+struct SceneTable {
+  TypeInfo info;
+  std::vector<Part> parts{};
+  std::string shelf{};
+};
+
+/// All of them, the scene itself first.
+LOCKSTEP_API const std::vector<SceneTable>& scene_tables();
+
+/// By name: "scene", "body", "link", "run", ... The name must exist.
+LOCKSTEP_API const SceneTable& scene_table(const std::string& name);
+
+}  // namespace lockstep

@@ -1,0 +1,202 @@
+#include "framework/dynamics/evaluate/implicit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/dynamics/evaluate/newton_factor.h"
+#include "framework/mechanism/system/blame.h"
+
+namespace lockstep {
+
+struct NewtonMatrix::Work : NewtonNumbers {
+  const System* system = nullptr;
+  long description = -1, pattern = -1;  // revisions of the system and of the tangents that were laid out
+  NewtonFactor<double> real;
+  NewtonFactor<Complex> complex;
+
+  bool same_links(const RowTable& rows) const;
+  void lay_out(const RowTable& rows);
+  void lay_out_plan();
+  void copy_rows(const RowTable& rows);
+  void add_inertia(const Inputs& in);
+  void update_scales();
+};
+
+bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
+  return std::equal(entries.begin(), entries.end(), rows.entries.begin(), rows.entries.end(),
+                    [](const RowEntry& a, const RowEntry& b) { return a.link == b.link && a.m == b.m; });
+}
+
+void NewtonMatrix::Work::lay_out(const RowTable& rows) {
+  width.clear(), first.clear(), mass.clear(), inertia.clear(), inverse_inertia.clear();
+  n = 0;
+  const Plane plane = system->plane();
+  velocity = {0, 1, 2, 3, 4, 5};
+  if (plane) velocity = {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
+  for (int k = 0; k < system->n_slots(); ++k) {
+    const Slot& slot = system->slot(k);
+    const bool particle = slot.freedoms == Freedoms::particle;
+    width.push_back(plane ? (particle ? 2 : 3) : (particle ? 3 : 6));
+    first.push_back(n);
+    mass.push_back(slot.mass);
+    inertia.push_back(particle ? Mat3(Mat3::Zero()) : slot.J);
+    Mat3 inverse = Mat3::Zero();
+    if (!particle && plane)
+      inverse(plane.n, plane.n) = 1.0 / slot.J(plane.n, plane.n);
+    else if (!particle)
+      inverse = slot.J.llt().solve(Mat3::Identity());
+    inverse_inertia.push_back(inverse);
+    n += width.back();
+  }
+  entries = rows.entries;
+  m = rows.n_rows;
+  std::size_t size = 0;
+  for (const RowEntry& e : entries) size += static_cast<std::size_t>(6 * e.m * e.slots.n);
+  J.assign(size, 0.0);
+  s.setZero(m);
+  pattern = -1;
+}
+
+// When the pairs of the tangents are known: who is eliminated when, and where every number goes.
+void NewtonMatrix::Work::lay_out_plan() {
+  pattern = tangents.revision();
+  BlockGraph graph{width, first, static_cast<int>(width.size()), {}};
+  for (const auto& [row, column] : tangents.pairs())
+    if (row < column) graph.edges.emplace_back(row, column);
+  for (const RowEntry& e : entries) {
+    const int node = static_cast<int>(graph.width.size());
+    graph.width.push_back(e.m);
+    graph.first.push_back(n + e.first_row);
+    for (int i = 0; i < e.slots.n; ++i) graph.edges.emplace_back(e.slots[i], node);
+  }
+  plan.lay_out(graph, false);
+
+  pairs.clear(), row_places.clear(), proximal.clear();
+  for (const auto& [row, column] : tangents.pairs()) pairs.push_back(plan.find(row, column));
+  int node = graph.n_slots;
+  for (const RowEntry& e : entries) {
+    for (int i = 0; i < e.slots.n; ++i) row_places.push_back(plan.find_above(node, e.slots[i]));
+    proximal.push_back(plan.find(node, node));
+    ++node;
+  }
+  real.lay_out(*this);
+  complex.lay_out(*this);
+}
+
+void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
+  double* out = J.data();
+  for (const RowEntry& e : rows.entries) {
+    const RowBlock block = rows.block(e);
+    for (int i = 0; i < e.slots.n; ++i)
+      for (int k = 0; k < e.m; ++k, out += 6) {
+        const auto r = block.J(i, k);
+        std::copy(&r[0], &r[0] + 6, out);
+      }
+  }
+}
+
+// (9.16) d(w x J w)/dw = w~ J - (J w)~
+void NewtonMatrix::Work::add_inertia(const Inputs& in) {
+  for (int k = 0; k < system->n_slots(); ++k) {
+    const Mat3& moment = inertia[static_cast<std::size_t>(k)];
+    const Vec3& w = in.slot(k).w;
+    tangents.add_D(k, Half::turn, k, Half::turn, skew(w) * moment - skew(Vec3(moment * w)));
+  }
+}
+
+// As Kkt::update_scales(): the mean of the diagonal of J M^-1 J^T over the link's rows of one kind.
+void NewtonMatrix::Work::update_scales() {
+  s.setZero();
+  for_each_row(J, [&](int row, int slot, const double* r) {
+    const auto k = static_cast<std::size_t>(slot);
+    const Eigen::Map<const Vec3> v(r), w(r + 3);
+    s[row] += v.squaredNorm() / mass[k] + w.dot(inverse_inertia[k] * w);
+  });
+  for (const RowEntry& e : entries)
+    for (const RowKind kind : {RowKind::translation, RowKind::rotation}) {
+      double sum = 0;
+      int rows = 0;
+      for (int k = 0; k < e.m; ++k)
+        if (e.kind[static_cast<std::size_t>(k)] == kind) sum += s[e.first_row + k], ++rows;
+      for (int k = 0; k < e.m; ++k)
+        if (e.kind[static_cast<std::size_t>(k)] == kind) s[e.first_row + k] = sum / rows;
+    }
+  for (double& x : s)
+    if (!(x > 0)) x = 1;
+}
+
+NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
+NewtonMatrix::~NewtonMatrix() = default;
+
+void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
+  Work& w = *work_;
+  const System& system = dynamics.system();
+  const RowTable& rows = dynamics.rows();
+  if (w.system != &system || w.description != system.revision() || !w.same_links(rows)) {
+    w.system = &system;
+    w.description = system.revision();
+    w.tangents.lay_out(system.n_slots());
+    w.lay_out(rows);
+  }
+  w.copy_rows(rows);
+  w.update_scales();
+  w.tangents.clear();
+  const Inputs& in = dynamics.inputs();
+  w.add_inertia(in);
+  for (const RowEntry& e : rows.entries) {
+    std::array<double, kMaxRows> own{};  // of all rows of the link, those left out in a plane being zero
+    for (int k = 0; k < e.m; ++k)
+      own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
+    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    named(link, in.t, [&] { link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents); });
+  }
+  for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
+  const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+  for (const Force* force : dynamics.reacting())
+    named(*force, in.t, [&] { force->react_tangent(in, reactions, w.tangents); });
+  if (w.pattern != w.tangents.revision()) w.lay_out_plan();
+}
+
+void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
+void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->complex.factor(*work_, a, b, c); }
+void NewtonMatrix::set_residual(double enough) { work_->enough = enough; }
+SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) {
+  return work_->real.solve(*work_, f, r, x, l);
+}
+SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l) {
+  return work_->complex.solve(*work_, f, r, x, l);
+}
+long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
+
+void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
+  for (std::size_t k = 0; k < work_->width.size(); ++k) {
+    const int at = 6 * static_cast<int>(k);
+    y.segment<3>(at) += work_->mass[k] * x.segment<3>(at);
+    y.segment<3>(at + 3) += work_->inertia[k] * x.segment<3>(at + 3);
+  }
+}
+void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const {
+  const TangentSum& sum = work_->tangents;
+  for (std::size_t p = 0; p < sum.pairs().size(); ++p)
+    y.segment<6>(6 * sum.pairs()[p].row) += sum.D(p) * x.segment<6>(6 * sum.pairs()[p].column);
+}
+void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const {
+  const TangentSum& sum = work_->tangents;
+  for (std::size_t p = 0; p < sum.pairs().size(); ++p)
+    y.segment<6>(6 * sum.pairs()[p].row) += sum.K(p) * x.segment<6>(6 * sum.pairs()[p].column);
+}
+void NewtonMatrix::add_J_times(const VecX& x, VecX& y) const {
+  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
+    y[row] += Eigen::Map<const Vec6>(r).dot(x.segment<6>(6 * slot));
+  });
+}
+void NewtonMatrix::add_Jt_times(const VecX& l, VecX& y) const {
+  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
+    y.segment<6>(6 * slot) += l[row] * Eigen::Map<const Vec6>(r);
+  });
+}
+const TangentSum& NewtonMatrix::tangents() const { return work_->tangents; }
+
+}  // namespace lockstep

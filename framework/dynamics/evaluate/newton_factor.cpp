@@ -1,0 +1,209 @@
+#include "framework/dynamics/evaluate/newton_factor.h"
+
+#include <array>
+#include <limits>
+
+#include "framework/dynamics/solvers/block_kernels.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+template <class T>
+void NewtonFactor<T>::lay_out(const NewtonNumbers& N) {
+  A_.assign(N.tangents.pairs().size(), Mat6T::Zero());
+  J_.assign(N.J.size(), 0.0);
+  E_.setZero(N.m);
+  blocks_.lay_out(N.plan);
+  for (Vec* v : {&b_, &x_, &d_}) v->setZero(N.n + N.m);
+  for (VecX* v : {&size_, &size_x_}) v->setZero(N.n + N.m);
+}
+
+template <class T>
+void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
+  if (A_.size() != N.tangents.pairs().size() || J_.size() != N.J.size() || E_.size() != N.m) lay_out(N);
+  for (std::size_t p = 0; p < A_.size(); ++p) {
+    const auto [row, column] = N.tangents.pairs()[p];
+    Mat6T A = b * N.tangents.D(p) + c * N.tangents.K(p);
+    if (row == column) {
+      const auto k = static_cast<std::size_t>(row);
+      A.diagonal().template head<3>().array() += a * N.mass[k];
+      A.template bottomRightCorner<3, 3>() += a * N.inertia[k];
+    }
+    for (int i = 0; i < N.width[static_cast<std::size_t>(row)]; ++i)
+      for (int j = 0; j < N.width[static_cast<std::size_t>(column)]; ++j)
+        A_[p](i, j) = A(N.velocity[static_cast<std::size_t>(i)], N.velocity[static_cast<std::size_t>(j)]);
+  }
+  double* J = J_.data();
+  N.for_each_row(N.J, [&](int, int slot, const double* r) {
+    for (int j = 0; j < N.width[static_cast<std::size_t>(slot)]; ++j) J[j] = r[N.velocity[static_cast<std::size_t>(j)]];
+    J += 6;
+  });
+  // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (numerics page, section 5).
+  E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
+
+  fill(N);
+  is_dense_ = !blocks_.factor(N.plan);
+  if (is_dense_) factor_dense(N);
+}
+
+template <class T>
+void NewtonFactor<T>::fill(const NewtonNumbers& N) {
+  blocks_.clear();
+  for (std::size_t p = 0; p < A_.size(); ++p) {
+    const int n_rows = N.width[static_cast<std::size_t>(N.tangents.pairs()[p].row)],
+              n_columns = N.width[static_cast<std::size_t>(N.tangents.pairs()[p].column)];
+    T* out = blocks_.at(N.pairs[p].at);
+    for (int i = 0; i < n_rows; ++i)
+      for (int j = 0; j < n_columns; ++j) out[N.pairs[p].transposed ? j * n_rows + i : i * n_columns + j] = A_[p](i, j);
+  }
+  // A link's jacobian J and J^T: one as it is, the other transposed, so that both have the shape of the block above the
+  // diagonal.
+  const double* J = J_.data();
+  const BlockPlan::Place* place = N.row_places.data();
+  for (const RowEntry& e : N.entries)
+    for (int i = 0; i < e.slots.n; ++i, J += 6 * e.m, ++place) {
+      const int width = N.width[static_cast<std::size_t>(e.slots[i])];
+      T *U = blocks_.at(place->at), *L = U + e.m * width;
+      for (int k = 0; k < e.m; ++k)
+        for (int j = 0; j < width; ++j) {
+          const int at = place->transposed ? j * e.m + k : k * width + j;
+          U[at] = L[at] = J[6 * k + j];
+        }
+    }
+  place = N.proximal.data();
+  for (const RowEntry& e : N.entries) {
+    T* D = blocks_.at(place++->at);
+    for (int k = 0; k < e.m; ++k) D[k * (e.m + 1)] = -E_[e.first_row + k];
+  }
+}
+
+/// Pivots anywhere: for the poses where a body's own block has none, as in statics, where M is left out.
+template <class T>
+void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
+  constexpr int kLargest = 3000;
+  if (N.n + N.m > kLargest)
+    throw SolveError("the matrix of the implicit step has no pivot in a body's own block, and " +
+                     std::to_string(N.n + N.m) +
+                     " unknowns are too many to look for one elsewhere; make the step smaller");
+  ++n_dense_;
+  Mat A = Mat::Zero(N.n + N.m, N.n + N.m);
+  for (std::size_t p = 0; p < A_.size(); ++p) {
+    const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
+               column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
+    A.block(N.first[row], N.first[column], N.width[row], N.width[column]) =
+        A_[p].topLeftCorner(N.width[row], N.width[column]);
+  }
+  N.for_each_row(J_, [&](int row, int slot, const double* r) {
+    const auto k = static_cast<std::size_t>(slot);
+    for (int j = 0; j < N.width[k]; ++j) A(N.n + row, N.first[k] + j) = A(N.first[k] + j, N.n + row) = r[j];
+  });
+  A.diagonal().tail(N.m) = (-E_).template cast<T>();
+  dense_.compute(A);
+  if (!dense_.matrixLU().allFinite() || !(dense_.matrixLU().diagonal().cwiseAbs().minCoeff() > 0))
+    throw SolveError("the matrix of the implicit step is singular or not finite; make the step smaller");
+}
+
+template <class T>
+void NewtonFactor<T>::add_correction(const NewtonNumbers& N) {
+  if (is_dense_)
+    d_ = dense_.solve(d_).eval();
+  else
+    blocks_.solve(N.plan, d_.data());
+  x_ += d_;
+}
+
+/// Units of the unknowns: translations, turns, and multipliers of the three kinds of rows; of the equations likewise.
+/// visit(number, unit).
+template <class Visit>
+void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
+  for (std::size_t k = 0; k < N.width.size(); ++k)
+    for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, N.velocity[static_cast<std::size_t>(j)] < 3 ? 0u : 1u);
+  for (const RowEntry& e : N.entries)
+    for (int k = 0; k < e.m; ++k)
+      visit(N.n + e.first_row + k, 2u + static_cast<unsigned>(e.kind[static_cast<std::size_t>(k)]));
+}
+
+/// d = b - A x without the proximal term, and the largest part of it against the terms of its equation. An equation
+/// whose terms are small by chance (the directions that a flat mechanism does not move in) is measured by 1e-3 of what
+/// they would be with the largest unknown of each unit.
+template <class T>
+typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
+  constexpr double kFloor = 1e-3;
+  using block_detail::size_of, block_detail::times;
+  std::array<double, 5> most{};
+  for_each_unknown(N, [&](int i, unsigned unit) { most[unit] = std::max(most[unit], size_of(x_[i])); });
+  for_each_unknown(N, [&](int i, unsigned unit) { size_x_[i] = std::max(size_of(x_[i]), kFloor * most[unit]); });
+  d_ = b_;
+  size_ = b_.cwiseAbs();
+  for (std::size_t p = 0; p < A_.size(); ++p) {
+    const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
+               column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
+    const int i = N.first[row], j = N.first[column];
+    block_detail::with_width(N.width[row], [&](auto width) {
+      constexpr int kI = decltype(width)::value;
+      T sum[kI] = {};
+      double sizes[kI] = {};
+      for (int c = 0; c < N.width[column]; ++c) {
+        const T* A = A_[p].data() + 6 * c;
+        for (int r = 0; r < kI; ++r) sum[r] += times(A[r], x_[j + c]), sizes[r] += size_of(A[r]) * size_x_[j + c];
+      }
+      for (int r = 0; r < kI; ++r) d_[i + r] -= sum[r], size_[i + r] += sizes[r];
+    });
+  }
+  N.for_each_row(J_, [&](int row, int slot, const double* r) {
+    const auto k = static_cast<std::size_t>(slot);
+    const int i = N.n + row, j = N.first[k];
+    const T l = x_[i];
+    const double size_l = size_x_[i];
+    T sum(0);
+    double sizes = 0;
+    for (int c = 0; c < N.width[k]; ++c) {
+      const double size = std::abs(r[c]);
+      sum += times(r[c], x_[j + c]), sizes += size * size_x_[j + c];
+      d_[j + c] -= times(r[c], l), size_[j + c] += size * size_l;
+    }
+    d_[i] -= sum, size_[i] += sizes;
+  });
+
+  Residual worst;
+  double worst_row = 0;
+  for (int i = 0; i < N.n + N.m; ++i) {
+    const double d = size_of(d_[i]), relative = d == 0 ? 0.0 : d / size_[i];
+    if (relative > worst.largest || std::isnan(relative)) worst.largest = relative;
+    if (i >= N.n && relative > worst_row) worst_row = relative, worst.worst_row = i - N.n;
+  }
+  return worst;
+}
+
+template <class T>
+SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
+  constexpr int kCorrections = 3;
+  SolveReport report;
+  const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its place among six a slot)
+    for (std::size_t k = 0; k < N.width.size(); ++k)
+      for (int j = 0; j < N.width[k]; ++j)
+        visit(N.first[k] + j, 6 * static_cast<int>(k) + N.velocity[static_cast<std::size_t>(j)]);
+  };
+  for_each_velocity([&](int i, int at) { b_[i] = f[at]; });
+  b_.tail(N.m) = r;
+  x_.setZero();
+  d_ = b_;
+  double before = std::numeric_limits<double>::infinity();
+  for (int round = 0;; ++round) {
+    add_correction(N);
+    const Residual now = measure(N);
+    report.residual = now.largest, report.worst_row = now.worst_row, report.corrections = round;
+    if (now.largest <= N.enough || round == kCorrections || !(now.largest <= 0.5 * before)) break;
+    before = now.largest;
+  }
+  report.contradictory = report.residual > 1e-2;
+  x.setZero(6 * static_cast<int>(N.width.size()));
+  for_each_velocity([&](int i, int at) { x[at] = x_[i]; });
+  l = x_.tail(N.m);
+  return report;
+}
+
+template class NewtonFactor<double>;
+template class NewtonFactor<std::complex<double>>;
+
+}  // namespace lockstep

@@ -1,0 +1,80 @@
+// NewtonFactor: one factor of an implicit method's matrix, real or complex, and its solutions. Internal to
+// NewtonMatrix.
+#pragma once
+
+#include <Eigen/LU>
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "framework/dynamics/solvers/block_factor.h"
+#include "framework/dynamics/solvers/linear_solver.h"
+#include "framework/mechanism/rows/tangent.h"
+
+namespace lockstep {
+
+/// What the factors are made of: the mechanism's shape and the numbers gathered last.
+struct NewtonNumbers {
+  TangentSum tangents;
+  std::vector<double> mass;                    // of each slot
+  std::vector<Mat3> inertia, inverse_inertia;  // of each slot
+  std::vector<int> width, first;               // of each slot: unknowns and the first of them
+  std::vector<RowEntry> entries;               // as laid out
+  std::vector<double> J;                       // 6 a slot and row, entry after entry
+  VecX s;                                      // scale of each row, for the proximal term
+  double enough = 1e-12;                       // residuals, of the terms of their equation, that need no correction
+  std::array<int, 6> velocity{};               // which of a slot's six each unknown is: in a plane there are three
+  int n = 0, m = 0;
+  BlockPlan plan;
+  std::vector<BlockPlan::Place> pairs, row_places,
+      proximal;  // of tangents' pairs; of entries and their slots; of entries
+
+  /// visit(row, slot, its six numbers) for the rows J, in their order.
+  template <class Visit>
+  void for_each_row(const std::vector<double>& numbers, Visit&& visit) const {
+    const double* r = numbers.data();
+    for (const RowEntry& e : entries)
+      for (int i = 0; i < e.slots.n; ++i)
+        for (int k = 0; k < e.m; ++k, r += 6) visit(e.first_row + k, e.slots[i], r);
+  }
+};
+
+template <class T>
+class NewtonFactor {
+ public:
+  using Vec = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+
+  void lay_out(const NewtonNumbers&);
+  /// Throws SolveError when the matrix has no inverse.
+  void factor(const NewtonNumbers&, T a, T b, T c);
+  SolveReport solve(const NewtonNumbers&, const Vec& f, const Vec& r, Vec& x, Vec& l);
+  long n_dense() const { return n_dense_; }
+
+ private:
+  using Mat6T = Eigen::Matrix<T, 6, 6>;
+  using Mat = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  struct Residual {
+    double largest = 0;
+    int worst_row = -1;
+  };
+
+  void fill(const NewtonNumbers&);
+  void factor_dense(const NewtonNumbers&);
+  void add_correction(const NewtonNumbers&);
+  Residual measure(const NewtonNumbers&);
+
+  // The matrix that was factored: a M + b D + c K by pairs, J, and the proximal term; of the six rows and columns the
+  // unknown ones stand first
+  std::vector<Mat6T> A_;
+  std::vector<double> J_;
+  VecX E_;
+
+  BlockFactor<T> blocks_;
+  Eigen::PartialPivLU<Mat> dense_;
+  bool is_dense_ = false;
+  long n_dense_ = 0;
+  Vec b_, x_, d_;
+  VecX size_, size_x_;  // of the terms of each equation; of each unknown
+};
+
+}  // namespace lockstep

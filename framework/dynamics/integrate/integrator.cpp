@@ -1,0 +1,19 @@
+#include "framework/dynamics/integrate/integrator.h"
+
+namespace lockstep {
+
+Integrator::~Integrator() = default;
+
+bool Integrator::dense(double, State&) const { return false; }
+
+void Integrator::set_tolerance(const Tolerance&) {}
+
+double Integrator::first_step(Dynamics&, const State&, double) { return 0; }
+
+const EmbeddedScheme* Integrator::scheme() const { return nullptr; }
+
+void Integrator::save(Snapshot&) const {}
+
+void Integrator::restore(const Snapshot&) {}
+
+}  // namespace lockstep

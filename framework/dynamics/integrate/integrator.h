@@ -1,0 +1,70 @@
+// Integrator: one step of a method. Registered by name, built in or from a plugin.
+#pragma once
+
+#include <string>
+
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/mechanism/model/state.h"
+#include "framework/foundation/support/snapshot.h"
+
+namespace lockstep {
+
+struct EmbeddedScheme;
+
+struct IntegratorInfo {
+  std::string name;
+  int order = 1;
+  bool implicit = false, adaptive = false;
+  int evaluations = 1;  ///< of the equations of motion, a step
+};
+
+/// Error weights: atol_x + relative |increment scale| for positions and rotations (m, rad), atol_v = atol_x / (1 s).
+struct Tolerance {
+  double relative = 1e-6;
+  double atol_x = 1e-8;
+};
+
+struct StepReport {
+  double h = 0;                ///< step made, s
+  double h_next = 0;           ///< step advised; 0: the method has no opinion (fixed step)
+  double error = 0;            ///< estimate against the tolerance, 1 = just met; 0 where there is none
+  int rejected = 0;            ///< tries thrown away before this step
+  double violation = 0;        ///< |C| before projection, m
+  double violation_after = 0;  ///< |C| of the new state, m
+  bool manifold = false;       ///< its stages were put on the constraints, as near singular positions
+  bool stiff = false;          ///< damped fast modes limit the step, not accuracy: an implicit method is cheaper
+};
+
+class LOCKSTEP_API Integrator {
+ public:
+  virtual ~Integrator();
+  virtual IntegratorInfo info() const = 0;
+  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  const std::string& origin() const { return origin_; }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }
+  /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
+  virtual void begin(Dynamics&, const State&) = 0;
+  /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An
+  /// adaptive method may step less; a rejected try leaves no trace. Throws StepError, and whatever an evaluation
+  /// throws; `state` is then as it was.
+  virtual StepReport step(Dynamics&, State& state, double h) = 0;
+  /// State inside the last step, t0 <= t <= t1: unit quaternions, not projected, memory and links of t0; the method's
+  /// own dense output. As the end of the step is projected and this is not, dense(t1) differs from it by that small
+  /// move. Right after begin() it gives the state of begin(). Default: cubic Hermite would be a lie about its order, so
+  /// a method without one returns false, always, and the simulation lands on the wanted times instead.
+  virtual bool dense(double t, State& out) const;
+  virtual void set_tolerance(const Tolerance&);
+  /// First step by the method's own guess, which looks no further ahead than `largest`; 0: none (fixed step).
+  virtual double first_step(Dynamics&, const State&, double largest);
+  /// The numbers of an explicit Runge-Kutta method (framework/dynamics/integrate/tableau.h), by which others make its steps:
+  /// Copies in vector lanes. Null, as here: only step() makes them.
+  virtual const EmbeddedScheme* scheme() const;
+  /// History and controller: with the State all that a checkpoint or a step taken back needs.
+  virtual void save(Snapshot&) const;
+  virtual void restore(const Snapshot&);
+
+ private:
+  std::string origin_;
+};
+
+}  // namespace lockstep

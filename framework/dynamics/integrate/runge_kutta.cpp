@@ -1,0 +1,157 @@
+#include "framework/dynamics/integrate/runge_kutta.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+namespace {
+
+// out = base + h sum_i w_i k_i (base null: from zero) over kWidth numbers of one part: one pass, the sums stay in
+// registers.
+template <int kWidth>
+inline void add_block(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w,
+                      Eigen::Index at, double* out) {
+  constexpr int kEven = kWidth / 2 * 2;  // in pairs, which every processor has registers for
+  using Pairs = Eigen::Array<double, kEven, 1>;
+  Pairs sum = Pairs::Zero();
+  double last = 0;
+  if (base) {
+    sum = Eigen::Map<const Pairs>(base + at);
+    if (kEven < kWidth) last = base[at + kEven];
+  }
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const double* ki = (k[w.stage[i]].*part).data() + at;
+    const double hw = h * w.w[i];
+    sum += hw * Eigen::Map<const Pairs>(ki);
+    if (kEven < kWidth) last += hw * ki[kEven];
+  }
+  Eigen::Map<Pairs>(out + at) = sum;
+  if (kEven < kWidth) out[at + kEven] = last;
+}
+
+void add_one(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w, Eigen::Index at,
+             double* out) {
+  double sum = base ? base[at] : 0.0;
+  for (std::size_t i = 0; i < w.n; ++i) sum += h * w.w[i] * (k[w.stage[i]].*part)[at];
+  out[at] = sum;
+}
+
+// One part (q, v or s) of y + h sum_i w_i k_i: eight numbers at a time, and the rest of them at once.
+inline void add_part(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w,
+                     VecX& out) {
+  const Eigen::Index size = out.size();
+  const auto block = [&]<int kWidth>(std::integral_constant<int, kWidth>, Eigen::Index at) {
+    add_block<kWidth>(base, k, part, h, w, at, out.data());
+  };
+  Eigen::Index at = 0;
+  for (; at + 8 <= size; at += 8) block(std::integral_constant<int, 8>(), at);
+  switch (size - at) {
+    case 1:
+      return add_one(base, k, part, h, w, at, out.data());
+    case 2:
+      return block(std::integral_constant<int, 2>(), at);
+    case 3:
+      return block(std::integral_constant<int, 3>(), at);
+    case 4:
+      return block(std::integral_constant<int, 4>(), at);
+    case 5:
+      return block(std::integral_constant<int, 5>(), at);
+    case 6:
+      return block(std::integral_constant<int, 6>(), at);
+    case 7:
+      return block(std::integral_constant<int, 7>(), at);
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
+  tableau_ = tableau;
+  watch_ = watch;
+  a_.clear();
+  for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
+  b_ = Weights(tableau.b, tableau.n_stages);
+  stage_ = y;
+  k_.resize(static_cast<std::size_t>(tableau.n_all));
+  for (StateRate& k : k_) k = sized_like(y);
+  sight_.fill({});
+}
+
+bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, StagesOn on) {
+  if (y.z.size() > 0) stage_.z = y.z;
+  for (int i = first; i < last; ++i) {
+    combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
+    stage_.t = y.t + tableau_.c[i] * h;
+    if (on == StagesOn::manifold && !dynamics.project(stage_, 0).converged) return false;
+    dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
+    if (!watch_) continue;
+    const SolveReport& solved = dynamics.last_solve();
+    sight_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
+  }
+  return true;
+}
+
+void Stages::put(int i, const StateRate& k) {
+  const auto at = static_cast<std::size_t>(i);
+  k_[at].q = k.q, k_[at].v = k.v, k_[at].s = k.s;
+  sight_[at] = {};
+}
+
+void Stages::combine(const State& y, double h, const Weights& w, State& out) const {
+  add_part(y.q.data(), k_.data(), &StateRate::q, h, w, out.q);
+  add_part(y.v.data(), k_.data(), &StateRate::v, h, w, out.v);
+  add_part(y.s.data(), k_.data(), &StateRate::s, h, w, out.s);
+  out.t = y.t + h;
+}
+
+void Stages::sum(double h, const Weights& w, StateRate& out) const {
+  add_part(nullptr, k_.data(), &StateRate::q, h, w, out.q);
+  add_part(nullptr, k_.data(), &StateRate::v, h, w, out.v);
+  add_part(nullptr, k_.data(), &StateRate::s, h, w, out.s);
+}
+
+ProjectReport land(Dynamics& dynamics, State& y, StagesOn on) {
+  if (dynamics.options().stabilization.kind == Stabilization::Kind::project)
+    return on == StagesOn::manifold ? dynamics.project(y, 0) : dynamics.project(y);
+  ProjectReport report;
+  dynamics.normalize(y);
+  report.before = report.after = dynamics.violation(y);
+  return report;
+}
+
+ProjectReport land_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
+  const ProjectReport report = land(dynamics, y, on);
+  if (report.converged) return report;
+  throw StepError(
+      fmt::format(
+          "{}: the step of {:.6g} s from t = {:.9g} s left the constraints by {:.3g} m and could not be brought back "
+          "({:.3g} m remain after {} rounds); take a smaller step (--step), a method that chooses its own "
+          "(--integrator dopri5), an implicit one where dampers are stiff (radau5, generalized_alpha), or look for a "
+          "singular place (lockstep check)",
+          method, h, t, report.before, report.after, report.rounds),
+      t);
+}
+
+StateRate sized_like(const State& y) {
+  return {VecX::Zero(y.q.size()), VecX::Zero(y.v.size()), VecX::Zero(y.s.size())};
+}
+
+void copy_motion(const State& in, State& out) {
+  out.t = in.t;
+  out.q = in.q;
+  out.v = in.v;
+  out.s = in.s;
+}
+
+void take_motion(State& in, State& out) {
+  out.t = in.t;
+  out.q.swap(in.q);
+  out.v.swap(in.v);
+  out.s.swap(in.s);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,72 @@
+// Explicit Runge-Kutta: the stages of one step, for every method that brings a tableau.
+//
+//   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y1 = y + h sum_i b_i k_i,  y = (q, v, s)
+//
+// In the stages quaternions go by their plain rates e' = e (0, w)/2; the end of the step is put back on the unit
+// sphere.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/integrate/tableau.h"
+
+namespace lockstep {
+
+/// Where the equations of motion are evaluated: at the stage as it is, or at its projection onto the constraints. The
+/// field f(P(y)) equals f on the constraints and is smooth across singular positions; it costs about twice as much.
+enum class StagesOn { plain, manifold };
+
+/// How well an evaluation saw: near a singular position the accelerations come from what is left of vanishing pivots.
+struct Sight {
+  double detector = std::numeric_limits<double>::infinity();  ///< of SolveReport; infinite where the solver has none
+  double pivot = std::numeric_limits<double>::infinity();     ///< smallest
+  double residual = 0;
+};
+
+class LOCKSTEP_API Stages {
+ public:
+  /// Sizes everything; the only place that allocates. `watch`: sight() is wanted, which costs the solver time.
+  void begin(const Tableau&, const State&, bool watch = false);
+  /// k_first ... k_(last - 1) of a step of h from y; the earlier ones stand. False: a stage could not be brought onto
+  /// the constraints.
+  bool evaluate(Dynamics&, const State& y, double h, int first, int last, StagesOn on = StagesOn::plain);
+  /// out = y + h sum_i w_i k_i and the time y.t + h; memory and links stay as they are in `out`.
+  void combine(const State& y, double h, const Weights& w, State& out) const;
+  /// out = h sum_i w_i k_i.
+  void sum(double h, const Weights& w, StateRate& out) const;
+  /// The end of the step: combine() with b.
+  void end(const State& y, double h, State& out) const { combine(y, h, b_, out); }
+  const StateRate& k(int i) const { return k_[static_cast<std::size_t>(i)]; }
+  /// Puts the rates of stage i, known by other means.
+  void put(int i, const StateRate& k);
+  /// Of stage i when watched; else nothing is the matter.
+  const Sight& sight(int i) const { return sight_[static_cast<std::size_t>(i)]; }
+
+ private:
+  Tableau tableau_;
+  std::vector<Weights> a_;
+  Weights b_;
+  State stage_;
+  std::vector<StateRate> k_;
+  bool watch_ = false;
+  std::array<Sight, Weights::kMost> sight_{};
+};
+
+/// Ends a step: unit quaternions, then onto the constraints where the dynamics says so, to round-off when the
+/// stages are there too. `before` and `after` are |C|, m.
+LOCKSTEP_API ProjectReport land(Dynamics&, State&, StagesOn on = StagesOn::plain);
+/// The same for a method that cannot reject: StepError when the projection does not converge.
+LOCKSTEP_API ProjectReport land_or_throw(Dynamics&, State&, const char* method, double t, double h,
+                                         StagesOn on = StagesOn::plain);
+
+/// Scratch of the size of a state.
+LOCKSTEP_API StateRate sized_like(const State&);
+/// out = in, without the links' set and the memory, which do not change during a step.
+LOCKSTEP_API void copy_motion(const State& in, State& out);
+/// The same by exchange: `in` is scratch afterwards.
+LOCKSTEP_API void take_motion(State& in, State& out);
+
+}  // namespace lockstep

@@ -1,0 +1,84 @@
+#include "framework/dynamics/integrate/singular_rate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kDelta = 1e-2;  // nearer, the accelerations are uncertain still
+constexpr double kDisagree =
+    0.2;  // of the largest acceleration, v^2/L included: no motion changes so much within 6 delta
+
+// Turns a second: of the body that turns, or moves in lengths of the scene, fastest.
+double speed_of(const VecX& v, double L) {
+  double w2 = 0;
+  for (Eigen::Index i = 0; i < v.size(); i += 6)
+    w2 = std::max({w2, v.segment<3>(i).squaredNorm() / (L * L), v.segment<3>(i + 3).squaredNorm()});
+  return std::sqrt(w2);
+}
+
+// Largest number, turns as lengths.
+double size_of(const VecX& a, double L) {
+  double most = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) most = std::max(most, (i % 6 < 3 ? 1.0 : L) * std::abs(a[i]));
+  return most;
+}
+
+}  // namespace
+
+void SingularRate::begin(const State& state) {
+  side_ = state;
+  const StateRate scratch{VecX::Zero(state.q.size()), VecX::Zero(state.v.size()), VecX::Zero(state.s.size())};
+  ahead_ = behind_ = mean_[0] = mean_[1] = mean_[2] = scratch;
+}
+
+bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) {
+  const double L = dynamics.system().length(), speed = speed_of(state.v, L);
+  if (!(speed > 0)) {
+    look_along_forces(dynamics, state);
+    return false;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double delta = static_cast<double>(i + 1) * kDelta;
+    if (!look(dynamics, state, delta, delta / speed, mean_[i])) return false;
+  }
+  for (int k = 0; k < dynamics.system().n_slots(); ++k) {  // (1.8), as in Dynamics::rate
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3));
+    out.q.segment<3>(7 * k) = state.v.segment<3>(6 * k);
+    out.q.segment<4>(7 * k + 3) = rate(q, Vec3(state.v.segment<3>(6 * k + 3))).coefficients();
+  }
+  out.v = 1.5 * mean_[0].v - 0.6 * mean_[1].v + 0.1 * mean_[2].v;
+  out.s = 1.5 * mean_[0].s - 0.6 * mean_[1].s + 0.1 * mean_[2].s;
+  return true;
+}
+
+// At rest nothing is found; but the solver sees from aside which small pivots are not usual.
+void SingularRate::look_along_forces(Dynamics& dynamics, const State& state) {
+  dynamics.rate(state, ahead_);
+  const double speed = speed_of(ahead_.v, dynamics.system().length());
+  if (!(speed > 0)) return;
+  side_ = state;
+  dynamics.advance(side_, 3 * kDelta / speed, ahead_.v);
+  dynamics.project(side_, 0);
+  dynamics.rate(side_, behind_);
+}
+
+bool SingularRate::look(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) {
+  for (const double sign : {1.0, -1.0}) {
+    side_ = state;
+    dynamics.advance(side_, sign * time, state.v);
+    side_.t = state.t + sign * time;
+    if (!dynamics.project(side_, 0).converged) return false;
+    dynamics.rate(side_, sign > 0 ? ahead_ : behind_);
+  }
+  const double L = dynamics.system().length(), speed = delta / time;
+  const double scale = std::max({size_of(ahead_.v, L), size_of(behind_.v, L), speed * speed * L});
+  if (!(size_of(ahead_.v - behind_.v, L) <= kDisagree * scale)) return false;
+  mean.v = 0.5 * (ahead_.v + behind_.v);
+  mean.s = 0.5 * (ahead_.s + behind_.s);
+  return true;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,126 @@
+#include "framework/dynamics/integrate/step_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/integrate/runge_kutta.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kTiny = 1e-300;  // nothing moves and no absolute tolerance: 0/0 is 0
+
+double squared(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+double squared_difference(const double* a, const double* b) {
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return x * x + y * y + z * z;
+}
+// |vec(conj(a) b)|^2.
+double squared_turn(const double* a, const double* b) {
+  const double x = a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2];
+  const double y = a[0] * b[2] - a[2] * b[0] - a[3] * b[1] + a[1] * b[3];
+  const double z = a[0] * b[3] - a[3] * b[0] - a[1] * b[2] + a[2] * b[1];
+  return x * x + y * y + z * z;
+}
+
+// Largest squares of the first and of the last three of every slot's 6; `sum` collects them all, so that what is not
+// finite shows.
+struct Largest {
+  double linear = 0, angular = 0, sum = 0;
+  explicit Largest(const VecX& v) {
+    const double* p = v.data();
+    for (const double* end = p + v.size(); p != end; p += 6) {
+      const double x = squared(p), w = squared(p + 3);
+      linear = std::max(linear, x), angular = std::max(angular, w);
+      sum += x + w;
+    }
+  }
+};
+
+}  // namespace
+
+void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
+  const Eigen::Index n = y0.v.size() / 6;
+  const double *q0 = y0.q.data(), *q1 = y1.q.data(), *v0 = y0.v.data(), *v1 = y1.v.data();
+  double x = 0, r = 0, v = 0, w = 0;
+  for (Eigen::Index i = 0; i < n; ++i, q0 += 7, q1 += 7, v0 += 6, v1 += 6) {
+    x = std::max(x, squared_difference(q1, q0));
+    r = std::max(r, squared_turn(q0 + 3, q1 + 3));
+    v = std::max(v, squared_difference(v1, v0));
+    w = std::max(w, squared_difference(v1 + 3, v0 + 3));
+  }
+  const Largest speed(y0.v), acceleration(k0.v);
+  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative, h2 = h * h;
+  x_ = atol + rtol * std::sqrt(std::max(x, h2 * speed.linear));
+  r_ = atol + rtol * std::sqrt(std::max(4 * r, h2 * speed.angular));
+  v_ = atol + rtol * std::sqrt(std::max(v, h2 * acceleration.linear));
+  w_ = atol + rtol * std::sqrt(std::max(w, h2 * acceleration.angular));
+  s_.resize(n_s_);
+  for (Eigen::Index i = 0; i < n_s_; ++i)
+    s_[i] = atol + rtol * std::max(std::abs(y1.s[i] - y0.s[i]), h * std::abs(k0.s[i]));
+}
+
+void ErrorNorm::scale(const State& y0, double length) {
+  const Largest speed(y0.v);
+  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
+  x_ = atol + rtol * length;
+  r_ = atol + rtol;
+  v_ = atol + rtol * std::sqrt(speed.linear);
+  w_ = atol + rtol * std::sqrt(speed.angular);
+  s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
+}
+
+// Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; what lengthens e is normalised away.
+double ErrorNorm::of(const StateRate& error, const State& y1) const {
+  const Eigen::Index n = y1.v.size() / 6;
+  const double *d = error.q.data(), *q = y1.q.data();
+  double x = 0, r = 0, sum = 0;
+  for (Eigen::Index i = 0; i < n; ++i, d += 7, q += 7) {
+    const double xx = squared(d), rr = squared_turn(q + 3, d + 3);
+    x = std::max(x, xx), r = std::max(r, rr);
+    sum += xx + rr;
+  }
+  const Largest v(error.v);
+  double worst =
+      std::max({std::sqrt(x) / x_, 2 * std::sqrt(r) / r_, std::sqrt(v.linear) / v_, std::sqrt(v.angular) / w_});
+  for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
+  for (Eigen::Index i = 0; i < error.s.size(); ++i) sum += std::abs(error.s[i]);
+  return std::isfinite(sum + v.sum) ? worst : HUGE_VAL;
+}
+
+double StepControl::accept(double error, bool after_rejection) {
+  const double e = std::max(error, 1e-10);
+  const double factor = std::clamp(0.9 * std::pow(e, -0.7 / p_) * std::pow(before_, 0.4 / p_), 0.2, 5.0);
+  before_ = std::max(error, kFirst);
+  return after_rejection ? std::min(factor, 1.0) : factor;
+}
+
+double StepControl::reject(double error) const {
+  return std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -1.0 / p_), 0.2, 0.9) : 0.2;
+}
+
+double guess_first_step(Dynamics& dynamics, const State& y0, int order, double largest, ErrorNorm& norm, StateRate& f0,
+                        StateRate& f1, State& y1) {
+  const double length = dynamics.system().length();
+  norm.scale(y0, length);
+  dynamics.rate(y0, f0);
+  const double rtol = norm.tolerance().relative, atol = norm.tolerance().atol_x;
+  const double d0 = 1 / (rtol + atol / std::max(length, 1e-6)), d1 = norm.of(f0, y0);
+  const double h0 = std::min(d1 < 1e-5 ? 1e-6 : 0.01 * d0 / std::max(d1, kTiny), largest);
+  copy_motion(y0, y1);
+  y1.z = y0.z;
+  y1.t = y0.t + h0;
+  y1.q += h0 * f0.q;
+  y1.v += h0 * f0.v;
+  y1.s += h0 * f0.s;
+  dynamics.rate(y1, f1);
+  f1.q -= f0.q;
+  f1.v -= f0.v;
+  f1.s -= f0.s;
+  const double most = std::max(d1, norm.of(f1, y0) / h0);
+  const double h1 = most <= 1e-15 ? std::max(1e-6, 1e-3 * h0) : std::pow(0.01 / most, 1.0 / (order + 1));
+  return std::min({100 * h0, h1, largest});
+}
+
+}  // namespace lockstep

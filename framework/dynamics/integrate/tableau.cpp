@@ -1,0 +1,13 @@
+#include "framework/dynamics/integrate/tableau.h"
+
+namespace lockstep {
+
+Weights::Weights(const double* all, int n_all) {
+  for (int i = 0; i < n_all; ++i) {
+    if (all[i] == 0) continue;
+    stage[n] = static_cast<std::size_t>(i);
+    w[n++] = all[i];
+  }
+}
+
+}  // namespace lockstep

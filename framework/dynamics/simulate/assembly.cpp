@@ -1,0 +1,201 @@
+#include "framework/dynamics/simulate/assembly.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "framework/mechanism/lock/look.h"
+#include "framework/mechanism/lock/marker_frame.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+/// (8.2) x += d, q <- normalise(q + (1/2) q dth).
+void cayley_move(State& state, int n_slots, double share, const VecX& d) {
+  for (int k = 0; k < n_slots; ++k) {
+    state.q.segment<3>(7 * k) += share * d.segment<3>(6 * k);
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * cayley(share * d.segment<3>(6 * k + 3));
+    state.q.segment<4>(7 * k + 3) = q.coefficients();
+  }
+}
+
+std::string worst_rows(const Dynamics& dynamics, const VecX& C) {
+  std::vector<int> order(static_cast<std::size_t>(C.size()));
+  for (int i = 0; i < C.size(); ++i) order[static_cast<std::size_t>(i)] = i;
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
+    words.push_back(dynamics.system().row_name(dynamics.rows(), order[i]) + " (" + brief(C[order[i]]) + ")");
+  return join(words);
+}
+
+double round_off(const State& state, double length) {
+  double x_max = 0;
+  for (int k = 0; k + 7 <= state.q.size(); k += 7)
+    x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
+  return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
+}
+
+constexpr double kVelocityLimit = 1e-6;  // m/s, left of |Jh v + Ct|: more is a contradiction, not round-off
+
+class Assembler {
+ public:
+  Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
+      : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
+
+  void positions(AssemblyReport& report) {
+    dynamics_.normalize(state_);
+    const VecX zero = VecX::Zero(6 * n_);
+    VecX d, lambda;
+    double now = residual();
+    report.before = now;
+    const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
+    int stalls = 0;  // in a row
+    for (report.iterations = 0; now > goal; ++report.iterations) {
+      if (report.iterations == options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
+      const VecX c = -C_;
+      dynamics_.solve(zero, c, d, lambda);
+      const State from = state_;
+      double next = 0;
+      for (double share = 1.0;; share *= 0.5) {
+        state_ = from;
+        cayley_move(state_, n_, share, d);
+        next = residual();
+        if (next < now || share < 1e-3) break;
+      }
+      const bool stalled = !(next < 0.9 * now);
+      stalls = stalled ? stalls + 1 : 0;
+      if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
+      if (stalled && next <= 1e3 * goal) {  // as far as round-off lets it
+        now = std::min(next, now);
+        break;
+      }
+      now = next;
+    }
+    report.after = now;
+  }
+
+  /// M dv + Jh^T mu = 0 with Jh v = -Ct and T v = targets: the targets' rows are added to the mechanism's own.
+  void velocities(const std::vector<VelocityTarget>& targets, AssemblyReport& report) {
+    const VecX zero = VecX::Zero(6 * n_);
+    report.before_v = dynamics_.violation_v(state_);
+    if (targets.empty()) {
+      dynamics_.project_velocity(state_);
+    } else {
+      // Project first, then correct along the free motions only: W = M^-1-orthogonal responses to each target's row.
+      dynamics_.project_velocity(state_);
+      const int m = static_cast<int>(targets.size());
+      MatX rows(m, 6 * n_), response(6 * n_, m);
+      VecX gap(m), a, lambda;
+      for (int i = 0; i < m; ++i) {
+        double rate = 0;
+        rows.row(i) = target_row(targets[static_cast<std::size_t>(i)], rate).transpose();
+        gap[i] = targets[static_cast<std::size_t>(i)].value - rate;
+      }
+      dynamics_.gather(state_);
+      const VecX none = VecX::Zero(dynamics_.rows().n_rows);
+      for (int i = 0; i < m; ++i) {
+        dynamics_.solve(rows.row(i).transpose(), none, a, lambda);
+        response.col(i) = a;
+      }
+      const MatX compliance = rows * response;
+      const VecX impulse = compliance.completeOrthogonalDecomposition().solve(gap);
+      if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max(1.0, gap.lpNorm<Eigen::Infinity>()))
+        throw AssemblyError("start velocity: " + target_names(targets) +
+                            " cannot be had together; the mechanism does not move that way: "
+                            "ask for fewer coordinates, or for one that is free");
+      state_.v += response * impulse;
+      dynamics_.project_velocity(state_);
+    }
+    report.after_v = dynamics_.violation_v(state_);
+    residual();
+    if (!(report.after_v <= kVelocityLimit))
+      throw AssemblyError("assembly left velocities that no motion can have, " + brief(report.after_v) +
+                          " m/s beside the constraints; worst: " + worst_rows(dynamics_, Cd_) +
+                          ". Two laws may drive one coordinate: look at the drives of these links");
+  }
+
+ private:
+  double residual() {
+    dynamics_.gather(state_);
+    C_.resize(dynamics_.rows().n_rows);
+    Cd_.resize(dynamics_.rows().n_rows);
+    dynamics_.residuals(C_, Cd_);
+    return dynamics_.norm(C_);
+  }
+
+  [[noreturn]] void stop(double now, int iterations) {
+    throw AssemblyError("assembly stopped after " + std::to_string(iterations) + " iterations at |C| = " + brief(now) +
+                        " m; worst: " + worst_rows(dynamics_, C_) +
+                        ". Check the start poses of these links' bodies, their markers and masks");
+  }
+
+  /// Row of the rate of one coordinate (on 6 a slot), and its present value.
+  VecX target_row(const VelocityTarget& target, double& rate) {
+    const Lock& link = dynamics_.system().link(target.link);
+    const auto [p, s] = link.pairs().front();
+    const MarkerFrame P(*p), S(*s);
+    dynamics_.gather(state_);
+    const Inputs& in = dynamics_.inputs();
+    const LockPoint L = look(in.slot(P.slot), in.slot(S.slot), P.at(in.t), S.at(in.t), 1u);
+    VecX row = VecX::Zero(6 * n_);
+    const auto put = [&](int slot, const Vec3& v, const Vec3& w) {
+      if (slot == kGround) return;
+      row.segment<3>(6 * slot) += v;
+      row.segment<3>(6 * slot + 3) += w;
+    };
+    const int k = index(target.axis);
+    if (!is_rotation(target.axis)) {
+      put(P.slot, L.Jv1.row(k), L.Jw1.row(k));
+      put(S.slot, -L.Jv1.row(k), L.Jw2.row(k));
+      rate = L.yd[k];
+      return row;
+    }
+    // omega of P against S, in S axes: A_S^T (A2^T A1 w1 - w2) plus the laws' share
+    const Motion &O1 = in.slot(P.slot), &O2 = in.slot(S.slot);
+    const Vec3 n = O2.A * S.at(in.t).A.col(k - 3);
+    put(P.slot, Vec3::Zero(), O1.A.transpose() * n);
+    put(S.slot, Vec3::Zero(), -(O2.A.transpose() * n));
+    rate = n.dot(in_world(P, in).w - in_world(S, in).w);
+    return row;
+  }
+
+  static std::string target_names(const std::vector<VelocityTarget>& targets) {
+    std::vector<std::string> names;
+    for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
+    return join(names);
+  }
+
+  Dynamics& dynamics_;
+  State& state_;
+  const AssemblyOptions& options_;
+  int n_;
+  VecX C_, Cd_;
+};
+
+void measure_move(const System& system, const State& from, const State& to, AssemblyReport& report) {
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const Pose a = from.slot_pose(k), b = to.slot_pose(k);
+    const double move = (b.x - a.x).norm(), turn = rotation_vector(conjugate(normalized(a.q)) * b.q).norm();
+    if (move > report.largest_move) report.largest_move = move, report.moved_most = system.body_of_slot(k).name;
+    if (turn > report.largest_turn) report.largest_turn = turn, report.turned_most = system.body_of_slot(k).name;
+  }
+}
+
+}  // namespace
+
+AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
+                        const AssemblyOptions& options) {
+  AssemblyReport report;
+  State work = state;
+  Assembler assembler(dynamics, work, options);
+  assembler.positions(report);
+  assembler.velocities(targets, report);
+  measure_move(dynamics.system(), state, work, report);
+  state = work;
+  return report;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,61 @@
+#include "framework/dynamics/simulate/contacts.h"
+
+#include <algorithm>
+
+namespace lockstep {
+
+void Contacts::lay_out(const System& system, const Stabilization& stabilization) {
+  all_.clear();
+  // Ten times what a projection leaves.
+  const double length = system.length(), margin = std::max(0.1 * stabilization.tolerance, 1e-13 * length);
+  for (const auto& link : system.links()) {
+    if (!link->one_sided) continue;
+    Contact c;
+    c.link = link.get();
+    c.sign = link->one_sided->sign();
+    const RowKind kind = link->row_kind(0);
+    c.margin = margin / (kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * length : length);
+    all_.push_back(c);
+  }
+}
+
+// In space, also where the mechanism is planar.
+RowBlock Contacts::gathered(const Lock& link, const Inputs& in) const {
+  const RowShape shape{1, link.slots().n, link.layout(), link.row_sign(), {}};
+  const Lock* const one = &link;
+  link.gather(Group(&one, 1), in, room_.spatial_span(shape));
+  return room_.spatial(shape);
+}
+
+Gap Contacts::gap(std::size_t i, const Inputs& in) const {
+  const Contact& contact = all_[i];
+  const RowBlock block = gathered(*contact.link, in);
+  const SlotList slots = contact.link->slots();
+  double cd = block.Ct(0);
+  for (int k = 0; k < slots.n; ++k) {
+    const auto r = block.J(k, 0);
+    const Motion& O = in.slot(slots[k]);
+    cd += r[0] * O.v[0] + r[1] * O.v[1] + r[2] * O.v[2] + r[3] * O.w[0] + r[4] * O.w[1] + r[5] * O.w[2];
+  }
+  return {contact.sign * block.C(0), contact.sign * cd};
+}
+
+// C'' = Jh a - Qhat
+double Contacts::gap_dd(std::size_t i, const Evaluated& v) const {
+  const Contact& contact = all_[i];
+  const RowBlock block = gathered(*contact.link, v.in);
+  const SlotList slots = contact.link->slots();
+  double cdd = -block.Qhat(0);
+  for (int k = 0; k < slots.n; ++k) {
+    const auto r = block.J(k, 0);
+    for (int j = 0; j < 6; ++j) cdd += r[static_cast<std::size_t>(j)] * v.a[6 * slots[k] + j];
+  }
+  return contact.sign * cdd;
+}
+
+int Contacts::row(std::size_t i, const RowTable& rows) const {
+  const int entry = rows.entry_of_link[static_cast<std::size_t>(number(i))];
+  return entry < 0 ? -1 : rows.entries[static_cast<std::size_t>(entry)].first_row;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,16 @@
+#include "framework/dynamics/simulate/observer.h"
+
+namespace lockstep {
+
+Observer::~Observer() = default;
+
+void Observer::start(const Sample&) {}
+
+void Observer::step(const Sample&) {}
+
+void Observer::jumped(const Sample&) {}
+void Observer::output(const Sample&) {}
+
+void Observer::finish(const Sample&) {}
+
+}  // namespace lockstep

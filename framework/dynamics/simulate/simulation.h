@@ -1,0 +1,73 @@
+// Simulation: the step loop. Steps, lands on breakpoints, events and output times, accepts, lets observers look.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "framework/dynamics/simulate/event.h"
+
+namespace lockstep {
+
+struct SimulationOptions {
+  double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
+  Tolerance tolerance{};               ///< adaptive methods
+  double output = 0;                   ///< interval of output times from the start, s, and the end; 0: every step
+  std::vector<double> output_times{};  ///< or these instants, rising (they win over `output`)
+  double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
+};
+
+struct SimulationReport {
+  long steps = 0, rejected = 0;
+  double largest_violation = 0;                                  ///< |C| after accepted steps, m
+  long impacts = 0;                                              ///< instants at which one-sided links were hit
+  long manifold_steps = 0;                                       ///< steps with their stages on the constraints
+  double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
+  bool stopped = false;                                          ///< by an event or by stop()
+  std::string stopped_by;
+};
+
+class LOCKSTEP_API Simulation {
+ public:
+  Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, SimulationOptions options = {});
+  ~Simulation();
+
+  /// Where to start (a new run: observers are started again, the report is cleared); default: the system's start.
+  /// Throws AssemblyError when it violates the constraints too much.
+  void set_state(State);
+  const State& state() const { return state_; }
+  Dynamics& dynamics() { return dynamics_; }
+  const System& system() const { return dynamics_.system(); }
+  Integrator& integrator() { return *method_; }
+
+  void add_observer(Observer&);  ///< not owned
+  /// Throws ModelError for an event without instant and condition, or with an unknown link. An instant that lies before
+  /// the start never comes. What fires at the end of a step is observed before it acts: samples show the state just
+  /// before.
+  Event& add_event(Event);
+  /// Called after every accepted step with the time; return false to end the run after this step.
+  std::function<bool(const State&)> progress{};
+
+  /// Runs on to time `t`; may be called again for more. Observers: start once, finish at the end of every call. On an
+  /// error what was observed so far is finished first (observers' finish is called), then it is thrown.
+  const SimulationReport& run_until(double t);
+  /// One accepted step of at most h (0: the method's or the option's own).
+  StepReport step(double h = 0);
+  const SimulationReport& report() const { return report_; }
+
+ private:
+  struct Loop;
+  Dynamics& dynamics_;
+  std::unique_ptr<Integrator> method_;
+  SimulationOptions options_;
+  State state_;
+  std::vector<Observer*> observers_;
+  std::deque<Event> events_;  // a deque: the references handed out stay good
+  SimulationReport report_;
+  std::unique_ptr<Loop> loop_;
+  bool begun_ = false;
+};
+
+}  // namespace lockstep

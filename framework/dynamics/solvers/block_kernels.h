@@ -1,0 +1,139 @@
+// Kernels of the block factorisation: triangles and products of small dense blocks. T is double or complex.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <type_traits>
+
+#include "framework/dynamics/solvers/block_plan.h"
+
+namespace lockstep {
+namespace block_detail {
+
+/// a b. The library's own product of complex numbers looks for infinities first.
+inline double times(double a, double b) { return a * b; }
+inline std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+inline std::complex<double> times(double a, const std::complex<double>& b) { return {a * b.real(), a * b.imag()}; }
+inline double size_of(double a) { return std::abs(a); }
+inline double size_of(const std::complex<double>& a) { return std::abs(a.real()) + std::abs(a.imag()); }
+
+/// Calls run with the width as a constant, so that inner loops are unrolled.
+template <class Run>
+inline void with_width(int width, Run&& run) {
+  switch (width) {
+    case 1:
+      return run(std::integral_constant<int, 1>{});
+    case 2:
+      return run(std::integral_constant<int, 2>{});
+    case 3:
+      return run(std::integral_constant<int, 3>{});
+    case 4:
+      return run(std::integral_constant<int, 4>{});
+    case 5:
+      return run(std::integral_constant<int, 5>{});
+    case 6:
+      return run(std::integral_constant<int, 6>{});
+    case 7:
+      return run(std::integral_constant<int, 7>{});
+    default:
+      return run(std::integral_constant<int, 8>{});
+  }
+}
+
+/// C -= X^T Y; X: n_k x n_i, Y: n_k x kJ, C: n_i x kJ, row-major.
+template <int kJ, class T>
+inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
+  for (int i = 0; i < n_i; ++i) {
+    T row[kJ];
+    for (int j = 0; j < kJ; ++j) row[j] = C[i * kJ + j];
+    for (int k = 0; k < n_k; ++k) {
+      const T x = X[k * n_i + i];
+      for (int j = 0; j < kJ; ++j) row[j] -= times(x, Y[k * kJ + j]);
+    }
+    for (int j = 0; j < kJ; ++j) C[i * kJ + j] = row[j];
+  }
+}
+
+// Triangles stand in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
+// reciprocals.
+
+/// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.
+template <int kJ, bool kUnit, class T>
+inline void solve_lower(const T* D, T* X, int n) {
+  for (int i = 0; i < n; ++i) {
+    T row[kJ];
+    for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
+    for (int k = 0; k < i; ++k) {
+      const T d = D[i * n + k];
+      for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
+    }
+    for (int j = 0; j < kJ; ++j) X[i * kJ + j] = kUnit ? row[j] : times(D[i * n + i], row[j]);
+  }
+}
+/// X <- R^-T X, R the upper triangle.
+template <int kJ, class T>
+inline void solve_upper_transposed(const T* D, T* X, int n) {
+  for (int i = 0; i < n; ++i) {
+    T row[kJ];
+    for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
+    for (int k = 0; k < i; ++k) {
+      const T d = D[k * n + i];
+      for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
+    }
+    for (int j = 0; j < kJ; ++j) X[i * kJ + j] = times(D[i * n + i], row[j]);
+  }
+}
+
+/// L L^T = sign D in the lower triangle; pivots: the squares of L's diagonal. False where one is not positive.
+inline bool cholesky(double* D, int n, double sign, double* pivots) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double s = sign * D[i * n + j];
+      for (int k = 0; k < j; ++k) s -= D[i * n + k] * D[j * n + k];
+      if (j < i) {
+        D[i * n + j] = s * D[j * n + j];
+        continue;
+      }
+      pivots[i] = s;
+      if (!(s > 0)) return false;
+      D[i * n + i] = 1.0 / std::sqrt(s);
+    }
+  return true;
+}
+
+/// L R = D with rows exchanged, row k with row order[k] >= k; returns the smallest pivot against the largest number of
+/// D, 0 where it fails.
+template <class T>
+inline double lu(T* D, int n, unsigned char* order) {
+  double smallest = HUGE_VAL, size = 0;
+  for (int i = 0; i < n * n; ++i) size = std::max(size, size_of(D[i]));
+  for (int k = 0; k < n; ++k) {
+    int p = k;
+    for (int i = k + 1; i < n; ++i)
+      if (size_of(D[i * n + k]) > size_of(D[p * n + k])) p = i;
+    const double pivot = size_of(D[p * n + k]);
+    if (!(pivot > 0) || !std::isfinite(pivot)) return 0;
+    smallest = std::min(smallest, pivot);
+    order[k] = static_cast<unsigned char>(p);
+    if (p != k) std::swap_ranges(D + k * n, D + k * n + n, D + p * n);
+    const T inverse = T(1) / D[k * n + k];
+    D[k * n + k] = inverse;
+    for (int i = k + 1; i < n; ++i) {
+      const T f = D[i * n + k] = times(D[i * n + k], inverse);
+      for (int j = k + 1; j < n; ++j) D[i * n + j] -= times(f, D[k * n + j]);
+    }
+  }
+  return smallest / size;
+}
+template <class T>
+inline void exchange_rows(T* X, int n, int n_columns, const unsigned char* order) {
+  for (int k = 0; k < n; ++k)
+    if (order[k] != k) std::swap_ranges(X + k * n_columns, X + (k + 1) * n_columns, X + order[k] * n_columns);
+}
+
+}  // namespace block_detail
+
+}  // namespace lockstep

@@ -1,0 +1,43 @@
+// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections (numerics page,
+// sections 4, 5).
+//
+//   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
+//   | J   -E' |
+#pragma once
+
+#include <memory>
+
+#include "framework/dynamics/solvers/linear_solver.h"
+
+namespace lockstep {
+
+class Params;
+struct TypeInfo;
+
+/// Linear in the number of bodies on trees of any kind, hubs too; no allocation after analyse. The same factorisation
+/// serves implicit methods, whose mass matrix couples bodies (dynamics/evaluate/implicit.h).
+///
+/// smallest_pivot: of a row, against its scale E_j: the part of its square that is independent of the rows before it.
+/// Redundant rows leave about eps.
+class LOCKSTEP_API BlockSolver final : public LinearSolver {
+ public:
+  BlockSolver();
+  ~BlockSolver() override;
+  static TypeInfo info();
+  static std::unique_ptr<LinearSolver> make(const Params&);
+
+  std::string_view name() const override { return "block"; }
+  void analyse(const KktPattern&) override;
+  /// Throws SolveError for a body without mass or inertia.
+  void factor(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport&) const override;
+  /// Multiplications of one factorisation.
+  long multiplications() const;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,231 @@
+#include "framework/dynamics/solvers/dense_solver.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/dynamics/solvers/products.h"
+#include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+namespace {
+
+using Qr = Eigen::ColPivHouseholderQR<MatX>;
+
+/// Singular values of B under this part of the largest are zeros. Dependent rows agree to rounding (1e-13 and better
+/// after the projection); a row that fades at a singular place theta rad away leaves about theta.
+constexpr double kRankTolerance = 1e-10;
+constexpr int kMaxRefinements = 2;
+
+// L L^T = M, row-major, in place of M's lower triangle.
+bool cholesky(double* L, int n) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double s = L[i * n + j];
+      for (int k = 0; k < j; ++k) s -= L[i * n + k] * L[j * n + k];
+      if (i == j && !(s > 0.0)) return false;
+      L[i * n + j] = i == j ? std::sqrt(s) : s / L[j * n + j];
+    }
+  return true;
+}
+
+// x <- L^-1 x and x <- L^-T x for one block.
+void solve_lower(const double* L, int n, double* x) {
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= L[i * n + k] * x[k];
+    x[i] /= L[i * n + i];
+  }
+}
+void solve_lower_transposed(const double* L, int n, double* x) {
+  for (int i = n - 1; i >= 0; --i) {
+    for (int k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
+    x[i] /= L[i * n + i];
+  }
+}
+
+// x <- H_k x = x - tau (v . x) v, v = (0, 1, essential part): Eigen's own product asks for memory once a reflection.
+void reflect(const Qr& qr, Eigen::Index k, VecX& x) {
+  const auto essential = qr.matrixQR().col(k).tail(x.size() - k - 1);
+  auto rest = x.tail(x.size() - k - 1);
+  const double s = qr.hCoeffs()[k] * (x[k] + essential.dot(rest));
+  x[k] -= s;
+  rest -= s * essential;
+}
+// x <- Q x and x <- Q^T x, Q = H_0 H_1 ...
+void apply_Q(const Qr& qr, VecX& x) {
+  for (Eigen::Index k = qr.hCoeffs().size() - 1; k >= 0; --k) reflect(qr, k, x);
+}
+void apply_Qt(const Qr& qr, VecX& x) {
+  for (Eigen::Index k = 0; k < qr.hCoeffs().size(); ++k) reflect(qr, k, x);
+}
+
+}  // namespace
+
+struct DenseSolver::Work {
+  std::vector<double> L;  // blocks as in Kkt::M
+  MatX Bt, Rt;            // B^T (n x m); R1^T (m x min(n, m)), columns from the rank on are zero
+  Qr outer, inner;        // B^T P1 = Q1 R1;  R1^T P2 = Q2 R2
+  VecX root_E, square;    // square root of E; squares of the rows of B
+  VecX y, z, t;           // n, m, m
+  VecX da, dl, a_before, l_before;
+  StopRule rule;
+  int rank = 0, usual_rank = 0;
+  double smallest_pivot = 0.0;
+
+  void invert_L(const KktPattern&, VecX& x) const;
+  void invert_Lt(const KktPattern&, VecX& x) const;
+  void fill_B(const Kkt&);
+  void measure_pivots();
+  void solve_once(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
+};
+
+void DenseSolver::Work::invert_L(const KktPattern& pattern, VecX& x) const {
+  for_each_mass(pattern, [&](int first, int width, std::size_t at) { solve_lower(&L[at], width, x.data() + first); });
+}
+
+void DenseSolver::Work::invert_Lt(const KktPattern& pattern, VecX& x) const {
+  for_each_mass(pattern,
+                [&](int first, int width, std::size_t at) { solve_lower_transposed(&L[at], width, x.data() + first); });
+}
+
+// B^T = L^-1 J^T E^-1/2, column by column.
+void DenseSolver::Work::fill_B(const Kkt& kkt) {
+  Bt.setZero();
+  root_E = kkt.E.cwiseSqrt();
+  for_each_jacobian(kkt.pattern, [&](const KktLink& link, int first, int width, std::size_t at) {
+    for (int j = link.first_row; j < link.first_row + link.m; ++j)
+      for (int k = 0; k < width; ++k) Bt(first + k, j) = kkt.J[at++] / root_E[j];
+  });
+  for (const KktLink& link : kkt.pattern.links)
+    for (int i = 0; i < link.n_slots; ++i) {
+      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      for (int j = link.first_row; j < link.first_row + link.m; ++j)
+        solve_lower(&L[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt(kkt.pattern.first[slot], j));
+    }
+}
+
+// R_kk^2 / |b_k|^2: the part of a row that the rows before it do not span. Rows beyond the n-th have none.
+void DenseSolver::Work::measure_pivots() {
+  smallest_pivot = Bt.cols() > Bt.rows() ? 0.0 : 1.0;
+  square = Bt.colwise().squaredNorm();
+  for (Eigen::Index k = 0; k < Rt.cols(); ++k) {
+    const double own = square[outer.colsPermutation().indices()[k]], pivot = outer.matrixQR()(k, k);
+    smallest_pivot = std::min(smallest_pivot, own > 0.0 ? pivot * pivot / own : 0.0);
+  }
+}
+
+// With r the rank, P1^T c~ = t:  y = Q1 (z, 0),  R1^T z = t in the least-squares sense,  P1^T mu = Q2 (-R2^-T P2^T z,
+// 0).
+void DenseSolver::Work::solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+  a = f;
+  invert_L(kkt.pattern, a);
+  invert_Lt(kkt.pattern, a);
+  if (Rt.cols() == 0) {
+    lambda.setZero();
+    return;
+  }
+  z.setZero();
+  add_rows_times(kkt, a, z);
+  const auto& P1 = outer.colsPermutation().indices();
+  const auto& P2 = inner.colsPermutation().indices();
+  for (Eigen::Index j = 0; j < t.size(); ++j) t[j] = (c[P1[j]] - z[P1[j]]) / root_E[P1[j]];
+
+  apply_Qt(inner, t);
+  const auto R2 = inner.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
+  R2.solveInPlace(t.head(rank));
+  y.setZero();
+  for (int k = 0; k < rank; ++k) y[P2[k]] = t[k];
+  apply_Q(outer, y);
+  invert_Lt(kkt.pattern, y);
+  a += y;
+
+  t.tail(t.size() - rank).setZero();
+  t = -t;
+  R2.transpose().solveInPlace(t.head(rank));
+  apply_Q(inner, t);
+  for (Eigen::Index j = 0; j < t.size(); ++j) lambda[P1[j]] = t[j] / root_E[P1[j]];
+}
+
+DenseSolver::DenseSolver() : work_(std::make_unique<Work>()) {}
+DenseSolver::~DenseSolver() = default;
+
+TypeInfo DenseSolver::info() {
+  return {"dense",
+          "rank-revealing QR: exact for redundant rows and reports the rank; for small systems and as a referee",
+          {}};
+}
+std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::make_unique<DenseSolver>(); }
+
+void DenseSolver::analyse(const KktPattern& pattern) {
+  Work& w = *work_;
+  const int n = pattern.n, m = pattern.m, k = std::min(n, m);
+  w.L.assign(pattern.size_M, 0.0);
+  w.Bt.setZero(n, m);
+  w.Rt.setZero(m, k);
+  w.outer = Qr(n, m);
+  w.inner = Qr(m, k);
+  w.outer.setThreshold(kRankTolerance);
+  for (VecX* v : {&w.y, &w.da, &w.a_before}) v->setZero(n);
+  for (VecX* v : {&w.root_E, &w.square, &w.z, &w.t, &w.dl, &w.l_before}) v->setZero(m);
+  w.rule.analyse(pattern);
+  w.usual_rank = 0;
+}
+
+void DenseSolver::factor(const Kkt& kkt) {
+  Work& w = *work_;
+  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, w.L.begin());
+  for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
+    if (!cholesky(&w.L[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
+      throw SolveError(
+          fmt::format("solver dense: the mass block of slot {} is not positive definite; "
+                      "give its body a mass and an inertia above zero",
+                      slot));
+  w.rank = 0, w.smallest_pivot = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (w.Rt.cols() == 0) return;
+  w.fill_B(kkt);
+  w.outer.compute(w.Bt);
+  w.rank = static_cast<int>(w.outer.rank());
+  w.usual_rank = std::max(w.usual_rank, w.rank);
+  w.measure_pivots();
+  w.Rt.setZero();
+  for (int i = 0; i < w.rank; ++i)
+    for (Eigen::Index j = i; j < w.Rt.rows(); ++j) w.Rt(j, i) = w.outer.matrixQR()(i, j);
+  w.inner.compute(w.Rt);
+}
+
+SolveReport DenseSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+  Work& w = *work_;
+  a.resize(kkt.pattern.n);
+  lambda.resize(kkt.pattern.m);
+  SolveReport report;
+  w.rule.start(kkt, f, c);
+  w.solve_once(kkt, f, c, a, lambda);
+  bool met = w.rule.met(kkt, f, c, a, lambda);
+  while (!met && report.corrections < kMaxRefinements) {
+    const double before = w.rule.largest();
+    w.a_before = a, w.l_before = lambda;
+    w.solve_once(kkt, w.rule.force_residual(), w.rule.row_residual(), w.da, w.dl);
+    a += w.da, lambda += w.dl;
+    ++report.corrections;
+    met = w.rule.met(kkt, f, c, a, lambda);
+    if (w.rule.largest() <= before) continue;
+    a = w.a_before, lambda = w.l_before;  // rounding only: the last but one is kept
+    w.rule.met(kkt, f, c, a, lambda);
+    break;
+  }
+  report.residual = w.rule.largest();
+  report.worst_row = w.rule.worst_row();
+  report.rank = w.rank;
+  report.smallest_pivot = w.smallest_pivot;
+  // Rows short of their usual rank are at a singular place: no contradiction, but a passage.
+  report.contradictory = w.rule.largest() > kContradiction && w.rank < kkt.pattern.m && w.rank >= w.usual_rank;
+  return report;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,7 @@
+#include "framework/dynamics/solvers/linear_solver.h"
+
+namespace lockstep {
+
+LinearSolver::~LinearSolver() = default;
+
+}  // namespace lockstep

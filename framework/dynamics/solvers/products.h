@@ -1,0 +1,53 @@
+// Products with the blocks of the saddle-point matrix. Plain loops: the blocks are small, and nothing is allocated.
+#pragma once
+
+#include "framework/dynamics/solvers/kkt.h"
+
+namespace lockstep {
+
+/// What row k of a link measures; a unit-length row counts as a function.
+inline RowKind kind_of(const KktLink& link, int k) {
+  return link.link < 0 ? RowKind::function : link.kind[static_cast<std::size_t>(k)];
+}
+
+/// visit(link, first unknown of the slot, its width, offset of the m x width jacobian in Kkt::J), in the order of
+/// Kkt::J.
+template <class Visit>
+void for_each_jacobian(const KktPattern& pattern, Visit&& visit) {
+  for (const KktLink& link : pattern.links) {
+    std::size_t at = link.J;
+    for (int i = 0; i < link.n_slots; ++i) {
+      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      visit(link, pattern.first[slot], pattern.width[slot], at);
+      at += static_cast<std::size_t>(link.m * pattern.width[slot]);
+    }
+  }
+}
+
+/// visit(first unknown of the slot, its width, offset of the width x width block in Kkt::M and Kkt::Minv).
+template <class Visit>
+void for_each_mass(const KktPattern& pattern, Visit&& visit) {
+  for (std::size_t slot = 0; slot < pattern.width.size(); ++slot)
+    visit(pattern.first[slot], pattern.width[slot], pattern.M[slot]);
+}
+
+/// y += B x with B the block-diagonal matrix kkt.M or kkt.Minv.
+void add_mass_times(const KktPattern&, const std::vector<double>& B, const VecX& x, VecX& y);
+/// y += J x, and y -= J^T lambda.
+void add_rows_times(const Kkt&, const VecX& x, VecX& y);
+void subtract_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
+/// The same with all numbers taken positive: what the terms of the product amount to, whatever cancels.
+void add_sizes_of_mass_times(const KktPattern&, const std::vector<double>& B, const VecX& x, VecX& y);
+void add_sizes_of_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
+/// s becomes the diagonal of J M^-1 J^T.
+void row_diagonal(const Kkt&, VecX& s);
+
+/// x^T B x for one block of B, row-major.
+inline double quadratic_form(const double* B, const double* x, int width) {
+  double sum = 0.0;
+  for (int i = 0; i < width; ++i)
+    for (int k = 0; k < width; ++k) sum += x[i] * B[i * width + k] * x[k];
+  return sum;
+}
+
+}  // namespace lockstep

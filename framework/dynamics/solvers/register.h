@@ -1,0 +1,12 @@
+// Puts the solvers of this room on their shelf.
+#pragma once
+
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+
+class Registry;
+
+LOCKSTEP_API void register_solvers(Registry&);
+
+}  // namespace lockstep

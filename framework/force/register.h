@@ -1,9 +1,0 @@
-// Puts the built-in forces on a registry's shelf.
-#pragma once
-
-#include "framework/support/export.h"
-
-namespace lockstep {
-class Registry;
-LOCKSTEP_API void register_forces(Registry&);
-}  // namespace lockstep

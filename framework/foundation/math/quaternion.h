@@ -1,0 +1,139 @@
+// Quaternions, scalar first (theory, section 1). A unit quaternion of a frame takes its axes to those of its parent.
+#pragma once
+
+#include <cmath>
+
+#include "framework/foundation/math/types.h"
+
+namespace lockstep {
+
+template <class T>
+struct QuatT {
+  T w{1}, x{0}, y{0}, z{0};
+
+  Vec3T<T> vec() const { return {x, y, z}; }
+  Vec4T<T> coefficients() const { return {w, x, y, z}; }
+  static QuatT from(const T& scalar, const Vec3T<T>& v) { return {scalar, v[0], v[1], v[2]}; }
+  template <class D>
+  static QuatT from(const Eigen::MatrixBase<D>& c) {
+    return {c[0], c[1], c[2], c[3]};
+  }
+};
+using Quat = QuatT<double>;
+
+/// (1.1) a b, 16 multiplications and 12 additions.
+template <class T>
+inline QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+template <class T>
+inline QuatT<T> operator+(const QuatT<T>& a, const QuatT<T>& b) {
+  return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+inline QuatT<T> operator-(const QuatT<T>& a) {
+  return {-a.w, -a.x, -a.y, -a.z};
+}
+
+/// (1.2) a', the conjugate; the inverse of a unit quaternion.
+template <class T>
+inline QuatT<T> conjugate(const QuatT<T>& a) {
+  return {a.w, -a.x, -a.y, -a.z};
+}
+
+template <class T>
+inline T norm2(const QuatT<T>& a) {
+  return a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z;
+}
+
+template <class T>
+inline QuatT<T> normalized(const QuatT<T>& a) {
+  using std::sqrt;
+  const T s = T(1) / sqrt(norm2(a));
+  return {a.w * s, a.x * s, a.y * s, a.z * s};
+}
+
+/// (1.5) A(q): axes of the frame -> axes of its parent, for |q| = 1.
+template <class T>
+inline Mat3T<T> rotation(const QuatT<T>& q) {
+  const T x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
+  const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
+  const T wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+  Mat3T<T> A;
+  A << T(1) - (yy + zz), xy - wz, xz + wy, xy + wz, T(1) - (xx + zz), yz - wx, xz - wy, yz + wx, T(1) - (xx + yy);
+  return A;
+}
+
+/// (1.6) G(q) = 2 [ -qv | q0 1 - qv~ ], 3x4: w = G qd in body axes.
+template <class T>
+inline Mat34T<T> G_matrix(const QuatT<T>& q) {
+  const T w = q.w + q.w, x = q.x + q.x, y = q.y + q.y, z = q.z + q.z;
+  Mat34T<T> G;
+  G << -x, w, z, -y, -y, -z, w, x, -z, y, -x, w;
+  return G;
+}
+
+/// (1.8) qd = (1/2) q w, w in body axes.
+template <class T>
+inline QuatT<T> rate(const QuatT<T>& q, const Vec3T<T>& w) {
+  const T h(0.5);
+  return q * QuatT<T>{T(0), h * w[0], h * w[1], h * w[2]};
+}
+
+/// (1.9) qdd = (1/2) q al - (1/4)|w|^2 q, body axes.
+template <class T>
+inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>& al) {
+  const T h(0.5);
+  return q * QuatT<T>{T(-0.25) * w.dot(w), h * al[0], h * al[1], h * al[2]};
+}
+
+/// (1.12) exponential: the quaternion of the turn by |th| about th; a series below |th| = 1e-2.
+inline Quat exponential(const Vec3& th) {
+  const double a2 = th.squaredNorm();
+  double c, s;  // cos(a/2), sin(a/2)/a
+  if (a2 < 1e-4) {
+    c = 1.0 - a2 / 8.0 * (1.0 - a2 / 48.0 * (1.0 - a2 / 120.0));
+    s = 0.5 * (1.0 - a2 / 24.0 * (1.0 - a2 / 80.0 * (1.0 - a2 / 168.0)));
+  } else {
+    const double a = std::sqrt(a2);
+    c = std::cos(0.5 * a);
+    s = std::sin(0.5 * a) / a;
+  }
+  return {c, s * th[0], s * th[1], s * th[2]};
+}
+
+/// (1.12) Cayley: normalise(1 + th/2), a turn by 2 atan(|th|/2).
+inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
+
+/// (1.12) rotation vector of q, its length in [0, pi]: the sign of q does not matter.
+inline Vec3 rotation_vector(const Quat& q) {
+  const double sign = q.w < 0 ? -1.0 : 1.0;
+  const Vec3 v = sign * q.vec();
+  const double n = v.norm();
+  if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
+  return 2.0 * std::atan2(n, sign * q.w) / n * v;
+}
+
+/// Quaternion of the turn by `angle` (rad) about the axis `n` (any length but zero).
+inline Quat axis_angle(const Vec3& n, double angle) {
+  const double s = std::sin(0.5 * angle) / n.norm();
+  return {std::cos(0.5 * angle), s * n[0], s * n[1], s * n[2]};
+}
+
+/// Quaternion of a rotation matrix, by the largest of its four components (never a division by a small number).
+inline Quat quaternion_of(const Mat3& A) {
+  const double t = A.trace();
+  int k = 0;
+  double most = t;
+  for (int i = 0; i < 3; ++i)
+    if (A(i, i) > most) most = A(i, i), k = i + 1;
+  Quat q;
+  if (k == 0) q = {1.0 + t, A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1)};
+  if (k == 1) q = {A(2, 1) - A(1, 2), 1.0 + 2.0 * A(0, 0) - t, A(0, 1) + A(1, 0), A(0, 2) + A(2, 0)};
+  if (k == 2) q = {A(0, 2) - A(2, 0), A(0, 1) + A(1, 0), 1.0 + 2.0 * A(1, 1) - t, A(1, 2) + A(2, 1)};
+  if (k == 3) q = {A(1, 0) - A(0, 1), A(0, 2) + A(2, 0), A(1, 2) + A(2, 1), 1.0 + 2.0 * A(2, 2) - t};
+  return normalized(q);
+}
+
+}  // namespace lockstep

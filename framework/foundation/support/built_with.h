@@ -1,0 +1,47 @@
+// The settings that client and library must share, as symbols: each file that includes this names those that it was
+// compiled with, the library defines those that it was built with, so a client that differs does not link, and the
+// linker says in what: undefined reference to `void lockstep::built_with::eigen_max_align_bytes<32>()'.
+//
+// Eigen's choices depend on -march; the CMake target lockstep::lockstep and pkg-config fix them for every client:
+// EIGEN_MAX_ALIGN_BYTES is where fixed-size members stand in a class, EIGEN_MALLOC_ALREADY_ALIGNED=0 is how a matrix
+// that one side resizes is freed by the other (left to Eigen, it would change with -mavx and -fsanitize=address).
+#pragma once
+
+#include <cstddef>  // brings the macros of the standard library
+
+#include <Eigen/Core>
+
+#include "framework/foundation/support/export.h"
+
+#if defined(_GLIBCXX_DEBUG)
+#define LOCKSTEP_CHECKED_CONTAINERS 1
+#else
+#define LOCKSTEP_CHECKED_CONTAINERS 0
+#endif
+
+namespace lockstep::built_with {
+
+template <int bytes>
+LOCKSTEP_API void eigen_max_align_bytes();
+template <int bytes>
+LOCKSTEP_API void eigen_max_static_align_bytes();
+template <int yes>
+LOCKSTEP_API void eigen_malloc_already_aligned();
+template <int world, int major, int minor>
+LOCKSTEP_API void eigen_version();
+template <int yes>
+LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG: containers of another size
+
+#if !defined(lockstep_EXPORTS)  // the library need not compare itself with itself
+/// Never read, never called; one of its own for each file, so that none hides behind another. Costs 40 bytes a file.
+#if defined(__has_cpp_attribute) && __has_cpp_attribute(gnu::retain)
+[[gnu::retain]]
+#endif
+[[gnu::used]] static void (*const kSettings[])() = {
+    &eigen_max_align_bytes<EIGEN_MAX_ALIGN_BYTES>, &eigen_max_static_align_bytes<EIGEN_MAX_STATIC_ALIGN_BYTES>,
+    &eigen_malloc_already_aligned<EIGEN_MALLOC_ALREADY_ALIGNED>,
+    &eigen_version<EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION>,
+    &glibcxx_debug<LOCKSTEP_CHECKED_CONTAINERS>};
+#endif
+
+}  // namespace lockstep::built_with

@@ -1,7 +1,0 @@
-#include "framework/kkt/linear_solver.h"
-
-namespace lockstep {
-
-LinearSolver::~LinearSolver() = default;
-
-}  // namespace lockstep

@@ -1,9 +1,0 @@
-// Puts the built-in links on a registry's shelf.
-#pragma once
-
-#include "framework/support/export.h"
-
-namespace lockstep {
-class Registry;
-LOCKSTEP_API void register_links(Registry&);
-}  // namespace lockstep

@@ -1,0 +1,35 @@
+#include "framework/mechanism/forces/function_force.h"
+
+#include "framework/mechanism/lock/marker_frame.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+FunctionForce::FunctionForce(std::string name, std::vector<const Marker*> markers, Apply apply, Energy potential,
+                             Energy dissipation)
+    : Force(std::move(name)),
+      markers_(std::move(markers)),
+      apply_(std::move(apply)),
+      potential_(std::move(potential)),
+      dissipation_(std::move(dissipation)) {
+  if (!apply_) throw ModelError("force '" + this->name() + "' (function_force) has no function; give one");
+  for (const Marker* m : markers_) {
+    if (m == nullptr) throw ModelError("force '" + this->name() + "' (function_force): a marker is null; leave it out");
+    if (m->body == nullptr)
+      throw ModelError("force '" + this->name() + "' (function_force): marker '" + m->name +
+                       "' is on no body; add it by add_marker");
+  }
+}
+
+void FunctionForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  for (const Marker* m : markers_) MarkerFrame(*m).breakpoints(t0, t1, out);
+}
+
+std::unique_ptr<FunctionForce> function_force(std::string name, std::vector<const Marker*> markers,
+                                              FunctionForce::Apply apply, FunctionForce::Energy potential,
+                                              FunctionForce::Energy dissipation) {
+  return std::make_unique<FunctionForce>(std::move(name), std::move(markers), std::move(apply), std::move(potential),
+                                         std::move(dissipation));
+}
+
+}  // namespace lockstep

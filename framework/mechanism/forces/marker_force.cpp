@@ -1,0 +1,92 @@
+#include "framework/mechanism/forces/marker_force.h"
+
+#include <cmath>
+
+#include "framework/mechanism/model/law_fault.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+
+ForceParameterError::ForceParameterError(const std::string& force, std::string its_key, std::string its_problem)
+    : ModelError("force '" + force + "': " + its_key + " " + its_problem),
+      key(std::move(its_key)),
+      problem(std::move(its_problem)) {}
+ForceParameterError::~ForceParameterError() = default;
+
+namespace {
+void require_body(const std::string& force, const Marker& m) {
+  if (m.body == nullptr)
+    throw ModelError("force '" + force + "': marker '" + m.name + "' is on no body; add it by add_marker");
+}
+}  // namespace
+
+MarkerForce::MarkerForce(std::string name, Marker& p, Marker* s) : Force(std::move(name)), p_(&p), s_(s) {
+  require_body(this->name(), p);
+  if (s == nullptr) return;
+  require_body(this->name(), *s);
+  if (p.body == s->body)
+    throw ModelError("force '" + this->name() + "': both markers are on body '" + p.body->name +
+                     "', where action and reaction cancel; put P or S on another body");
+}
+MarkerForce::~MarkerForce() = default;
+
+std::vector<const Marker*> MarkerForce::markers() const {
+  if (s_ == nullptr) return {p_};
+  return {p_, s_};
+}
+
+void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  MarkerFrame(*p_).breakpoints(t0, t1, out);
+  if (s_ != nullptr) MarkerFrame(*s_).breakpoints(t0, t1, out);
+  for (const LawPtr<MotionLaw>& law : laws_) law->breakpoints(t0, t1, out);
+}
+
+std::string MarkerForce::blame(double t) const {
+  for (const LawPtr<MotionLaw>& law : laws_)
+    if (std::string f = law_fault("its law", *law, t); !f.empty()) return f;
+  std::string at_p = marker_fault(*p_, t);
+  return at_p.empty() && s_ != nullptr ? marker_fault(*s_, t) : at_p;
+}
+
+void MarkerForce::setup() {
+  P_ = MarkerFrame(*p_);
+  S_ = s_ != nullptr ? MarkerFrame(*s_) : MarkerFrame();
+}
+
+void MarkerForce::require(bool ok, const char* key, const std::string& problem) const {
+  if (!ok) throw ForceParameterError(name(), key, problem);
+}
+void MarkerForce::require_finite(const char* key, double value) const {
+  require(std::isfinite(value), key, "is " + number(value) + "; must be a finite number");
+}
+void MarkerForce::require_finite(const char* key, const Vec3& value) const {
+  require(value.allFinite(), key,
+          "is [" + number(value[0]) + ", " + number(value[1]) + ", " + number(value[2]) + "]; must be finite numbers");
+}
+void MarkerForce::require_not_negative(const char* key, double value) const {
+  require(std::isfinite(value) && value >= 0, key, "is " + number(value) + "; must be a finite number, 0 or more");
+}
+
+void MarkerForce::require_turning(const Marker& m, const char* does) const {
+  if (m.body->freedoms != Freedoms::particle) return;
+  throw ModelError("force '" + name() + "' (" + std::string(type()) + ") " + does + " body '" + m.body->name +
+                   "' at marker '" + m.name + "', but '" + m.body->name +
+                   "' is a particle and cannot turn; give it an inertia (add_body), or use another body");
+}
+
+void MarkerForce::add_law(const LawPtr<MotionLaw>& law) {
+  if (law) laws_.push_back(law);
+}
+
+Marker& p_of(const Site& site, const Params& params) {
+  if (site.pairs.empty() || site.pairs.front().first == nullptr)
+    params.refuse("p", "missing; name the marker or body that the force acts on");
+  return site.p();
+}
+Marker& s_of(const Site& site, const Params& params) {
+  if (!has_s(site)) params.refuse("s", "missing; name the marker or body that takes the reaction, such as \"ground\"");
+  return site.s();
+}
+bool has_s(const Site& site) { return !site.pairs.empty() && site.pairs.front().second != nullptr; }
+
+}  // namespace lockstep

@@ -1,0 +1,9 @@
+// Puts the built-in forces on a registry's shelf.
+#pragma once
+
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+class Registry;
+LOCKSTEP_API void register_forces(Registry&);
+}  // namespace lockstep

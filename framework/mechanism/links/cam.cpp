@@ -1,0 +1,144 @@
+#include "framework/mechanism/links/cam.h"
+
+#include <cmath>
+#include <limits>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Newton for f(u) = 0 from a near start; steps of at most 0.3 rad, and uphill ones (f' of the wrong sign) turned round.
+template <class F>
+double root(double u, F&& f) {
+  double last = 1;
+  for (int i = 0; i < 60; ++i) {
+    const auto [value, slope] = f(u);  // slope < 0 at what is looked for
+    const double step = slope < 0 ? -value / slope : std::copysign(0.1, value);
+    if (!std::isfinite(step)) return kNaN;
+    u += std::clamp(step, -0.3, 0.3);
+    if (std::abs(step) < 1e-15 || (std::abs(step) < 1e-12 && std::abs(step) >= std::abs(last))) return u;
+    last = step;
+  }
+  return std::abs(last) < 1e-11 ? u : kNaN;
+}
+
+}  // namespace
+
+CamProfile::Point CamProfile::at(double u) const {
+  const LawValue r = radius_->at(u - kTwoPi * std::floor(u / kTwoPi));
+  const Vec2 out(std::cos(u), std::sin(u)), on(-out[1], out[0]);
+  Point p;
+  p.c = r.y * out;
+  p.c1 = r.yd * out + r.y * on;
+  p.c2 = (r.ydd - r.y) * out + 2 * r.yd * on;
+  const double speed = p.c1.norm();
+  p.t = p.c1 / speed;
+  p.n = Vec2(p.t[1], -p.t[0]);
+  p.curvature = (p.c1[0] * p.c2[1] - p.c1[1] * p.c2[0]) / (speed * speed * speed);
+  return p;
+}
+
+double CamProfile::foot(const Vec2& p, double u) const {
+  return root(u, [&](double at_u) {
+    const Point at_it = at(at_u);
+    return std::pair{at_it.c1.dot(p - at_it.c), at_it.c2.dot(p - at_it.c) - at_it.c1.squaredNorm()};
+  });
+}
+
+double CamProfile::facing(double alpha, double u) const {
+  const Vec2 n(std::cos(alpha), std::sin(alpha));
+  return root(u, [&](double at_u) {
+    const Point at_it = at(at_u);
+    return std::pair{at_it.c1.dot(n), at_it.c2.dot(n)};
+  });
+}
+
+void CamProfile::check(const std::string& link, double roller) const {
+  const std::string who = "link '" + link + "': ";
+  constexpr int kPoints = 720;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double u = kTwoPi * i / kPoints;
+    const double r = radius_->at(std::min(u, kTwoPi)).y;
+    const std::string where = " at " + brief(360.0 * i / kPoints) + " deg";
+    if (!(r > 0) || !std::isfinite(r))
+      throw ModelError(who + "the radius of its cam is " + brief(r) + " m" + where + "; it must be above zero");
+    const double k = at(u).curvature;
+    if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
+      throw ModelError(who + "its cam has a curvature of " + brief(k) + " 1/m" + where +
+                       (std::isinf(roller) ? "; a flat face rides on convex profiles only: take cam_roller"
+                                           : "; a roller of " + brief(roller) + " m does not fit into that hollow"));
+  }
+  const LawValue first = radius_->at(0), last = radius_->at(kTwoPi);
+  if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
+    throw ModelError(who + "the profile of its cam does not close: radius " + brief(first.y) + " m and slope " +
+                     brief(first.yd) + " m/rad at 0, " + brief(last.y) + " and " + brief(last.yd) +
+                     " after a turn; let the law repeat after 2 pi");
+}
+
+void RollerOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+  const CamProfile::Vec2 p(y.x.v, y.y.v);  // the nearest point of the profile
+  double best = std::numeric_limits<double>::infinity();
+  const double psi = std::atan2(p[1], p[0]);
+  for (int i = -180; i < 180; ++i)
+    if (const double d = (profile.at(psi + kTwoPi * i / 360).c - p).norm(); d < best) best = d, z[0] = kTwoPi * i / 360;
+  z[0] = foot(p, z[0]) - psi;
+}
+
+void RollerOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+  const CamProfile::Vec2 p(y.x.v, y.y.v);
+  z[0] = foot(p, y.memory[0]) - std::atan2(p[1], p[0]);
+}
+
+void FaceOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+  const double alpha = angle_of_normal(y).v;
+  const CamProfile::Vec2 n(std::cos(alpha), std::sin(alpha));
+  double best = -std::numeric_limits<double>::infinity();  // the foremost point of the profile
+  for (int i = -180; i < 180; ++i)
+    if (const double h = profile.at(alpha + kTwoPi * i / 360).c.dot(n); h > best) best = h, z[0] = kTwoPi * i / 360;
+  z[0] = profile.facing(alpha, alpha + z[0]) - alpha;
+}
+
+void FaceOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+  const double alpha = angle_of_normal(y).v;
+  z[0] = profile.facing(alpha, alpha + y.memory[0]) - alpha;
+}
+
+CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
+    : PhiLock(std::move(name), p, s, Mask::none, RollerOnCam{CamProfile(std::move(radius)), roller}) {
+  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law of its radius was given");
+  if (!(roller >= 0) || std::isinf(roller))
+    throw ModelError("link '" + this->name() + "': roller " + brief(roller) + " m; it must not be negative");
+}
+
+TypeInfo CamRoller::info() {
+  return {"cam_roller",
+          "the centre P of a roller rides on a disc cam about z of S; free: everything else",
+          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"},
+           {"roller", Form::number, Unit::length, "0", "radius of the roller; 0: a knife edge"}}};
+}
+
+std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
+  if (!(p.number("roller") >= 0)) p.refuse("roller", "is " + brief(p.number("roller")) + " m; it must not be negative");
+  return std::make_unique<CamRoller>(site.name, site.p(), site.s(), p.law("radius"), p.number("roller"));
+}
+
+CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
+    : PhiLock(std::move(name), p, s, Mask::none, FaceOnCam{CamProfile(std::move(radius))}) {
+  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law of its radius was given");
+}
+
+TypeInfo CamFlat::info() {
+  return {"cam_flat",
+          "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
+          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
+}
+
+std::unique_ptr<Lock> CamFlat::make(const Site& site, const Params& p) {
+  return std::make_unique<CamFlat>(site.name, site.p(), site.s(), p.law("radius"));
+}
+
+}  // namespace lockstep

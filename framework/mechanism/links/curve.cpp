@@ -1,0 +1,146 @@
+#include "framework/mechanism/links/curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// What the user's parameter measures is unknown; these names say no unit.
+std::vector<Quantity> of_curve() { return {{"s", ""}, {"rate", "1/s"}}; }
+
+template <class Function, class Memory>
+double seen_on(const Function& function, const Inputs& in, Memory memory, int k) {
+  const Time s = function.seen(in, memory, [](const auto& phi, const LockCoords<Time>& y) {
+    TranslationValue at;
+    return phi.curve.parameter(y, phi.curve.frame(y.memory), at);
+  });
+  return k == 0 ? s.v : s.d;
+}
+
+}  // namespace
+
+// `like` made normal to the tangent; where that leaves little, the axis that is most nearly normal to it.
+Vec3 CurvePoint::normal(double s, const Vec3& like) const {
+  const Vec3 t = path_->at(s).v.normalized(), n = like - t.dot(like) * t;
+  if (n.norm() > 0.1) return n.normalized();
+  int least = 0;
+  t.cwiseAbs().minCoeff(&least);
+  return cross(t, Vec3(Vec3::Unit(least))).normalized();
+}
+
+CurvePoint::Frame CurvePoint::frame(const double* memory) const {
+  Frame f;
+  f.t = path_->at(memory[0]).v.normalized();
+  f.n1 = Vec3(memory[3], memory[4], memory[5]);
+  f.n2 = cross(f.t, f.n1);
+  return f;
+}
+
+double CurvePoint::in_plane(const Vec3& t, const Vec3& rho, double s) const {
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 50; ++i) {
+    const TranslationValue c = path_->at(s);
+    const double step = t.dot(rho - c.x) / t.dot(c.v);
+    if (!std::isfinite(step)) return kNaN;
+    s += step;
+    const double small = 4 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(s));
+    if (std::abs(step) <= small || (std::abs(step) < 1e-10 * std::max(1.0, std::abs(s)) && std::abs(step) >= last))
+      return s;
+    last = std::abs(step);
+  }
+  return kNaN;
+}
+
+double CurvePoint::nearest(const Vec3& rho, double s) const {
+  for (int i = 0; i < 200; ++i) {  // (1/2)|rho - c|^2 falls; Gauss-Newton where its second derivative is none
+    const TranslationValue c = path_->at(s);
+    const Vec3 g = rho - c.x;
+    const double full = c.v.squaredNorm() - c.a.dot(g), slope = full > 0 ? full : c.v.squaredNorm();
+    double step = c.v.dot(g) / slope;
+    if (!std::isfinite(step)) return kNaN;
+    for (int half = 0; half < 40 && (rho - path_->at(s + step).x).norm() > g.norm() * (1 + 1e-15); ++half) step *= 0.5;
+    s += step;
+    if (std::abs(step) <= 1e-14 * std::max(1.0, std::abs(s))) return s;
+  }
+  return kNaN;
+}
+
+void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) const {
+  const std::string who = "link '" + link + "': ";
+  double s = kNaN;
+  try {
+    s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
+  } catch (const ModelError& end) {
+    throw ModelError(who + "P does not begin on its path as far as that goes from s = " + brief(near_) + ": " +
+                     end.what());
+  }
+  if (!std::isfinite(s))
+    throw ModelError(who + "no point of its path near s = " + brief(near_) +
+                     " is nearest to P at the start; let \"near\" say where on the path P begins");
+}
+
+void CurvePoint::begin(std::span<double> z, const LockCoords<Time>& y) const {
+  z[0] = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_), z[1] = z[2] = 0;
+  Eigen::Map<Vec3>(z.data() + 3) = normal(z[0], Vec3::Zero());
+}
+
+// The nearest point, not the one in the plane of the last tangent: off the curve the latter would move when asked
+// again.
+void CurvePoint::remember(std::span<double> z, const LockCoords<Time>& y) const {
+  const Vec3 rho(y.x.v, y.y.v, y.z.v), rate(y.x.d, y.y.d, y.z.d);
+  const double s = nearest(rho, expected(y));
+  const TranslationValue c = path_->at(s);
+  z[0] = s, z[1] = c.v.dot(rate) / (c.v.squaredNorm() - c.a.dot(rho - c.x)), z[2] = y.t.v;
+  Eigen::Map<Vec3>(z.data() + 3) = normal(s, Vec3(y.memory[3], y.memory[4], y.memory[5]));
+}
+
+PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
+    : PhiLock(std::move(name), p, s, Mask::none, OnCurve{CurvePoint(std::move(path), near)}) {
+  if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+}
+
+std::vector<Quantity> PointOnCurve::quantities() const { return of_curve(); }
+double PointOnCurve::quantity(int k, const Inputs& in) const { return seen_on(function(), in, memory(in), k); }
+
+TypeInfo PointOnCurve::info() {
+  return {"point_on_curve",
+          "origin of P on a space curve c(s) fixed to S; free: moving along it, all turns",
+          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
+           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+}
+
+std::unique_ptr<Lock> PointOnCurve::make(const Site& site, const Params& p) {
+  return std::make_unique<PointOnCurve>(site.name, site.p(), site.s(), p.translation_law("path"), p.number("near"));
+}
+
+PathFollower::PathFollower(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path,
+                           LawPtr<RotationLaw> turn, double near)
+    : PhiLock(std::move(name), p, s, Mask::none, OnPath{CurvePoint(std::move(path), near), std::move(turn)}) {
+  if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+  if (!phi().turn) throw ModelError("link '" + this->name() + "': no turn of the axes along its path was given");
+}
+
+std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }
+double PathFollower::quantity(int k, const Inputs& in) const { return seen_on(function(), in, memory(in), k); }
+
+TypeInfo PathFollower::info() {
+  return {"path_follower",
+          "P follows a path c(s) with axes q(s), both fixed to S; free: moving along it",
+          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
+           {"turning", Form::rotation_law, Unit::angle, "", "q(s), S axes: a rotation law whose time is s"},
+           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+}
+
+std::unique_ptr<Lock> PathFollower::make(const Site& site, const Params& p) {
+  return std::make_unique<PathFollower>(site.name, site.p(), site.s(), p.translation_law("path"),
+                                        p.rotation_law("turning"), p.number("near"));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,91 @@
+#include "framework/mechanism/links/gears.h"
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+double positive(const Site& site, const char* what, double x) {
+  if (x > 0 && x < 1e300) return x;
+  throw ModelError("link '" + site.name + "': " + what + " " + brief(x) + "; it must be above zero");
+}
+
+// The maker's words stand at the key; the constructor's serve C++.
+void require_positive(const Params& p, const char* key) {
+  if (!(p.number(key) > 0)) p.refuse(key, "is " + brief(p.number(key)) + "; it must be above zero");
+}
+
+Gear::Mesh mesh_of(const std::string& word) {
+  return word == "internal" ? Gear::Mesh::internal : word == "bevel" ? Gear::Mesh::bevel : Gear::Mesh::external;
+}
+
+}  // namespace
+
+Gear::Gear(const Site& site, double ratio, Mesh mesh)
+    : PhiCoupling(site, {1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(site, "ratio", ratio)}) {}
+
+TypeInfo Gear::info() {
+  return {"gear",
+          "two gears in joints on a common carrier, each turning about its own z",
+          {{"ratio", Form::number, Unit::none, "absent", "turns of gear 1 a turn of gear 2; or give the teeth"},
+           {"teeth_1", Form::integer, Unit::none, "absent", "teeth of gear 1"},
+           {"teeth_2", Form::integer, Unit::none, "absent", "teeth of gear 2"},
+           {"mesh",
+            Form::choice,
+            Unit::none,
+            "\"external\"",
+            "external and bevel turn against each other (bevel: both z away from the apex), internal alike",
+            {"external", "internal", "bevel"}}}};
+}
+
+std::unique_ptr<Lock> Gear::make(const Site& site, const Params& p) {
+  const bool teeth = p.has("teeth_1") || p.has("teeth_2");
+  if (teeth && p.has("ratio")) p.refuse("ratio", "the teeth are given as well; remove one of the two");
+  if (!teeth && !p.has("ratio")) p.refuse("ratio", "is missing; give it, or \"teeth_1\" and \"teeth_2\"");
+  double ratio = 0;
+  if (teeth) {
+    for (const char* key : {"teeth_1", "teeth_2"}) {
+      if (!p.has(key)) p.refuse(key, "is missing; a gear ratio needs the teeth of both");
+      if (p.integer(key) < 1) p.refuse(key, "is " + std::to_string(p.integer(key)) + "; a gear has at least one");
+    }
+    ratio = double(p.integer("teeth_2")) / p.integer("teeth_1");
+  } else {
+    require_positive(p, "ratio");
+    ratio = p.number("ratio");
+  }
+  return std::make_unique<Gear>(site, ratio, mesh_of(p.text("mesh")));
+}
+
+Belt::Belt(const Site& site, double radius1, double radius2, bool crossed)
+    : PhiCoupling(
+          site, {positive(site, "radius 1", radius1), (crossed ? 1.0 : -1.0) * positive(site, "radius 2", radius2)}) {}
+
+TypeInfo Belt::info() {
+  return {"belt",
+          "two pulleys in joints on a common carrier, each turning about its own z; no slip",
+          {{"radius_1", Form::number, Unit::length, "", "of pulley 1"},
+           {"radius_2", Form::number, Unit::length, "", "of pulley 2"},
+           {"crossed", Form::boolean, Unit::none, "false", "the pulleys turn against each other"}}};
+}
+
+std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
+  for (const char* key : {"radius_1", "radius_2"}) require_positive(p, key);
+  return std::make_unique<Belt>(site, p.number("radius_1"), p.number("radius_2"), p.boolean("crossed"));
+}
+
+Differential::Differential(const Site& site, double ratio)
+    : PhiCoupling(site, {1.0, positive(site, "ratio", ratio), -(1.0 + ratio)}) {}
+
+TypeInfo Differential::info() {
+  return {"differential",
+          "three turns on a common carrier: theta1 + ratio theta2 = (1 + ratio) theta3",
+          {{"ratio", Form::number, Unit::none, "1", "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
+}
+
+std::unique_ptr<Lock> Differential::make(const Site& site, const Params& p) {
+  require_positive(p, "ratio");
+  return std::make_unique<Differential>(site, p.number("ratio"));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,37 @@
+#include "framework/mechanism/links/rack_and_pinion.h"
+
+#include <cmath>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+double checked_radius(const std::string& link, double radius) {
+  if (!std::isfinite(radius) || radius == 0)
+    throw ModelError("link '" + link + "': radius " + brief(radius) + " m; a pinion has one, and not zero");
+  return radius;
+}
+
+}  // namespace
+
+RollingRack::RollingRack(std::string name, Marker& p, Marker& s, double radius)
+    : PhiLock(name, p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2, RollingPinion{checked_radius(name, radius)}) {}
+
+RackAndPinion::RackAndPinion(const Site& site, double radius)
+    : PhiCoupling(site, PinionAndSlide{checked_radius(site.name, radius)}) {}
+
+TypeInfo RackAndPinion::info() {
+  return {"rack_and_pinion",
+          "one pair: P, a pinion about z, rolls along x of S; two: pinion (turn about z) and rack (slide along z)",
+          {{"radius", Form::number, Unit::length, "", "of the pitch circle; negative reverses the sense"}}};
+}
+
+std::unique_ptr<Lock> RackAndPinion::make(const Site& site, const Params& p) {
+  if (!(p.number("radius") != 0)) p.refuse("radius", "is 0 m; a pinion has a radius");
+  if (site.pairs.size() < 2) return std::make_unique<RollingRack>(site.name, site.p(), site.s(), p.number("radius"));
+  return std::make_unique<RackAndPinion>(site, p.number("radius"));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,9 @@
+// Puts the built-in links on a registry's shelf.
+#pragma once
+
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+class Registry;
+LOCKSTEP_API void register_links(Registry&);
+}  // namespace lockstep

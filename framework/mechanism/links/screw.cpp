@@ -1,0 +1,43 @@
+#include "framework/mechanism/links/screw.h"
+
+#include <cmath>
+
+#include "framework/mechanism/links/laws.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+
+void ScrewThread::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  if (slip) slip->breakpoints(t0, t1, out);
+}
+
+std::string ScrewThread::blame(double t) const { return blame_law(slip, t, "the law of its slip"); }
+
+Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip)
+    : PhiLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2, ScrewThread{lead, std::move(slip)}) {
+  if (!std::isfinite(lead))
+    throw ModelError("link '" + this->name() + "': lead " + brief(lead) + " m; it must be a finite number");
+}
+
+std::vector<Quantity> Screw::quantities() const { return {{"angle", "rad"}, {"rate", "rad/s"}}; }
+
+double Screw::quantity(int k, const Inputs& in) const {
+  const Time angle =
+      function().seen(in, memory(in), [](const ScrewThread&, const LockCoords<Time>& y) { return y.angle_z(); });
+  return k == 0 ? angle.v : angle.d;
+}
+
+TypeInfo Screw::info() {
+  return {"screw",
+          "nut on a thread about z of S; free: turning about z, and with it sliding along z",
+          {{"lead", Form::number, Unit::length, "", "advance a turn, negative for a left-hand thread"},
+           {"slip", Form::law, Unit::length, "absent", "distance from the thread, m; default: none"}}};
+}
+
+std::unique_ptr<Lock> Screw::make(const Site& site, const Params& p) {
+  return std::make_unique<Screw>(site.name, site.p(), site.s(), p.number("lead"),
+                                 p.has("slip") ? p.law("slip") : LawPtr<MotionLaw>{});
+}
+
+}  // namespace lockstep

@@ -1,0 +1,55 @@
+#include "framework/mechanism/links/stop.h"
+
+#include <cmath>
+
+#include "framework/mechanism/lock/mask.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+double finite(const std::string& name, double limit) {
+  if (!std::isfinite(limit))
+    throw ModelError("link '" + name + "': the limit " + number(limit) + " of a stop must be a finite number");
+  return limit;
+}
+
+}  // namespace
+
+SlideStop::SlideStop(std::string name, Marker& p, Marker& s, int axis, double limit, bool low)
+    : PhiLock(name, p, s, Mask::none, StopAlong{axis, finite(name, limit), low ? 1.0 : -1.0}) {
+  one_sided = OneSided{};
+}
+
+TurnStop::TurnStop(std::string name, Marker& p, Marker& s, double limit, bool low)
+    : PhiLock(name, p, s, Mask::none, StopAbout{finite(name, limit), low ? 1.0 : -1.0}) {
+  one_sided = OneSided{};
+}
+
+TypeInfo Stop::info() {
+  return {"stop",
+          "one end of a travel: holds the coordinate of P seen from S only against going beyond its limit",
+          {{"coordinate",
+            Form::choice,
+            Unit::none,
+            "",
+            "along an axis of S, or the turn about its z, counted past full turns",
+            {"x", "y", "z", "rz"}},
+           {"low", Form::number, Unit::any, "absent", "the coordinate stays above this, m or rad; or \"high\""},
+           {"high", Form::number, Unit::any, "absent", "the coordinate stays below this, m or rad; or \"low\""}}};
+}
+
+std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
+  if (params.has("low") == params.has("high"))
+    params.refuse(params.has("low") ? "high" : "coordinate",
+                  params.has("low") ? "\"low\" is given as well; one stop has one end, add another for the other"
+                                    : "nothing says where it ends; add \"low\" or \"high\"");
+  const bool low = params.has("low");
+  const double limit = params.number(low ? "low" : "high");
+  const Axis axis = axis_from(params.text("coordinate"));
+  if (axis == Axis::rz) return std::make_unique<TurnStop>(site.name, site.p(), site.s(), limit, low);
+  return std::make_unique<SlideStop>(site.name, site.p(), site.s(), index(axis), limit, low);
+}
+
+}  // namespace lockstep

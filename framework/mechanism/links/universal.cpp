@@ -1,0 +1,15 @@
+#include "framework/mechanism/links/universal.h"
+
+namespace lockstep {
+
+Universal::Universal(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::xyz, Cross{}) {}
+
+TypeInfo Universal::info() {
+  return {"universal", "Hooke's joint, origins coincide; free: turning about x of S and about y of P", {}};
+}
+
+std::unique_ptr<Lock> Universal::make(const Site& site, const Params&) {
+  return std::make_unique<Universal>(site.name, site.p(), site.s());
+}
+
+}  // namespace lockstep

@@ -1,0 +1,57 @@
+#include "framework/mechanism/lock/mask.h"
+
+#include <array>
+#include <vector>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+constexpr std::array<std::string_view, 6> kRows{"x", "y", "z", "e1", "e2", "e3"};
+constexpr std::array<std::string_view, 6> kAxes{"x", "y", "z", "rx", "ry", "rz"};
+
+int position(const std::array<std::string_view, 6>& words, std::string_view word) {
+  for (int k = 0; k < 6; ++k)
+    if (words[static_cast<std::size_t>(k)] == word) return k;
+  return -1;
+}
+std::string listed(const std::array<std::string_view, 6>& words) {
+  return join(std::vector<std::string>(words.begin(), words.end()));
+}
+}  // namespace
+
+Mask mask_from(std::string_view words) {
+  Mask mask = Mask::none;
+  while (true) {
+    const std::size_t first = words.find_first_not_of(" \t,|");
+    if (first == std::string_view::npos) return mask;
+    words.remove_prefix(first);
+    const std::string_view word = words.substr(0, words.find_first_of(" \t,|"));
+    words.remove_prefix(word.size());
+    const int k = position(kRows, word);
+    if (k < 0)
+      throw ModelError("mask: unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
+    if (has(mask, row_bit(k)))
+      throw ModelError("mask: row \"" + std::string(word) + "\" is named twice; name each row once");
+    mask = mask | row_bit(k);
+  }
+}
+
+std::string to_string(Mask mask) {
+  std::string words;
+  for (int k = 0; k < 6; ++k)
+    if (has(mask, row_bit(k))) words += (words.empty() ? "" : " ") + std::string(row_name(k));
+  return words;
+}
+
+Axis axis_from(std::string_view word) {
+  const int k = position(kAxes, word);
+  if (k < 0) throw ModelError("axis: unknown axis \"" + std::string(word) + "\"; an axis is one of " + listed(kAxes));
+  return Axis(k);
+}
+
+std::string_view to_string(Axis a) { return kAxes[static_cast<std::size_t>(index(a))]; }
+std::string_view row_name(int k) { return kRows[static_cast<std::size_t>(k)]; }
+
+}  // namespace lockstep

@@ -1,0 +1,124 @@
+// PhiCoupling: a link from functions of two or three pairs of markers, phi(y1, y2, y3, t) = 0 (theory, (7.3)): gears,
+// belts, differentials. The pairs' own joints are links of their own.
+//
+//   struct Mesh {
+//     double r1, r2;
+//     static constexpr int kPairs = 2;
+//     static constexpr Needs kNeeds = Needs::rotation;
+//     static constexpr bool kCountsTurns = true;
+//     template <class T> T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
+//       return r1 * a.angle_z() + r2 * b.angle_z();
+//     }
+//   };
+//   using Gear = PhiCoupling<Mesh>;
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/mechanism/lock/lock.h"
+#include "framework/mechanism/lock/phi_function.h"
+#include "framework/mechanism/params/site.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+/// Where a coupling stands that takes the markers of these joints:
+/// sys.add(std::make_unique<Gear>(across("mesh", {one, two}), 2.0)).
+inline Site across(std::string name, std::initializer_list<std::reference_wrapper<const Lock>> joints) {
+  Site site;
+  site.name = std::move(name);
+  for (const Lock& joint : joints) {
+    const auto [p, s] = joint.pairs().front();
+    site.pairs.emplace_back(const_cast<Marker*>(p), const_cast<Marker*>(s));  // a coupling only looks at them
+  }
+  return site;
+}
+
+/// Rows: those of phi. Derive, give it a type() and, for files, info() with the number of pairs, and make(). What phi
+/// may say about itself: PhiTraits.
+template <class Phi>
+class PhiCoupling : public Lock {
+  using Function = PhiFunction<Phi>;
+  using Traits = PhiTraits<Phi>;
+
+ public:
+  /// Takes kPairs pairs of the site, P before S. Throws ModelError when one is missing.
+  PhiCoupling(const Site& site, Phi phi) : Lock(site.name), function_(std::move(phi), pairs_of(site)) {}
+
+  const Phi& phi() const { return function_.phi(); }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override {
+    return {function_.pairs().begin(), function_.pairs().end()};
+  }
+  int row_count() const override { return Function::kRows; }
+  RowKind row_kind(int) const override { return Traits::kKind; }
+  std::string row_name(int k) const override { return Traits::row_name(k); }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    for (const auto& [p, s] : function_.pairs())
+      MarkerFrame(*p).breakpoints(t0, t1, out), MarkerFrame(*s).breakpoints(t0, t1, out);
+    function_.breakpoints(t0, t1, out);
+  }
+  std::string blame(double t) const override { return function_.blame(t); }
+
+  void setup() override {
+    function_.setup(name());
+    slots_ = {};
+    function_.add_slots(slots_);
+    if (slots_.n == 0)
+      throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
+  }
+  SlotList slots() const override { return slots_; }
+
+  void gather(Group links, const Inputs& in, RowSpan out) const override {
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const auto& link = static_cast<const PhiCoupling&>(*links[i]);
+      link.function_.fill(in, link.memory(in), link.slots_, 0, out.lane(i));
+    }
+  }
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
+    function_.tangent(in, memory(in), lambda.data(), out);
+  }
+
+  int n_memory() const override { return Function::kMemory; }
+  void start_memory(std::span<double> z) const override { function_.begin(z); }
+  void accept(const Inputs& in, std::span<double> z) const override { function_.remember(in, z); }
+
+ protected:
+  const Function& function() const { return function_; }
+  const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
+
+ private:
+  static typename Function::Pairs pairs_of(const Site& site) {
+    typename Function::Pairs pairs;
+    std::vector<const Body*> seen;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      pairs[k] = {&site.p(k), &site.s(k)};
+      for (std::size_t j = 0; j < k; ++j)
+        if (pairs[j] == pairs[k])
+          throw ModelError("link '" + site.name + "': pairs " + std::to_string(j + 1) + " and " +
+                           std::to_string(k + 1) + " are the same two markers; couple two different joints");
+      for (const Marker* m : {pairs[k].first, pairs[k].second})
+        if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
+      if (pairs[k].first->body == pairs[k].second->body)
+        throw ModelError("link '" + site.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
+                         pairs[k].first->body->name + "'; name two bodies");
+    }
+    if (site.pairs.size() > pairs.size())
+      throw ModelError("link '" + site.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
+                       std::to_string(site.pairs.size()) + " are given; remove the others");
+    if (seen.size() > kMaxSlots)
+      throw ModelError("link '" + site.name + "' couples " + std::to_string(seen.size()) + " bodies; a link touches " +
+                       std::to_string(kMaxSlots) + " at most: measure its pairs from a common body");
+    return pairs;
+  }
+
+  Function function_;
+  SlotList slots_;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,28 @@
+// State: a value. Copy it, keep it, rewind it. Whatever must be rolled back when a step is rejected lives here and
+// nowhere else.
+#pragma once
+
+#include <vector>
+
+#include "framework/foundation/math/pose.h"
+
+namespace lockstep {
+
+struct State {
+  double t = 0;
+  VecX q;  ///< 7 a slot: x (world, m), quaternion (scalar first) of the slot's frame at its mass centre
+  VecX v;  ///< 6 a slot: velocity (world, m/s), angular velocity (slot's axes, rad/s)
+  VecX s;  ///< integrated as well, each with a rate: controllers, speed laws, quadratures
+  VecX z;  ///< remembered, not integrated: turn counters; written only when a step is accepted
+  std::vector<bool> modes;  ///< which links are in force, by link number; changed only between steps
+
+  Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
+  Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
+};
+
+/// d/dt of q, v and s, in the same order; the quaternion rates are (1/2) q w.
+struct StateRate {
+  VecX q, v, s;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,329 @@
+#include "framework/mechanism/params/params.h"
+
+#include <algorithm>
+#include <array>
+
+#include "framework/mechanism/params/json.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+std::vector<std::string> names_of(const Keys& keys) {
+  std::vector<std::string> names;
+  for (const Key& key : keys) names.push_back(key.name);
+  return names;
+}
+
+bool is_law(Form form) {
+  return form == Form::law || form == Form::translation_law || form == Form::rotation_law || form == Form::laws;
+}
+
+// {"type": ..., ...} or a constant: the rest is read when the law is made.
+void check_law_form(const Value& v, Form form, const std::string& context) {
+  const bool vector = form == Form::translation_law || form == Form::rotation_law;
+  if (vector && v.list() != nullptr) return;  // a constant vector or quaternion
+  const bool constant = (v.number() != nullptr && !vector) ||
+                        (v.text() != nullptr && !vector && read_quantity(*v.text(), Unit::any).problem.empty());
+  if (constant) {
+    read_number(v, Unit::any, context);  // refuses NaN and infinity
+  } else if (v.object() == nullptr) {
+    refuse(v.where, context,
+           std::string("expected a law ({\"type\": ..., and its keys}, or a ") +
+               (vector ? "list of numbers" : "number") + " for a constant one), got " + shown(v));
+  } else if (v.find("type") == nullptr) {
+    refuse(v.where, context, "the law has no \"type\"; add one, such as {\"type\": \"constant\", ...}");
+  }
+}
+
+const Value::List& law_list(const Value& v, const std::string& context) {
+  const Value::List* items = v.list();
+  if (items == nullptr) refuse(v.where, context, "expected a list of laws, got " + shown(v));
+  return *items;
+}
+
+std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
+
+// What a getter of this form does, without its result.
+void check_value(const Value& v, const Key& key, const std::string& context) {
+  switch (key.form) {
+    case Form::number:
+      read_number(v, key.unit, context);
+      break;
+    case Form::integer:
+      read_integer(v, context);
+      break;
+    case Form::boolean:
+      read_boolean(v, context);
+      break;
+    case Form::text:
+      read_text(v, context);
+      break;
+    case Form::choice:
+      read_choice(v, key.choices, context);
+      break;
+    case Form::vector3:
+      read_vector3(v, key.unit, context);
+      break;
+    case Form::axis:
+      read_axis(v, context);
+      break;
+    case Form::orientation:
+      read_orientation(v, context);
+      break;
+    case Form::numbers:
+      read_numbers(v, key.unit, context);
+      break;
+    case Form::points:
+      read_points(v, key.unit, context);
+      break;
+    case Form::law:
+    case Form::translation_law:
+    case Form::rotation_law:
+      check_law_form(v, key.form, context);
+      break;
+    case Form::laws: {
+      const Value::List& items = law_list(v, context);
+      for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], Form::law, item(context, i));
+      break;
+    }
+    case Form::any:
+      break;
+  }
+}
+
+// " (a length in m: height of the bump)"
+std::string description(const Key& key) {
+  std::string words =
+      key.form == Form::number && key.unit != Unit::none ? article_name_of(key.unit) : name_of(key.form);
+  if (!si_unit(key.unit).empty()) words += " in " + si_unit(key.unit);
+  return " (" + words + (key.help.empty() ? "" : ": " + key.help) + ")";
+}
+
+bool has_default(const Key& key) { return !key.fallback.empty() && key.fallback != "absent"; }
+
+// One line of UTF-8 without control characters: it goes to terminals and into JSON as it is.
+bool is_plain(const std::string& text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const unsigned c = byte(i), next = byte(i + 1);
+    if (c < 0x20 || c == 0x7f) return false;
+    if (c < 0x80) continue;
+    const std::size_t more = c >= 0xc2 && c < 0xe0 ? 1 : c >= 0xe0 && c < 0xf0 ? 2 : c >= 0xf0 && c < 0xf5 ? 3 : 0;
+    if (more == 0) return false;
+    const bool outside = (c == 0xc2 && next < 0xa0) || (c == 0xe0 && next < 0xa0) || (c == 0xed && next > 0x9f) ||
+                         (c == 0xf0 && next < 0x90) || (c == 0xf4 && next > 0x8f);
+    if (outside) return false;  // control characters, longer than need be, surrogates, beyond U+10FFFF
+    for (std::size_t k = 1; k <= more; ++k)
+      if ((byte(i + k) & 0xc0) != 0x80) return false;
+    i += more;
+  }
+  return true;
+}
+
+void check_plain(const std::string& text, const std::string& what) {
+  if (!is_plain(text))
+    throw ModelError(what + " is no plain line of text: it has control characters, or is no UTF-8; rewrite it");
+}
+
+}  // namespace
+
+LawSource::~LawSource() = default;
+
+std::string part_of(const std::string& owner, std::string_view part) {
+  if (owner.empty()) return std::string(part);
+  // A name stands in quotes at the end of an owner that is no part itself.
+  return owner + (owner.back() == '\'' ? ", " : ".") + std::string(part);
+}
+
+std::string name_of(Form form) {
+  constexpr std::array<const char*, 15> kNames{
+      "number", "integer", "boolean",         "text",         "choice", "vector3", "axis", "orientation", "numbers",
+      "points", "law",     "translation law", "rotation law", "laws",   "any"};
+  return kNames.at(static_cast<std::size_t>(form));
+}
+
+void check(const TypeInfo& info) {
+  if (info.name.empty()) throw ModelError("a type without a name: give its TypeInfo one");
+  check_plain(info.name, "its name");
+  check_plain(info.help, "its help");
+  for (std::size_t i = 0; i < info.keys.size(); ++i) {
+    const Key& key = info.keys[i];
+    const std::string place = "type '" + info.name + "', key '" + key.name + "': ";
+    if (key.name.empty())
+      throw ModelError("type '" + info.name + "': key number " + std::to_string(i) + " has no name");
+    check_plain(key.name, "the name of its key number " + std::to_string(i));
+    check_plain(key.help, "the help of its key '" + key.name + "'");
+    for (const std::string& choice : key.choices) check_plain(choice, "a choice of its key '" + key.name + "'");
+    for (std::size_t j = 0; j < i; ++j)
+      if (info.keys[j].name == key.name) throw ModelError(place + "it stands twice in the table; remove one");
+    if (key.form == Form::choice && key.choices.empty())
+      throw ModelError(place + "a choice without choices; list them");
+    if (!has_default(key)) continue;
+    try {
+      check_value(read_json(key.fallback, "default"), key, key.name);
+    } catch (const SceneError& error) {
+      throw ModelError(place + "its default `" + key.fallback +
+                       "` cannot be read (texts need their quotes, as JSON): " + error.what());
+    }
+  }
+}
+
+Params::Params(std::initializer_list<std::pair<const char*, Value>> members) : object_(Value::object(members)) {}
+
+Params Params::unchecked(Value object) {
+  Params params;
+  params.object_ = std::move(object);
+  return params;
+}
+
+Params::Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws)
+    : object_(std::move(object)), keys_(info.keys), owner_(std::move(owner)), laws_(laws) {
+  if (object_.is_null()) {
+    const Where where = object_.where;
+    object_ = Value(Value::Object{});
+    object_.where = where;
+  }
+  if (object_.object() == nullptr)
+    lockstep::refuse(object_.where, owner_,
+                     "expected an object with keys of '" + info.name + "', got " + shown(object_));
+  check_known();
+  for (const Key& key : keys_) check_form(key);
+}
+
+Params Params::checked(const TypeInfo& info, std::string owner, const LawSource* laws) const {
+  return Params(object_, info, std::move(owner), laws);
+}
+
+void Params::check_known() const {
+  const Value::Object& members = *object_.object();
+  for (auto member = members.begin(); member != members.end(); ++member) {
+    const auto same = [&](const auto& other) { return other.key == member->key; };
+    const auto named = [&](const Key& key) { return key.name == member->key; };
+    if (std::find_if(members.begin(), member, same) != member)
+      lockstep::refuse(member->where, owner_, "key \"" + member->key + "\" is given twice; remove one of the two");
+    if (std::none_of(keys_.begin(), keys_.end(), named))
+      lockstep::refuse(member->where, owner_,
+                       "unknown key \"" + member->key + "\"" +
+                           (keys_.empty() ? "; it takes no keys" : suggestion(member->key, names_of(keys_))));
+  }
+}
+
+void Params::check_form(const Key& key) const {
+  const Value* given = object_.find(key.name);
+  if (given == nullptr) {
+    if (key.fallback.empty())
+      lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
+    return;
+  }
+  check_value(*given, key, place_of(key.name));
+  if (is_law(key.form)) law_source(key);
+}
+
+const Key& Params::key_of(std::string_view name) const {
+  for (const Key& key : keys_)
+    if (key.name == name) return key;
+  lockstep::refuse(object_.where, owner_,
+                   "its maker asks for key \"" + std::string(name) + "\", which " +
+                       (keys_.empty() ? "nobody has checked yet; call checked() first"
+                                      : "its table does not list; add it to the type's keys"));
+}
+
+Value Params::given_or_default(const Key& key) const {
+  if (const Value* given = object_.find(key.name)) return *given;
+  if (!has_default(key))
+    lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
+  Value v = read_json(key.fallback, "default");
+  v.where = object_.where;
+  return v;
+}
+
+std::string Params::place_of(std::string_view key) const { return part_of(owner_, key); }
+
+const LawSource& Params::law_source(const Key& key) const {
+  if (laws_ == nullptr)
+    lockstep::refuse(value(key.name).where, place_of(key.name),
+                     "it holds a law, and there is nothing here that makes laws; pass a registry");
+  return *laws_;
+}
+
+bool Params::has(std::string_view key) const { return object_.find(key) != nullptr; }
+
+double Params::number(std::string_view name) const {
+  const Key& key = key_of(name);
+  return read_number(given_or_default(key), key.unit, place_of(name));
+}
+
+int Params::integer(std::string_view name) const {
+  return read_integer(given_or_default(key_of(name)), place_of(name));
+}
+
+bool Params::boolean(std::string_view name) const {
+  return read_boolean(given_or_default(key_of(name)), place_of(name));
+}
+
+std::string Params::text(std::string_view name) const {
+  return read_text(given_or_default(key_of(name)), place_of(name));
+}
+
+Vec3 Params::vector3(std::string_view name) const {
+  const Key& key = key_of(name);
+  const Value v = given_or_default(key);
+  return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
+}
+
+Quat Params::orientation(std::string_view name) const {
+  return read_orientation(given_or_default(key_of(name)), place_of(name));
+}
+
+std::vector<double> Params::numbers(std::string_view name) const {
+  const Key& key = key_of(name);
+  return read_numbers(given_or_default(key), key.unit, place_of(name));
+}
+
+std::vector<std::vector<double>> Params::points(std::string_view name) const {
+  const Key& key = key_of(name);
+  return read_points(given_or_default(key), key.unit, place_of(name));
+}
+
+LawPtr<MotionLaw> Params::law(std::string_view name) const {
+  const Key& key = key_of(name);
+  return law_source(key).scalar_law(given_or_default(key), place_of(name));
+}
+
+LawPtr<TranslationLaw> Params::translation_law(std::string_view name) const {
+  const Key& key = key_of(name);
+  return law_source(key).translation_law(given_or_default(key), place_of(name));
+}
+
+LawPtr<RotationLaw> Params::rotation_law(std::string_view name) const {
+  const Key& key = key_of(name);
+  return law_source(key).rotation_law(given_or_default(key), place_of(name));
+}
+
+std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view name) const {
+  const Key& key = key_of(name);
+  const Value v = given_or_default(key);
+  const Value::List& items = law_list(v, place_of(name));
+  std::vector<LawPtr<MotionLaw>> made;
+  made.reserve(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i)
+    made.push_back(law_source(key).scalar_law(items[i], item(place_of(name), i)));
+  return made;
+}
+
+const Value& Params::value(std::string_view key) const {
+  static const Value kAbsent;
+  const Value* given = object_.find(key);
+  return given != nullptr ? *given : kAbsent;
+}
+
+void Params::refuse(std::string_view key, const std::string& problem) const {
+  const Value* given = object_.find(key);
+  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,44 @@
+// One Value read by its form, with errors that say where it stood. Params reads through these; so does the scene's
+// builder.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/foundation/math/quaternion.h"
+#include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+
+/// Throws SceneError "file:line:column: context: problem" (parts that are empty are left out).
+[[noreturn]] LOCKSTEP_API void refuse(const Where&, const std::string& context, const std::string& problem);
+
+/// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
+LOCKSTEP_API std::string shown(const Value&);
+
+// All throw SceneError by `refuse`; `context` names the thing that is read: "link 'A', law.slope".
+// Numbers are finite; with a unit other than Unit::none a text like "12 mm" stands for a number, the result is in SI.
+LOCKSTEP_API double read_number(const Value&, Unit, const std::string& context);
+LOCKSTEP_API int read_integer(const Value&, const std::string& context);
+LOCKSTEP_API bool read_boolean(const Value&, const std::string& context);
+LOCKSTEP_API std::string read_text(const Value&, const std::string& context);
+LOCKSTEP_API std::string read_choice(const Value&, std::span<const std::string> choices, const std::string& context);
+LOCKSTEP_API Vec3 read_vector3(const Value&, Unit, const std::string& context);
+LOCKSTEP_API std::vector<double> read_numbers(const Value&, Unit, const std::string& context);
+LOCKSTEP_API std::vector<std::vector<double>> read_points(const Value&, Unit, const std::string& context);
+
+/// Nine numbers as three rows of three.
+LOCKSTEP_API Mat3 read_matrix3(const Value&, Unit, const std::string& context);
+
+/// A direction of length 1: "x", "-y", "+z" or [x, y, z], not zero.
+LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
+
+/// An orientation, unit, one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
+/// {"angles": [a, b, c], "sequence": "xyz" or a name of angles.h}; {"matrix": three rows} (axes of the frame as
+/// columns); two of {"x": direction, "y": ..., "z": ...}: the first in the order of the alphabet is kept, the other
+/// turned upright to it.
+LOCKSTEP_API Quat read_orientation(const Value&, const std::string& context);
+
+}  // namespace lockstep

@@ -1,0 +1,234 @@
+#include "framework/mechanism/params/units.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+// Exponents of metre, kilogram, second and radian. The radian counts, so that a torque is no torsional stiffness.
+struct Dimension {
+  int m = 0, kg = 0, s = 0, rad = 0;
+  bool operator==(const Dimension&) const = default;
+};
+
+struct UnitWords {
+  Unit unit;
+  const char *name, *article, *si, *example;
+  Dimension dimension;
+};
+
+constexpr std::array<UnitWords, 19> kWords{{
+    {Unit::none, "number", "a", "", "", {0, 0, 0, 0}},
+    {Unit::length, "length", "a", "m", "12 mm", {1, 0, 0, 0}},
+    {Unit::angle, "angle", "an", "rad", "30 deg", {0, 0, 0, 1}},
+    {Unit::time, "time", "a", "s", "5 ms", {0, 0, 1, 0}},
+    {Unit::mass, "mass", "a", "kg", "250 g", {0, 1, 0, 0}},
+    {Unit::speed, "speed", "a", "m/s", "20 mm/s", {1, 0, -1, 0}},
+    {Unit::angular_speed, "angular speed", "an", "rad/s", "1200 rpm", {0, 0, -1, 1}},
+    {Unit::acceleration, "acceleration", "an", "m/s^2", "9.81 m/s^2", {1, 0, -2, 0}},
+    {Unit::angular_acceleration, "angular acceleration", "an", "rad/s^2", "90 deg/s^2", {0, 0, -2, 1}},
+    {Unit::force, "force", "a", "N", "2 kN", {1, 1, -2, 0}},
+    {Unit::torque, "torque", "a", "N m", "50 N mm", {2, 1, -2, 0}},
+    {Unit::inertia, "moment of inertia", "a", "kg m^2", "40 kg mm^2", {2, 1, 0, 0}},
+    {Unit::density, "density", "a", "kg/m^3", "7.85 g/cm^3", {-3, 1, 0, 0}},
+    {Unit::stiffness, "stiffness", "a", "N/m", "4.5 N/mm", {0, 1, -2, 0}},
+    {Unit::torsion_stiffness, "torsional stiffness", "a", "N m/rad", "3 N m/deg", {2, 1, -2, -1}},
+    {Unit::damping, "damping coefficient", "a", "N s/m", "2 N s/mm", {0, 1, -1, 0}},
+    {Unit::torsion_damping, "torsional damping coefficient", "a", "N m s/rad", "1 N m s/deg", {2, 1, -1, -1}},
+    {Unit::frequency, "frequency", "a", "Hz", "50 Hz", {0, 0, -1, 0}},
+    {Unit::any, "quantity", "a", "", "12 mm", {}},
+}};
+
+const UnitWords& words_of(Unit unit) {
+  for (const UnitWords& w : kWords)
+    if (w.unit == unit) return w;
+  return kWords.back();
+}
+
+// SI value = x * up / down * 10^ten: powers of ten apart, so that "12 mm" is the double nearest to 0.012.
+struct Factor {
+  double up = 1, down = 1;
+  int ten = 0;
+  Dimension dimension;
+};
+
+struct Symbol {
+  std::string_view name;
+  bool prefixes;
+  Factor factor;
+};
+
+constexpr double kTurn = kTwoPi;
+constexpr std::array<Symbol, 17> kSymbols{{
+    {"m", true, {1, 1, 0, {1, 0, 0, 0}}},
+    {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
+    {"s", true, {1, 1, 0, {0, 0, 1, 0}}},
+    {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
+    {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},
+    {"Hz", true, {1, 1, 0, {0, 0, -1, 0}}},
+    {"rad", true, {1, 1, 0, {0, 0, 0, 1}}},
+    {"deg", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"\u00b0", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"rev", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
+    {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
+    {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
+    {"min", false, {60, 1, 0, {0, 0, 1, 0}}},
+    {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
+    {"t", false, {1, 1, 3, {0, 1, 0, 0}}},
+    {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
+    {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},
+}};
+
+struct Prefix {
+  std::string_view name;
+  int ten;
+};
+constexpr std::array<Prefix, 9> kPrefixes{
+    {{"n", -9}, {"u", -6}, {"\u00b5", -6}, {"\u03bc", -6}, {"m", -3}, {"c", -2}, {"d", -1}, {"k", 3}, {"M", 6}}};
+
+std::optional<Factor> symbol(std::string_view name) {
+  for (const Symbol& s : kSymbols)
+    if (s.name == name) return s.factor;
+  if (name == "1") return Factor{};  // "1/s"
+  for (const Prefix& p : kPrefixes) {
+    if (!name.starts_with(p.name)) continue;
+    for (const Symbol& s : kSymbols) {
+      if (!s.prefixes || s.name != name.substr(p.name.size())) continue;
+      Factor f = s.factor;
+      f.ten += p.ten;
+      return f;
+    }
+  }
+  return {};
+}
+
+void multiply(Factor& a, const Factor& b, int power) {
+  for (int i = 0; i < std::abs(power); ++i) (power > 0 ? a.up : a.down) *= b.up, (power > 0 ? a.down : a.up) *= b.down;
+  a.ten += power * b.ten;
+  a.dimension.m += power * b.dimension.m, a.dimension.kg += power * b.dimension.kg;
+  a.dimension.s += power * b.dimension.s, a.dimension.rad += power * b.dimension.rad;
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view trimmed(std::string_view s) {
+  while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
+  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
+  return s;
+}
+
+// The power behind a symbol ("^3", "\u00b2"), taken off its end; 1 when there is none, 0 when it cannot be read.
+int take_power(std::string_view& name) {
+  for (const auto& [mark, power] : {std::pair{std::string_view("\u00b2"), 2}, {std::string_view("\u00b3"), 3}})
+    if (name.ends_with(mark)) return name.remove_suffix(mark.size()), power;
+  const std::size_t hat = name.find('^');
+  if (hat == std::string_view::npos) return 1;
+  const std::string_view digits = name.substr(hat + 1);
+  int power = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), power);
+  if (error != std::errc() || end != digits.data() + digits.size() || std::abs(power) > 6) return 0;
+  name = name.substr(0, hat);
+  return power;
+}
+
+std::vector<std::string> symbol_names() {
+  std::vector<std::string> names;
+  for (const Symbol& s : kSymbols) names.emplace_back(s.name);
+  for (const char* common : {"mm", "kg", "ms", "kN", "Nmm"}) names.emplace_back(common);
+  return names;
+}
+
+// Reads a whole unit; on failure `problem` says why.
+Factor unit_factor(std::string_view unit, std::string& problem) {
+  Factor total;
+  bool divide = false, divided = false;
+  while (!unit.empty()) {
+    const std::size_t end = std::min(unit.find_first_of(" \t*/"), unit.size());
+    std::string_view name = unit.substr(0, end);
+    const std::string written(name);
+    const int power = take_power(name);
+    const std::optional<Factor> factor = name == "1" && divided ? std::nullopt : symbol(name);
+    if (!factor || power == 0) {
+      problem = written.empty() ? "a symbol is missing in the unit"
+                                : "unknown unit \"" + written + "\"" + suggestion(written, symbol_names());
+      return total;
+    }
+    if (divided && !divide) {
+      problem = "a product behind a division can be read in two ways; write the divisors last, as in \"N m s/rad\"";
+      return total;
+    }
+    multiply(total, *factor, divide ? -power : power);
+    unit = trimmed(unit.substr(end));
+    divide = !unit.empty() && unit.front() == '/';
+    divided = divided || divide;
+    if (!unit.empty() && (unit.front() == '/' || unit.front() == '*')) {
+      unit = trimmed(unit.substr(1));
+      if (unit.empty()) problem = "the unit ends in a sign";
+    }
+  }
+  return total;
+}
+
+double power_of_ten(int n) {
+  double p = 1;
+  for (int i = 0; i < n; ++i) p *= 10;  // exact to 10^22
+  return p;
+}
+
+double to_si(double x, const Factor& f) {
+  const double y = x * f.up / f.down;
+  return f.ten >= 0 ? y * power_of_ten(f.ten) : y / power_of_ten(-f.ten);
+}
+
+std::string wanted(const UnitWords& w) {
+  return std::string(w.article) + " " + w.name + " is wanted (a number in " + w.si + ", or a text such as \"" +
+         w.example + "\")";
+}
+
+}  // namespace
+
+std::string name_of(Unit unit) { return words_of(unit).name; }
+std::string article_name_of(Unit unit) { return std::string(words_of(unit).article) + " " + words_of(unit).name; }
+std::string si_unit(Unit unit) { return words_of(unit).si; }
+std::string example_of(Unit unit) { return words_of(unit).example; }
+
+Measured read_quantity(std::string_view text, Unit unit) {
+  const UnitWords& words = words_of(unit);
+  const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
+  if (unit == Unit::none)
+    return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
+
+  std::string_view rest = trimmed(text);
+  Measured result;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), result.value);
+  if (error == std::errc::result_out_of_range) return {0, quoted + " is beyond the range of numbers (1e-308 to 1e308)"};
+  if (error != std::errc())
+    return {0, "expected " + article_name_of(unit) + ", got a text (" + quoted +
+                   ") that does not begin with a number; write it as \"" + words.example + "\""};
+  if (!std::isfinite(result.value)) return {0, quoted + " is not a finite number; write a finite one"};
+  rest = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
+  if (rest.empty())
+    return {0,
+            quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
+  if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal sign is a point"};
+
+  const Factor factor = unit_factor(rest, result.problem);
+  if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
+  if (unit != Unit::any && !(factor.dimension == words.dimension)) {
+    std::string given = "of another dimension";
+    for (const UnitWords& w : kWords)
+      if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension)
+        given = article_name_of(w.unit);
+    return {0, quoted + " is " + given + "; here " + wanted(words)};
+  }
+  result.value = to_si(result.value, factor);
+  if (!std::isfinite(result.value)) return {0, quoted + " is beyond the range of numbers (1e308)"};
+  return result;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,248 @@
+// Rows: where links write what they constrain, and where solvers read it. Neither knows the other.
+//
+// One block a link: C, Ct, Qhat (m each, in the link's own axes), then the jacobian of each moving slot it touches,
+// column after column, every column padded to a pack. Links of one group (same type, same pattern) follow one another,
+// so that a group is gathered by one call.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <vector>
+
+#include "framework/foundation/math/pack.h"
+#include "framework/foundation/math/types.h"
+#include "framework/mechanism/model/body.h"
+#include "framework/mechanism/model/plane.h"
+#include "framework/foundation/support/aligned.h"
+
+namespace lockstep {
+
+/// What a row measures: metres (force multiplier), half turns (moment multiplier), or a function's own value.
+enum class RowKind : unsigned char { translation, rotation, function };
+
+inline constexpr int kMaxSlots = 4;  ///< bodies that one link may touch
+inline constexpr int kMaxRows = 8;   ///< rows that one link may have
+
+/// How the jacobian of a link is kept.
+///   dense   any rows: 6 columns a slot, v (world) then w (slot axes)
+///   triple  the first three rows are a full translational triple. In world axes they are +-[1 | A]: only A is
+///   computed,
+///           kept and multiplied; the rows after them turn only. R turns the link's axes into the world's.
+///   planar  any rows of a planar mechanism: 3 columns a slot, the plane's velocities
+///   pair    the first two rows are a full translational pair of the plane, +-[1 | A], as in a triple
+enum class RowLayout : unsigned char { dense, triple, planar, pair };
+constexpr int n_columns(RowLayout layout) {
+  constexpr int n[] = {6, 3, 3, 1};
+  return n[static_cast<int>(layout)];
+}
+/// Rows whose linear part is +-R^T: 3 of a triple, 2 of a pair.
+constexpr int n_turned(RowLayout layout) { return layout == RowLayout::triple ? 3 : layout == RowLayout::pair ? 2 : 0; }
+
+/// Moving slots that a link touches, ground left out, a shared slot once.
+struct SlotList {
+  std::array<int, kMaxSlots> slot{};
+  int n = 0;
+  SlotList() = default;
+  void add(int k) {
+    if (k == kGround || position(k) >= 0) return;
+    assert(n < kMaxSlots);
+    slot[static_cast<std::size_t>(n++)] = k;
+  }
+  /// Where slot k stands in the list; -1 for the ground.
+  int position(int k) const {
+    for (int i = 0; i < n; ++i)
+      if (slot[static_cast<std::size_t>(i)] == k) return i;
+    return -1;
+  }
+  int operator[](int i) const { return slot[static_cast<std::size_t>(i)]; }
+};
+
+/// What a block's numbers mean: its rows, slots and layout.
+struct RowShape {
+  int m = 0, n = 0;
+  RowLayout layout = RowLayout::dense;
+  double sign = 1;  ///< triple, pair: +1 when the first slot is P's body, -1 when only S's moves; a second slot has -1
+  Plane plane;      ///< planar, pair: which
+
+  int ld() const { return pack_size(m); }  ///< numbers from one column to the next
+  std::size_t R() const { return at(3); }
+  std::size_t J(int i) const { return at(3 + n_turned(layout) + n_columns(layout) * i); }
+  std::size_t size() const { return J(n); }
+  double sign_of(int i) const { return i == 0 ? sign : -1.0; }
+
+ private:
+  std::size_t at(int column) const { return static_cast<std::size_t>(column * ld()); }
+};
+
+/// The rows of one link, to be written and read.
+class RowBlock {
+ public:
+  RowBlock(double* base, const RowShape& shape) : p_(base), shape_(shape), ld_(shape.ld()) {}
+
+  int rows() const { return shape_.m; }
+  int slots() const { return shape_.n; }
+  RowLayout layout() const { return shape_.layout; }
+  double& C(int k) const { return p_[k]; }
+  double& Ct(int k) const { return p_[ld_ + k]; }
+  double& Qhat(int k) const { return p_[2 * ld_ + k]; }
+
+  /// Row k on the link's i-th slot: 6 numbers, v (world) then w (slot axes).
+  std::array<double, 6> J(int i, int k) const {
+    const double* a = p_ + shape_.J(i);
+    if (shape_.layout == RowLayout::dense)
+      return {a[k], a[ld_ + k], a[2 * ld_ + k], a[3 * ld_ + k], a[4 * ld_ + k], a[5 * ld_ + k]};
+    if (shape_.layout == RowLayout::planar || shape_.layout == RowLayout::pair) return in_space(i, k, a);
+    if (k >= 3) return {0, 0, 0, a[k], a[ld_ + k], a[2 * ld_ + k]};
+    const double* r = p_ + shape_.R() + k * ld_;  // column k of R: the link's axis k in the world
+    const double s = shape_.sign_of(i);
+    const auto turned = [&](int c) { return r[0] * a[c * ld_] + r[1] * a[c * ld_ + 1] + r[2] * a[c * ld_ + 2]; };
+    return {s * r[0], s * r[1], s * r[2], turned(0), turned(1), turned(2)};
+  }
+
+  /// Row k on slot number i; i < 0 (a grounded side) is ignored. In a triple or pair only rows that turn, v being zero;
+  /// in the plane what leaves it is ignored.
+  template <class V, class W>
+  void set(int i, int k, const V& v, const W& w) const {
+    if (i < 0) return;
+    double* r = p_ + shape_.J(i) + k;
+    if (shape_.layout == RowLayout::dense) {
+      r[0] = v[0], r[ld_] = v[1], r[2 * ld_] = v[2];
+      r += 3 * ld_;
+    } else if (shape_.layout != RowLayout::triple) {
+      const Plane& plane = shape_.plane;
+      if (shape_.layout == RowLayout::planar) {
+        r[0] = v[plane.i()], r[ld_] = v[plane.j()];
+        r += 2 * ld_;
+      }
+      r[0] = w[plane.n];
+      return;
+    }
+    r[0] = w[0], r[ld_] = w[1], r[2 * ld_] = w[2];
+  }
+  template <class V, class W>
+  void add(int i, int k, const V& v, const W& w) const {
+    if (i < 0) return;
+    const std::array<double, 6> r = J(i, k);
+    set(i, k, Vec3(r[0] + v[0], r[1] + v[1], r[2] + v[2]), Vec3(r[3] + w[0], r[4] + w[1], r[5] + w[2]));
+  }
+
+  /// Triple, pair: link axes -> world (3 x 3, 2 x 2), and the angular part of those rows on slot i, in world axes
+  /// (3 x 3, 2 x 1).
+  template <class M>
+  void set_R(const M& R) const {
+    put(p_ + shape_.R(), R);
+  }
+  template <class M>
+  void set_A(int i, const M& A) const {
+    if (i >= 0) put(p_ + shape_.J(i), A);
+  }
+
+  /// All numbers of the block, the padding (zeros) included.
+  const double* numbers() const { return p_; }
+  std::size_t size() const { return shape_.size(); }
+
+ private:
+  template <class M>
+  void put(double* a, const M& A) const {
+    for (int c = 0; c < M::ColsAtCompileTime; ++c)
+      for (int k = 0; k < M::RowsAtCompileTime; ++k) a[c * ld_ + k] = A(k, c);
+  }
+  std::array<double, 6> in_space(int i, int k, const double* a) const {
+    const Plane& plane = shape_.plane;
+    std::array<double, 6> out{};
+    const auto set_out = [&](double vi, double vj, double w) {
+      out[static_cast<std::size_t>(plane.i())] = vi, out[static_cast<std::size_t>(plane.j())] = vj;
+      out[static_cast<std::size_t>(3 + plane.n)] = w;
+    };
+    if (shape_.layout == RowLayout::planar) {
+      set_out(a[k], a[ld_ + k], a[2 * ld_ + k]);
+    } else if (k < 2) {
+      const double *r = p_ + shape_.R() + k * ld_, s = shape_.sign_of(i);
+      set_out(s * r[0], s * r[1], r[0] * a[0] + r[1] * a[1]);
+    } else {
+      set_out(0, 0, a[k]);
+    }
+    return out;
+  }
+  double* p_;
+  RowShape shape_;
+  int ld_;
+};
+
+/// The rows of a group, link after link.
+class RowSpan {
+ public:
+  RowSpan(double* base, const RowShape& shape) : base_(base), shape_(shape), stride_(stride(shape)) {}
+  RowBlock lane(std::size_t k) const { return {base_ + k * stride_, shape_}; }
+  /// Numbers from one link to the next: blocks begin where packs may stand.
+  static std::size_t stride(const RowShape& shape) { return aligned_to(shape.size(), 8); }
+
+ private:
+  double* base_;
+  RowShape shape_;
+  std::size_t stride_;
+};
+
+/// Where the rows of one active link stand.
+struct RowEntry {
+  int link = 0;       ///< number of the link in the system
+  int first_row = 0;  ///< its first row among all active ones
+  int m = 0;          ///< its rows
+  SlotList slots;
+  RowLayout layout = RowLayout::dense;
+  double sign = 1;  ///< as in RowShape
+  Plane plane;
+  std::size_t offset = 0;  ///< of its block in the table
+  std::array<RowKind, kMaxRows> kind{};
+  /// Which of the link's own rows each of them is; they differ where a planar mechanism leaves rows out.
+  std::array<int, kMaxRows> own{0, 1, 2, 3, 4, 5, 6, 7};
+
+  RowShape shape() const { return {m, slots.n, layout, sign, plane}; }
+};
+
+/// Neighbours in the table that one call gathers.
+struct RowRun {
+  int first_entry = 0, n = 0;
+  int first_link = 0;     ///< where the run begins in the system's order of links
+  bool in_plane = false;  ///< gathered by gather_plane
+};
+
+/// All active rows of the system.
+class RowTable {
+ public:
+  std::vector<RowEntry> entries;  ///< in the order of the table, group after group
+  std::vector<RowRun> runs;
+  std::vector<int> entry_of_link;  ///< -1: not active
+  int n_rows = 0;
+
+  /// Lays the entries out one after another; memory only grows.
+  void lay_out() {
+    std::size_t at = 0;
+    n_rows = 0;
+    for (RowEntry& e : entries) {
+      e.first_row = n_rows;
+      e.offset = at;
+      n_rows += e.m;
+      at += RowSpan::stride(e.shape());
+    }
+    data_.assign(at, 0.0);  // what pads the columns stays zero
+  }
+  RowBlock block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
+  RowSpan span(const RowEntry& first) const { return {data_.data() + first.offset, first.shape()}; }
+  const double* data() const { return data_.data(); }
+  /// Room for the rows in space of one link, before those of a plane are taken from it.
+  RowBlock spatial(const RowShape& shape) const {
+    if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
+    return {spatial_.data(), shape};
+  }
+  RowSpan spatial_span(const RowShape& shape) const {
+    (void)spatial(shape);
+    return {spatial_.data(), shape};
+  }
+
+ private:
+  mutable Aligned<double> data_, spatial_;
+};
+
+}  // namespace lockstep

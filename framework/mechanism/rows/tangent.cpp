@@ -1,0 +1,68 @@
+#include "framework/mechanism/rows/tangent.h"
+
+#include <algorithm>
+
+namespace lockstep {
+
+Motion Differences::moved(const Motion& O, int k, double h) {
+  Motion r = O;
+  if (k < 3) r.x[k] += h;
+  if (k >= 6 && k < 9) r.v[k - 6] += h;
+  if (k >= 9) r.w[k - 9] += h;
+  if (k < 3 || k >= 6) return r;
+  r.e = O.e * exponential(h * Vec3::Unit(k - 3));
+  r.A = rotation(r.e);
+  return r;
+}
+
+double Differences::distance(std::span<const int> slots, const Inputs& in) {
+  double d = 0;
+  for (const int slot : slots) d += (in.slot(slot).x - in.slot(slots.front()).x).norm();
+  if (d == 0) d = in.slot(slots.front()).x.norm();
+  return d > 0 ? std::max(d, 1e-3) : 1.0;  // one slot that passes the origin is not small itself
+}
+
+void TangentSum::lay_out(int n_slots) {
+  neighbours_.assign(static_cast<std::size_t>(n_slots), {});
+  pairs_.clear();
+  blocks_.clear();
+  ++revision_;
+  differences_.fresh = false;
+}
+
+void TangentSum::clear() {
+  for (Block& b : blocks_) b = {};
+  differences_.fresh = false;
+}
+
+TangentSum::Block& TangentSum::block(int row, int column) {
+  auto& list = neighbours_[static_cast<std::size_t>(row)];
+  const auto at = std::lower_bound(list.begin(), list.end(), column,
+                                   [](const Neighbour& n, int wanted) { return n.column < wanted; });
+  if (at != list.end() && at->column == column) return blocks_[at->block];
+  const std::size_t made = blocks_.size();
+  insert(row, column);
+  if (row != column) insert(column, row);
+  ++revision_;
+  return blocks_[made];
+}
+
+void TangentSum::insert(int row, int column) {
+  auto& list = neighbours_[static_cast<std::size_t>(row)];
+  const auto at = std::lower_bound(list.begin(), list.end(), column,
+                                   [](const Neighbour& n, int wanted) { return n.column < wanted; });
+  list.insert(at, {column, blocks_.size()});
+  pairs_.push_back({row, column});
+  blocks_.emplace_back();
+}
+
+Differences& TangentSum::differences(const Inputs& in) {
+  if (!differences_.fresh) {
+    differences_.motions.assign(in.motions.begin(), in.motions.end());
+    differences_.f.setZero(6 * n_slots());
+    differences_.fresh = true;
+  }
+  return differences_;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,208 @@
+#include "framework/mechanism/system/check_writes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <functional>
+
+#include "framework/foundation/support/user_code_error.h"
+#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/system.h"
+
+namespace lockstep {
+namespace {
+
+constexpr std::size_t kFence = 512;  // numbers on each side: more than the largest block of rows has
+// A NaN that no arithmetic makes; told by its bits.
+constexpr std::uint64_t kMark = 0x7ff8'dead'beef'cafe;
+
+bool marked(double x) { return std::bit_cast<std::uint64_t>(x) == kMark; }
+bool ours(const std::string& origin) { return origin == "built in"; }
+
+// Numbers between two fences.
+class Fenced {
+ public:
+  explicit Fenced(std::size_t n) : numbers_(n + 2 * kFence, std::bit_cast<double>(kMark)), n_(n) {}
+  double* data() { return numbers_.data() + kFence; }
+  std::span<double> span() { return {data(), n_}; }
+  bool fence_stands() const {
+    const auto end = numbers_.end();
+    return std::all_of(numbers_.begin(), numbers_.begin() + kFence, marked) && std::all_of(end - kFence, end, marked);
+  }
+  bool written() const { return std::none_of(numbers_.begin() + kFence, numbers_.end() - kFence, marked); }
+
+ private:
+  Aligned<double> numbers_;
+  std::size_t n_;
+};
+
+template <class Thing>
+[[noreturn]] void refuse(const Thing& thing, const std::string& did) {
+  throw UserCodeError(label(thing) + " " + did, thing.origin(), 0.0);
+}
+
+// The user's code on its first call; what it throws comes again at the first evaluation, with its time.
+bool runs(const std::function<void()>& act) {
+  try {
+    act();
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
+// Which numbers of a block a link has to write; the others pad the columns and stay zero.
+std::vector<bool> wanted(const RowShape& shape) {
+  std::vector<bool> needed(RowSpan::stride(shape), false);
+  const auto column = [&](std::size_t at, int n) {
+    for (int k = 0; k < n; ++k) needed[at + static_cast<std::size_t>(k)] = true;
+  };
+  const auto ld = static_cast<std::size_t>(shape.ld());
+  for (std::size_t c = 0; c < 3; ++c) column(c * ld, shape.m);
+  for (int c = 0; c < n_turned(shape.layout); ++c)
+    column(shape.R() + static_cast<std::size_t>(c) * ld, n_turned(shape.layout));
+  for (int i = 0; i < shape.n; ++i)
+    for (int c = 0; c < n_columns(shape.layout); ++c) column(shape.J(i) + static_cast<std::size_t>(c) * ld, shape.m);
+  return needed;
+}
+
+// "C of row phi", "the jacobian of row phi on its body 2"
+std::string place_in(const RowShape& shape, const Lock& link, std::size_t at) {
+  const auto ld = static_cast<std::size_t>(shape.ld());
+  const std::string row = "row " + link.row_name(static_cast<int>(at % ld));
+  if (at < 3 * ld) return std::string(at < ld ? "C" : at < 2 * ld ? "Ct" : "Qhat") + " of " + row;
+  int slot = 0;
+  while (slot + 1 < shape.n && at >= shape.J(slot + 1)) ++slot;
+  return "the jacobian of " + row + " on its body " + std::to_string(slot + 1);
+}
+
+// All links of one group in one call, as they are gathered later.
+void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_plane) {
+  const std::size_t stride = RowSpan::stride(shape);
+  Fenced rows(stride * links.size());
+  if (!runs([&] {
+        const RowSpan out(rows.data(), shape);
+        if (in_plane)
+          links.front()->gather_plane(links, in, out);
+        else
+          links.front()->gather(links, in, out);
+      }))
+    return;
+  if (!rows.fence_stands())
+    refuse(*links.front(), "writes outside of its rows; it has rows 0 to " + std::to_string(shape.m - 1) +
+                               " on its bodies 0 to " + std::to_string(shape.n - 1) +
+                               ": look at the numbers that its gather() hands to the block");
+  const std::vector<bool> needed = wanted(shape);
+  for (std::size_t l = 0; l < links.size(); ++l)
+    for (std::size_t k = 0; k < stride; ++k) {
+      const double x = rows.data()[l * stride + k];
+      if (needed[k] && marked(x))
+        refuse(*links[l], "leaves " + place_in(shape, *links[l], k) +
+                              " unwritten; its gather() has to write every number, zeros too, for each link of the "
+                              "group");
+      if (!needed[k] && !marked(x) && x != 0)
+        refuse(*links[l], "writes outside of its rows, behind row " + std::to_string(shape.m - 1) +
+                              "; look at the numbers that its gather() hands to the block");
+    }
+}
+
+void check_numbers(const Lock& link, const char* what, int n, bool all,
+                   const std::function<void(std::span<double>)>& act) {
+  Fenced numbers(static_cast<std::size_t>(n));
+  if (!all) std::fill(numbers.span().begin(), numbers.span().end(), 0.0);
+  if (!runs([&] { act(numbers.span()); })) return;
+  const std::string its = "its " + std::to_string(n) + " numbers";
+  if (!numbers.fence_stands()) refuse(link, "writes outside of " + its + " in " + what);
+  if (all && !numbers.written()) refuse(link, "leaves some of " + its + " unwritten in " + what);
+}
+
+// Before anything else: System::start() gives them the state itself.
+void check_start(const Lock& link) {
+  check_numbers(link, "start_states()", link.n_states(), true, [&](auto s) { link.start_states(s); });
+  check_numbers(link, "start_memory()", link.n_memory(), true, [&](auto z) { link.start_memory(z); });
+}
+
+void check_spans(const Lock& link, const Inputs& in) {
+  const int n_s = link.n_states(), n_z = link.n_memory();
+  if (n_s > 0) check_numbers(link, "state_rates()", n_s, true, [&](auto s) { link.state_rates(in, s); });
+  if (n_z > 0) check_numbers(link, "accept()", n_z, false, [&](auto z) { link.accept(in, z); });
+}
+
+void check_start(const Force& force) {
+  const int n = force.n_memory();
+  Fenced memory(static_cast<std::size_t>(n));
+  if (runs([&] { force.start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
+    refuse(force, "does not write just its " + std::to_string(n) + " numbers in start_memory()");
+}
+
+void check_force(const Force& force, const Inputs& in, int n_slots) {
+  // Slots beyond the last get a place of their own, so that what is pushed there is seen.
+  constexpr int kBeyond = 16;
+  std::vector<Motion> motions(in.motions.begin(), in.motions.end());
+  motions.resize(motions.size() + kBeyond);
+  Inputs at = in;
+  at.motions = motions;
+  VecX f = VecX::Zero(6 * (n_slots + kBeyond));
+  WrenchSum sum(at.motions, f);
+  if (!runs([&] { force.apply(at, sum); })) return;
+  if (!f.tail(6 * kBeyond).isZero(0))
+    refuse(force, "pushes a slot that is not there; take it from a marker (marker.body->slot), after setup");
+}
+
+void check_slots(const Lock& link, int n_slots) {
+  const SlotList on = link.slots();
+  if (on.n < 1 || on.n > kMaxSlots)
+    refuse(link, "touches " + std::to_string(on.n) + " moving bodies; a link touches 1 to " +
+                     std::to_string(kMaxSlots) + ": add their slots in setup()");
+  for (int i = 0; i < on.n; ++i)
+    if (on[i] < 0 || on[i] >= n_slots)
+      refuse(link, "names slot " + std::to_string(on[i]) + " of " + std::to_string(n_slots) +
+                       "; take it from a marker (marker.body->slot), in setup()");
+}
+
+}  // namespace
+
+void check_writes(const System& system) {
+  const auto foreign = [](const auto& things) {
+    return std::any_of(things.begin(), things.end(), [](const auto& thing) { return !ours(thing->origin()); });
+  };
+  if (!foreign(system.links()) && !foreign(system.forces())) return;
+  for (const auto& link : system.links())
+    if (!system.merged(*link) && !ours(link->origin())) {
+      check_slots(*link, system.n_slots());
+      check_start(*link);
+    }
+  for (const auto& force : system.forces())
+    if (!ours(force->origin())) check_start(*force);
+
+  State state;
+  std::vector<Motion> motions;
+  if (!runs([&] { state = system.start(); })) return;
+  system.motions(state, motions);
+  const auto numbers = [](const VecX& x) {
+    return std::span<const double>(x.data(), static_cast<std::size_t>(x.size()));
+  };
+  const Inputs in{state.t, motions, numbers(state.s), numbers(state.z)};
+
+  RowTable table;
+  system.lay_out(std::vector<bool>(system.links().size(), true), table);
+  for (const RowRun& run : table.runs) {
+    std::vector<const Lock*> links;
+    for (int k = 0; k < run.n; ++k)
+      links.push_back(
+          system.links()[static_cast<std::size_t>(table.entries[static_cast<std::size_t>(run.first_entry + k)].link)]
+              .get());
+    if (ours(links.front()->origin())) continue;
+    const RowEntry& e = table.entries[static_cast<std::size_t>(run.first_entry)];
+    const Lock& first = *links.front();
+    const bool in_space = e.plane && !run.in_plane;
+    const RowShape shape =
+        in_space ? RowShape{first.row_count(), e.slots.n, first.layout(), first.row_sign(), {}} : e.shape();
+    check_group(links, shape, in, run.in_plane);
+    for (const Lock* link : links) check_spans(*link, in);
+  }
+  for (const auto& force : system.forces())
+    if (!ours(force->origin())) check_force(*force, in, system.n_slots());
+}
+
+}  // namespace lockstep

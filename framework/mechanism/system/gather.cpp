@@ -1,0 +1,191 @@
+// The passes over the mechanism: slots -> links -> forces. Each reads the arrays that the pass before it filled.
+#include <algorithm>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/system.h"
+
+namespace lockstep {
+namespace {
+
+std::span<double> part(VecX& x, int first, int size) { return {x.data() + first, static_cast<std::size_t>(size)}; }
+
+}  // namespace
+
+void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
+  table.entries.clear();
+  table.runs.clear();
+  table.entry_of_link.assign(links_.size(), -1);
+  int last = -2;
+  for (int i = 0; i < static_cast<int>(ordered_.size()); ++i) {
+    const Lock& link = *ordered_[static_cast<std::size_t>(i)];
+    if (!modes[static_cast<std::size_t>(link.number())]) continue;
+    const int entry = static_cast<int>(table.entries.size());
+    RowEntry e;
+    e.link = link.number();
+    e.m = link.row_count();
+    e.slots = link.slots();
+    e.layout = link.layout();
+    e.sign = link.row_sign();
+    bool in_plane = false;
+    if (plane_) {
+      const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
+      if (rows.m == 0) continue;  // all of it lies outside
+      e.m = rows.m, e.own = rows.own, e.plane = plane_;
+      in_plane = rows.by_link;
+      e.layout = in_plane ? link.planar_layout() : RowLayout::planar;
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) e.kind[k] = link.row_kind(e.own[k]);
+    const bool same_group =
+        last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
+    if (!same_group || table.entries.back().m != e.m || table.entries.back().layout != e.layout ||
+        table.runs.back().in_plane != in_plane)
+      table.runs.push_back({entry, 0, i, in_plane});
+    ++table.runs.back().n;
+    last = i;
+    table.entry_of_link[static_cast<std::size_t>(e.link)] = entry;
+    table.entries.push_back(e);
+  }
+  table.lay_out();
+}
+
+void System::motions(const State& state, std::vector<Motion>& out) const {
+  out.resize(static_cast<std::size_t>(n_slots() + 1));  // the first is the ground, at rest
+  for (int k = 0; k < n_slots(); ++k) {
+    Motion& O = out[static_cast<std::size_t>(k + 1)];
+    O.x = state.q.segment<3>(7 * k);
+    O.e = normalized(Quat::from(state.q.segment<4>(7 * k + 3)));
+    O.A = rotation(O.e);
+    O.v = state.v.segment<3>(6 * k);
+    O.w = state.v.segment<3>(6 * k + 3);
+  }
+}
+
+void System::gather_rows(const Inputs& in, RowTable& table) const {
+  try {
+    for (const RowRun& run : table.runs) {
+      const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
+      const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
+      if (!plane_)
+        links.front()->gather(links, in, table.span(first));
+      else if (run.in_plane)
+        links.front()->gather_plane(links, in, table.span(first));
+      else
+        for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
+    }
+  } catch (...) {
+    rethrow_from_rows(*this, in, table);
+  }
+}
+
+// A link that knows no plane: its rows in space, and of them the numbers that stay in the plane.
+void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
+  const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
+  const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
+  const RowShape shape{link->row_count(), e.slots.n, link->layout(), link->row_sign(), {}};
+  link->gather(Group(&link, 1), in, table.spatial_span(shape));
+  const RowBlock all = table.spatial(shape), block = table.block(e);
+  for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must stay empty
+    if (next < e.m && e.own[static_cast<std::size_t>(next)] == k) {
+      ++next;
+    } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
+               x > 1e-8 * std::max(1.0, length_)) {
+      throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
+                       ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
+                       " s, and the scene is planar; take \"planar\" out");
+    }
+  }
+  for (int k = 0; k < e.m; ++k) {
+    const int own = e.own[static_cast<std::size_t>(k)];
+    block.C(k) = all.C(own), block.Ct(k) = all.Ct(own), block.Qhat(k) = all.Qhat(own);
+    for (int i = 0; i < e.slots.n; ++i) {
+      const auto r = all.J(i, own);
+      block.set(i, k, std::array{r[0], r[1], r[2]}, std::array{r[3], r[4], r[5]});
+    }
+  }
+}
+
+void System::gather_forces(const Inputs& in, VecX& f) const {
+  for (int k = 0; k < n_slots(); ++k) {
+    const Slot& b = slot(k);
+    f.segment<3>(6 * k) = b.mass * options_.gravity;
+    if (b.freedoms == Freedoms::particle) {
+      f.segment<3>(6 * k + 3).setZero();
+    } else {
+      const Vec3& w = in.slot(k).w;
+      f.segment<3>(6 * k + 3) = cross(Vec3(b.J * w), w);  // (2.8): -w x J w
+    }
+  }
+  WrenchSum sum(in.motions, f);
+  try {
+    for (const auto& force : forces_) force->apply(in, sum);
+  } catch (...) {
+    rethrow_from_forces(*this, in);
+  }
+  if (plane_ && !forces_.empty()) check_plane(in, f);
+}
+
+// A force that leaves the plane later than setup looked.
+void System::check_plane(const Inputs& in, const VecX& f) const {
+  double inside = 0, outside = 0;
+  for (int k = 0; k < n_slots(); ++k) {
+    inside = std::max({inside, std::abs(f[6 * k + plane_.i()]), std::abs(f[6 * k + plane_.j()])});
+    outside = std::max(outside, std::abs(f[6 * k + plane_.n]));
+  }
+  if (!(outside > 1e-9 * inside)) return;
+  VecX one(f.size());
+  for (const auto& force : forces_) {
+    one.setZero();
+    WrenchSum sum(in.motions, one);
+    force->apply(in, sum);
+    for (int k = 0; k < n_slots(); ++k)
+      if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
+        throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
+                         " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out");
+  }
+}
+
+void System::state_rates(const Evaluated& values, VecX& sd) const {
+  for (const auto& link : links_) {
+    if (link->n_states() == 0) continue;
+    const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
+    const std::span<double> rates = part(sd, link->first_state(), link->n_states());
+    if (active)
+      named(*link, values.in.t, [&] { link->state_rates(values.in, rates); });
+    else
+      std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
+  }
+  for (const auto& auxiliary : auxiliaries_) auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size()));
+}
+
+void System::accept(const Inputs& in, State& state) const {
+  for (const auto& link : links_)
+    if (link->n_memory() > 0)
+      named(*link, in.t, [&] { link->accept(in, part(state.z, link->first_memory(), link->n_memory())); });
+  for (const auto& force : forces_)
+    if (force->n_memory() > 0)
+      named(*force, in.t, [&] { force->accept(in, part(state.z, force->first_memory(), force->n_memory())); });
+}
+
+std::vector<double> System::breakpoints(double t0, double t1) const {
+  std::vector<double> times;
+  for (const auto& link : links_) named(*link, t0, [&] { link->breakpoints(t0, t1, times); });
+  for (const auto& force : forces_) named(*force, t0, [&] { force->breakpoints(t0, t1, times); });
+  std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+std::string System::row_name(const RowTable& table, int row) const {
+  for (const RowEntry& e : table.entries)
+    if (row >= e.first_row && row < e.first_row + e.m) {
+      const Lock& link = *links_[static_cast<std::size_t>(e.link)];
+      return "row " + link.row_name(e.own[static_cast<std::size_t>(row - e.first_row)]) + " of link '" + link.name() +
+             "'";
+    }
+  return "row " + std::to_string(row);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,210 @@
+// A planar mechanism: which rows lie in its plane, and who leaves it. Asked of the links and forces themselves, in
+// planar poses and motions about the start: no table of types to keep.
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/system.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kTolerance = 1e-10;  // of the largest number of its kind
+constexpr int kPoses = 4;
+
+// A planar pose and motion near the start, other ones for every k; k = 0 is the start itself, moving.
+State planar_state(const System& system, const State& start, int k) {
+  const Plane plane = system.plane();
+  State s = start;
+  s.t = start.t + 0.37 * k;
+  for (int i = 0; i < system.n_slots(); ++i) {
+    const auto wave = [&](double phase) { return std::sin(1.0 + 2.3 * i + 1.7 * k + phase); };
+    const double turn = k == 0 ? 0.0 : 0.4 * wave(0.0), move = k == 0 ? 0.0 : 0.2 * system.length();
+    s.q[7 * i + plane.i()] += move * wave(1.0);
+    s.q[7 * i + plane.j()] += move * wave(2.0);
+    Vec3 n = Vec3::Zero();
+    n[plane.n] = 1;
+    const Quat q = Quat::from(s.q.segment<4>(7 * i + 3)) * axis_angle(n, turn);
+    s.q.segment<4>(7 * i + 3) = q.coefficients();
+    s.v.segment<6>(6 * i).setZero();
+    s.v[6 * i + plane.i()] = wave(3.0) * system.length();
+    s.v[6 * i + plane.j()] = wave(4.0) * system.length();
+    s.v[6 * i + 3 + plane.n] = wave(5.0);
+  }
+  return s;
+}
+
+const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? "y" : "z"; }
+
+std::string in_plane_words(Plane plane) { return fmt::format("the scene is planar with normal {}", axis_name(plane)); }
+
+/// Largest numbers of a row or force: in the plane, along its normal, moments about axes in the plane; of C, Ct, Qhat.
+struct Shares {
+  double in = 0, out = 0, arm = 0, free = 0;
+  void add(int velocity, double x, Plane plane, double length) {
+    const bool inside = velocity == plane.i() || velocity == plane.j() || velocity == 3 + plane.n;
+    const double size = std::abs(x) / (velocity < 3 ? 1.0 : length);
+    double& share = inside ? in : velocity < 3 ? out : arm;
+    share = std::max(share, size);
+  }
+  bool lies_in() const { return in > kTolerance * std::max(out, arm); }
+  bool leaves() const { return out > kTolerance * in; }
+  bool has_arm() const { return arm > kTolerance * in; }
+};
+
+void check_body(const Body& b, const Slot& s, Plane plane) {
+  const std::string what = "body '" + b.name + "': " + in_plane_words(plane) + ", and ";
+  const Mat3 A = rotation(b.home.q);
+  const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
+  if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
+    throw ModelError(what + "it starts with " + brief(v[plane.n]) +
+                     " m/s along the normal; take \"planar\" out, or start in the plane");
+  if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
+    throw ModelError(what +
+                     "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
+  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return;
+  const double J = s.J.trace();
+  if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
+    throw ModelError(what + "the normal is no principal axis of its inertia (products " +
+                     brief(s.J(plane.n, plane.i())) + " and " + brief(s.J(plane.n, plane.j())) +
+                     " kg m^2), so it would not stay in the plane without moments of its links; take \"planar\" out");
+}
+
+// What links and forces show in the poses looked at: by link and row, by force.
+struct Look {
+  std::vector<std::vector<Shares>> rows;
+  std::vector<Shares> forces;
+};
+
+void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
+  RowTable table;
+  const Lock* const one = &link;
+  const RowShape shape{link.row_count(), link.slots().n, link.layout(), link.row_sign(), {}};
+  link.gather(Group(&one, 1), in, table.spatial_span(shape));
+  const RowBlock block = table.spatial(shape);
+  rows.resize(static_cast<std::size_t>(shape.m));
+  for (int row = 0; row < shape.m; ++row) {
+    Shares& s = rows[static_cast<std::size_t>(row)];
+    s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
+    for (int i = 0; i < shape.n; ++i) {
+      const auto J = block.J(i, row);
+      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], system.plane(), 1.0 / system.length());
+    }
+  }
+}
+
+Look look_in_plane(const System& system) {
+  Look look;
+  look.rows.resize(system.links().size());
+  look.forces.resize(system.forces().size());
+  const State start = system.start();
+  std::vector<Motion> motions;
+  VecX f(6 * system.n_slots());
+  for (int k = 0; k < kPoses; ++k) {
+    const State state = planar_state(system, start, k);
+    system.motions(state, motions);
+    Inputs in;
+    in.t = state.t, in.motions = motions;
+    in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
+    in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+    for (std::size_t l = 0; l < look.rows.size(); ++l)
+      if (!system.merged(*system.links()[l])) look_at_link(system, *system.links()[l], in, look.rows[l]);
+    for (std::size_t l = 0; l < look.forces.size(); ++l) {
+      f.setZero();
+      WrenchSum sum(in.motions, f);
+      system.forces()[l]->apply(in, sum);
+      for (int i = 0; i < f.size(); ++i) look.forces[l].add(i % 6, f[i], system.plane(), system.length());
+    }
+  }
+  return look;
+}
+
+void check_force(const Force& force, const Shares& s, Plane plane) {
+  if (s.leaves())
+    throw ModelError("force '" + force.name() + "': " + in_plane_words(plane) + ", and it pushes out of the plane (" +
+                     brief(s.out) + " N); turn it into the plane, or take \"planar\" out");
+}
+
+// Whether a row lies in the plane. Refuses one that lies neither in it nor normal to it, and one that asks for a motion
+// out of it.
+bool lies_in_plane(const Lock& link, int row, const Shares& s, Plane plane, double length) {
+  const std::string what =
+      "link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(plane) + ", and the row ";
+  if (s.lies_in() && s.leaves())
+    throw ModelError(what +
+                     "holds a direction that is neither in the plane nor normal to it; turn the link's axes into "
+                     "the plane, or take \"planar\" out");
+  if (s.in == 0 && s.out == 0 && s.arm == 0)
+    throw ModelError(what + "has no direction in any planar pose; turn the link's markers, or take \"planar\" out");
+  if (s.lies_in()) return true;
+  if (s.free > kTolerance * std::max(1.0, length))
+    throw ModelError(what + "asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
+                     "); take \"planar\" out, or keep its law in the plane");
+  return false;
+}
+
+}  // namespace
+
+void System::setup_plane() {
+  offsets_ = false;
+  for (const Slot& s : slots_) {
+    for (const Body* b : s.bodies) check_body(*b, s, plane_);
+    const double products = std::abs(s.J(plane_.n, plane_.i())) + std::abs(s.J(plane_.n, plane_.j()));
+    if (products > kTolerance * s.J.trace()) offsets_ = true;  // bolted bodies at different heights
+  }
+  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
+    throw ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; take \"planar\" out");
+  Look look;
+  {
+    struct Borrowed {  // all but the plane is there: the start may be asked for
+      bool& ready;
+      ~Borrowed() { ready = false; }
+    } borrowed{ready_ = true};
+    look = look_in_plane(*this);
+  }
+  for (std::size_t l = 0; l < forces_.size(); ++l) {
+    check_force(*forces_[l], look.forces[l], plane_);
+    offsets_ = offsets_ || look.forces[l].has_arm();
+  }
+  planar_rows_.assign(links_.size(), {});
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    if (merged_[l]) continue;
+    PlanarRows& rows = planar_rows_[l];
+    for (int row = 0; row < links_[l]->row_count(); ++row) {
+      const Shares& s = look.rows[l][static_cast<std::size_t>(row)];
+      if (!lies_in_plane(*links_[l], row, s, plane_, length_)) continue;
+      rows.own[static_cast<std::size_t>(rows.m++)] = row;
+      offsets_ = offsets_ || s.has_arm();
+    }
+    rows.by_link = links_[l]->setup_plane(plane_);
+  }
+  for (const auto& force : forces_)
+    for (const Lock* link : force->reads()) {
+      const std::string what = "force '" + force->name() + "': " + in_plane_words(plane_) + ", and it reads ";
+      if (offsets_)
+        throw ModelError(what +
+                         "reactions, of which a plane leaves out the moments that arms along the normal make; take "
+                         "\"planar\" out, or put links and forces into one plane");
+      if (planar_rows_[index_of(*link)].m == 0)
+        throw ModelError(what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
+    }
+}
+
+Plane find_plane(System& system) {
+  const Plane before = system.plane();
+  Plane found;
+  for (int n = 2; n >= 0 && !found; --n) {
+    system.set_planar(Plane{n});
+    try {
+      system.setup();
+      if (!system.has_offsets()) found = Plane{n};
+    } catch (const ModelError&) {  // not this one
+    }
+  }
+  system.set_planar(before);
+  return found;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,130 @@
+// Slots: what moves as one, and who is bolted to whom.
+#include <algorithm>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/system.h"
+
+namespace lockstep {
+
+// One slot a body, or one for all that are bolted together.
+void System::setup_slots() {
+  slots_.clear();
+  n_velocities_ = 0;
+  setup_merge();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    Body& b = bodies_[k];
+    if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
+      throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
+                       brief(b.start.w.norm()) +
+                       " rad/s; a particle does not turn: leave it out, or give the body an inertia");
+    if (b.fixed) {
+      b.slot = kGround;
+      b.in_slot = b.home;
+    } else if (part_of_[k] == k) {
+      b.slot = n_slots();
+      slots_.emplace_back().bodies = {&b};
+    } else {  // its first body stands before it; a fixed one takes it along
+      b.slot = bodies_[part_of_[k]].slot;
+      if (b.slot == kGround)
+        b.in_slot = b.home;
+      else
+        slots_[static_cast<std::size_t>(b.slot)].bodies.push_back(&b);
+    }
+  }
+  for (Slot& slot : slots_) {
+    fill_slot(slot);
+    const bool particle = slot.freedoms == Freedoms::particle;
+    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
+  }
+}
+
+// Mass, centre, inertia and place of a slot. Its origin is the mass centre; its axes are those of the first body, in a
+// planar mechanism the world's at the start, so that every slot turns about the same one.
+void System::fill_slot(Slot& s) {
+  const Body& first = *s.bodies.front();
+  s.freedoms = s.bodies.size() == 1 ? first.freedoms : Freedoms::spatial;
+  s.home.q = plane_ ? Quat{} : first.home.q;
+  s.home.x.setZero();
+  for (const Body* b : s.bodies) {
+    s.mass += b->mass.mass;
+    s.home.x += b->mass.mass * (b->home.x + rotation(b->home.q) * b->mass.center);
+  }
+  s.home.x /= s.mass;
+  if (s.bodies.size() == 1) s.home.x = first.home.x + rotation(first.home.q) * first.mass.center;
+  const Mat3 to_slot = rotation(conjugate(s.home.q));
+  for (Body* b : s.bodies) {
+    const bool own_axes = !plane_ && b == &first;
+    const Mat3 A = own_axes ? Mat3(Mat3::Identity()) : Mat3(to_slot * rotation(b->home.q));
+    const Vec3 r = to_slot * (b->home.x - s.home.x) + A * b->mass.center;  // mass centre of the body in the slot
+    b->in_slot = {Vec3(to_slot * (b->home.x - s.home.x)), own_axes ? Quat{} : conjugate(s.home.q) * b->home.q};
+    if (s.bodies.size() == 1) b->in_slot.x = A * -b->mass.center;
+    s.J += A * b->mass.J * A.transpose();
+    if (s.bodies.size() > 1) s.J += b->mass.mass * (r.dot(r) * Mat3::Identity() - r * r.transpose());  // Steiner
+  }
+}
+
+std::size_t System::index_of(const Lock& link) const {
+  const auto k = static_cast<std::size_t>(link.number());  // of the last setup
+  if (link.number() >= 0 && k < links_.size() && links_[k].get() == &link) return k;
+  const auto it = std::find_if(links_.begin(), links_.end(), [&](const auto& l) { return l.get() == &link; });
+  return static_cast<std::size_t>(it - links_.begin());
+}
+
+// Who is bolted to whom: part_of_ names the first body of each part, a fixed one before all others.
+void System::setup_merge() {
+  part_of_.resize(bodies_.size());
+  for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = k;
+  merged_.assign(links_.size(), false);
+  if (!merge_) return;
+  const auto number_of = [&](const Body* body) {
+    return static_cast<std::size_t>(
+        std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return &b == body; }) - bodies_.begin());
+  };
+  const auto join = [&](std::size_t a, std::size_t b) {
+    std::size_t first = std::min(part_of_[a], part_of_[b]), second = std::max(part_of_[a], part_of_[b]);
+    if (bodies_[second].fixed && !bodies_[first].fixed) std::swap(first, second);
+    for (std::size_t& p : part_of_)
+      if (p == second) p = first;
+  };
+  const auto meet = [](const Marker& p, const Marker& s) {  // in place at the start, and moving as one
+    const Pose P = p.body->home * p.local, S = s.body->home * s.local;
+    if ((P.x - S.x).norm() > 1e-9 || !rotation(P.q).isApprox(rotation(S.q), 1e-9)) return false;
+    const auto v_of = [](const Body& b, const Vec3& x) {
+      return Vec3(b.start.v + cross(Vec3(rotation(b.home.q) * b.start.w), Vec3(x - b.home.x)));
+    };
+    return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
+           (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
+  };
+  std::vector<const Lock*> read;  // their reactions are wanted
+  for (const auto& force : forces_)
+    for (const Lock* link : force->reads()) read.push_back(link);
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    const Lock& link = *links_[l];
+    const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
+    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
+        std::find(read.begin(), read.end(), &link) != read.end())
+      continue;
+    const auto [p, s] = link.pairs().front();
+    if (particle(p) || particle(s) || !meet(*p, *s)) continue;
+    merged_[l] = true;
+    join(number_of(p->body), number_of(s->body));
+  }
+  const auto dissolve = [&](std::size_t part) {
+    for (std::size_t k = 0; k < links_.size(); ++k)
+      if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;
+    for (std::size_t k = 0; k < part_of_.size(); ++k)
+      if (part_of_[k] == part) part_of_[k] = k;
+  };
+  // A part in which another link works is left as it is: its rows would be those of one rigid body.
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    if (merged_[l]) continue;
+    for (const auto& [p, s] : links_[l]->pairs()) {
+      const std::size_t a = part_of_[number_of(p->body)], b = part_of_[number_of(s->body)];
+      if (a != b && !(bodies_[a].fixed && bodies_[b].fixed)) continue;  // fixed parts are at rest against each other
+      dissolve(a), dissolve(b);
+    }
+  }
+}
+
+}  // namespace lockstep

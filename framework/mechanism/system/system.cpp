@@ -1,0 +1,346 @@
+#include "framework/mechanism/system/system.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <typeindex>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/check_writes.h"
+
+namespace lockstep {
+namespace {
+
+template <class Range>
+std::vector<std::string> names_of(const Range& range) {
+  std::vector<std::string> names;
+  for (const auto& item : range) {
+    if constexpr (requires { item->name(); })
+      names.push_back(item->name());
+    else
+      names.push_back(item.name);
+  }
+  return names;
+}
+
+template <class Range>
+auto find_in(Range& range, const std::string& name) {
+  return std::find_if(range.begin(), range.end(), [&](const auto& item) {
+    if constexpr (requires { item->name(); })
+      return item->name() == name;
+    else
+      return item.name == name;
+  });
+}
+
+[[noreturn]] void unknown(const std::string& kind, const std::string& name, const std::vector<std::string>& known) {
+  throw ModelError("unknown " + kind + " \"" + name + "\"" + suggestion(name, known));
+}
+
+void check_pose(const std::string& what, const Pose& pose) {
+  if (!pose.x.allFinite() || !pose.q.coefficients().allFinite())
+    throw ModelError(what + ": its pose is not finite; give numbers");
+  if (std::abs(norm2(pose.q) - 1.0) > 1e-9)
+    throw ModelError(what + ": its quaternion has length " + brief(std::sqrt(norm2(pose.q))) + "; normalise it");
+}
+
+}  // namespace
+
+namespace {
+
+void check_one_sided(const Lock& link) {
+  const OneSided& o = *link.one_sided;
+  const std::string who = "link '" + link.name() + "' is one-sided ";
+  if (link.row_count() != 1)
+    throw ModelError(who + "and has " + std::to_string(link.row_count()) +
+                     " rows; a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+                     "point_on_plane, or a lock with a mask of one word");
+  if (!(o.restitution >= 0 && o.restitution <= 1))
+    throw ModelError(who + "with restitution " + brief(o.restitution) + "; it must lie between 0 and 1");
+  if (!(o.rest_speed > 0) || !std::isfinite(o.rest_speed))
+    throw ModelError(who + "with rest_speed " + brief(o.rest_speed) +
+                     "; it must be above zero, or bounces would never end");
+}
+
+}  // namespace
+
+Pose at(const Vec3& x, const Vec3& z) {
+  const double length = z.norm();
+  if (!(length > 0)) throw ModelError("at: the direction of z is zero; give a direction");
+  const Vec3 n = z / length;
+  // x as near to the world's x as can be (to the world's y where z is along x), so that planar scenes keep their axes.
+  const Vec3 guide = std::abs(n[0]) < 0.99 ? Vec3::UnitX() : Vec3::UnitY();
+  const Vec3 ex = (guide - guide.dot(n) * n).normalized();
+  Mat3 A;
+  A << ex, cross(n, ex), n;
+  return {x, quaternion_of(A)};
+}
+
+System::System(Options options) : options_(options) {
+  Body& g = bodies_.emplace_back();
+  g.name = "ground";
+  names_.emplace(g.name, "body");
+  g.fixed = true;
+  ground_ = &g;
+}
+System::~System() = default;
+System::System(System&&) noexcept = default;
+System& System::operator=(System&&) noexcept = default;
+
+void System::check_new_name(const std::string& kind, const std::string& name) const {
+  if (name.empty()) throw ModelError("a " + kind + " without a name; give it one");
+  const auto taken = [&](const std::string& by) {
+    throw ModelError(kind + " '" + name + "': this name is taken by a " + by +
+                     " already; names are unique in a system, so that a channel means one thing: choose another");
+  };
+  const auto found = names_.find(name);
+  if (found != names_.end()) taken(found->second);
+}
+
+Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
+  check_new_name("body", name);
+  check(mass, "body '" + name + "'");
+  check_pose("body '" + name + "'", home);
+  ready_ = false;
+  Body& b = bodies_.emplace_back();
+  b.name = name, b.mass = mass, b.home = home;
+  names_.emplace(name, "body");
+  return b;
+}
+
+Body& System::add_particle(const std::string& name, double mass, const Vec3& x) {
+  check_new_name("body", name);
+  if (!(mass > 0) || !std::isfinite(mass))
+    throw ModelError("body '" + name + "': mass " + brief(mass) + " kg; a particle needs a mass above zero");
+  check_pose("body '" + name + "'", {x, {}});
+  ready_ = false;
+  Body& b = bodies_.emplace_back();
+  b.name = name, b.mass.mass = mass, b.home.x = x, b.freedoms = Freedoms::particle;
+  names_.emplace(name, "body");
+  return b;
+}
+
+Body& System::add_fixed(const std::string& name, const Pose& home) {
+  check_new_name("body", name);
+  check_pose("body '" + name + "'", home);
+  ready_ = false;
+  Body& b = bodies_.emplace_back();
+  b.name = name, b.home = home, b.fixed = true;
+  names_.emplace(name, "body");
+  return b;
+}
+
+Marker& System::add_marker(const std::string& name, Body& body, const Pose& local) {
+  check_new_name("marker", name);
+  check_pose("marker '" + name + "'", local);
+  ready_ = false;
+  names_.emplace(name, "marker");
+  return markers_.emplace_back(Marker{name, &body, local});
+}
+
+Marker& System::add_marker_at(const std::string& name, Body& body, const Pose& world) {
+  check_pose("marker '" + name + "'", world);
+  return add_marker(name, body, inverse(body.home) * world);
+}
+
+Lock& System::add(std::unique_ptr<Lock> link) {
+  if (!link) throw ModelError("add: no link was given; make one first");
+  check_new_name("link", link->name());
+  ready_ = false;
+  names_.emplace(link->name(), "link");
+  return *links_.emplace_back(std::move(link));
+}
+
+Force& System::add(std::unique_ptr<Force> force) {
+  if (!force) throw ModelError("add: no force was given; make one first");
+  check_new_name("force", force->name());
+  ready_ = false;
+  names_.emplace(force->name(), "force");
+  return *forces_.emplace_back(std::move(force));
+}
+
+Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
+  if (!auxiliary) throw ModelError("add: no auxiliary was given; make one first");
+  ready_ = false;
+  return *auxiliaries_.emplace_back(std::move(auxiliary));
+}
+
+Body& System::body(const std::string& name) const {
+  const auto it = find_in(bodies_, name);
+  if (it == bodies_.end()) unknown("body", name, names_of(bodies_));
+  return const_cast<Body&>(*it);
+}
+Marker& System::marker(const std::string& name) const {
+  const auto it = find_in(markers_, name);
+  if (it == markers_.end()) unknown("marker", name, names_of(markers_));
+  return const_cast<Marker&>(*it);
+}
+Lock& System::link(const std::string& name) const {
+  const auto it = find_in(links_, name);
+  if (it == links_.end()) unknown("link", name, names_of(links_));
+  return **it;
+}
+Force& System::force(const std::string& name) const {
+  const auto it = find_in(forces_, name);
+  if (it == forces_.end()) unknown("force", name, names_of(forces_));
+  return **it;
+}
+
+// --------------------------------------------------------------------------------------------------------------- setup
+
+void System::setup() {
+  if (ready_) return;
+  setup_slots();
+  setup_links();
+  setup_forces();
+  setup_states();
+  setup_length();
+  if (plane_) setup_plane();
+  ready_ = true;
+  ++revision_;
+  try {
+    check_writes(*this);
+  } catch (...) {
+    ready_ = false;
+    throw;
+  }
+}
+
+// States that steer the step stand first, quadratures behind them.
+void System::setup_states() {
+  n_states_ = 0;
+  n_memory_ = 0;
+  int number = 0;
+  for (auto& link : links_) {
+    link->place(number++, n_states_, n_memory_);
+    n_states_ += link->n_states();
+    n_memory_ += link->n_memory() + (link->one_sided ? 2 : 0);
+  }
+  for (auto& force : forces_) {
+    force->place(n_memory_);
+    n_memory_ += force->n_memory();
+  }
+  for (const bool steering : {true, false}) {
+    for (auto& auxiliary : auxiliaries_) {
+      if (auxiliary->steers() != steering) continue;
+      auxiliary->place(n_states_);
+      n_states_ += auxiliary->size();
+    }
+    if (steering) n_steering_ = n_states_;
+  }
+}
+
+void System::setup_length() {
+  length_ = 1e-6;
+  for (const Marker& m : markers_)
+    if (m.body->slot != kGround) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
+  for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
+    if (s.freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(s.J.trace() / (2 * s.mass)));
+  for (const auto& link : links_)
+    for (const auto& [p, s] : link->pairs())
+      length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
+}
+
+void System::setup_links() {
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    auto& link = links_[l];
+    if (merged_[l]) continue;
+    set_up(*link);
+    if (link->row_count() < 1 || link->row_count() > kMaxRows)
+      throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) +
+                       " rows; a link has 1 to " + std::to_string(kMaxRows) +
+                       ": give it a mask, a drive or a function");
+    if (link->one_sided) check_one_sided(*link);
+  }
+  // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
+  using Kind = std::tuple<std::type_index, unsigned, int, int>;
+  std::map<Kind, std::vector<const Lock*>> members;
+  std::vector<Kind> order;
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Lock& l = *links_[k];
+    if (merged_[k]) continue;
+    const Kind kind{typeid(l), l.pattern(), l.row_count(), l.slots().n};
+    auto& group = members[kind];
+    if (group.empty()) order.push_back(kind);
+    group.push_back(&l);
+  }
+  ordered_.clear();
+  group_.clear();
+  for (std::size_t g = 0; g < order.size(); ++g)
+    for (const Lock* l : members[order[g]]) {
+      ordered_.push_back(l);
+      group_.push_back(static_cast<int>(g));
+    }
+}
+
+void System::setup_forces() {
+  for (auto& force : forces_) set_up(*force);
+}
+
+void System::check_size(const State& state) const {
+  const auto links = links_.size();
+  if (state.q.size() == 7 * n_slots() && state.v.size() == 6 * n_slots() && state.s.size() == n_states_ &&
+      state.z.size() == n_memory_ && state.modes.size() == links)
+    return;
+  throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
+                   " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
+                   " remembered numbers and " + std::to_string(state.modes.size()) +
+                   " links does not fit a system of " + std::to_string(n_slots()) + " moving bodies, " +
+                   std::to_string(n_states_) + " own states, " + std::to_string(n_memory_) +
+                   " remembered numbers and " + std::to_string(links) +
+                   " links; begin from System::start() once the system is complete");
+}
+
+State System::start() const {
+  if (!ready_)
+    throw ModelError(
+        "System::start: the system is not set up, or was changed since; call setup(), or make its Dynamics, first");
+  State state;
+  const int n = n_slots();
+  state.q.resize(7 * n);
+  state.v.resize(6 * n);
+  for (int k = 0; k < n; ++k) {
+    const Body& b = body_of_slot(k);
+    const Pose& home = slot(k).home;
+    state.q.segment<3>(7 * k) = home.x;
+    state.q.segment<4>(7 * k + 3) = home.q.coefficients();
+    const Mat3 A = rotation(b.home.q);  // a part moves as its first body does
+    const Vec3 r = slot(k).bodies.size() == 1 ? b.mass.center : Vec3(A.transpose() * (home.x - b.home.x));
+    state.v.segment<3>(6 * k) = b.start.v + A * cross(b.start.w, r);
+    state.v.segment<3>(6 * k + 3) = rotation(b.in_slot.q) * b.start.w;
+  }
+  state.s = VecX::Zero(n_states_);
+  state.z = VecX::Zero(n_memory_);
+  const auto part = [](VecX& x, int first, int size) {
+    return std::span<double>(x.data() + first, static_cast<std::size_t>(size));
+  };
+  for (const auto& link : links_) {
+    state.modes.push_back(link->active_at_start && !link->one_sided);  // one-sided ones: when they are touched
+    if (link->one_sided) state.z[link->impact_memory() + 1] = link->active_at_start ? 1.0 : 0.0;
+    named(*link, 0.0, [&] {
+      link->start_states(part(state.s, link->first_state(), link->n_states()));
+      link->start_memory(part(state.z, link->first_memory(), link->n_memory()));
+    });
+  }
+  for (const auto& force : forces_)
+    named(*force, 0.0, [&] { force->start_memory(part(state.z, force->first_memory(), force->n_memory())); });
+  for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
+  return state;
+}
+
+Pose pose(const Body& b, const State& state) {
+  if (b.slot == kGround) return b.home;
+  const Pose slot = state.slot_pose(b.slot);
+  return Pose{slot.x, normalized(slot.q)} * b.in_slot;
+}
+
+Twist twist(const Body& b, const State& state) {
+  if (b.slot == kGround) return {};
+  const Twist slot = state.slot_twist(b.slot);
+  const Mat3 A = rotation(normalized(state.slot_pose(b.slot).q));
+  return {slot.v + A * cross(slot.w, b.in_slot.x), rotation(b.in_slot.q).transpose() * slot.w};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,54 @@
+#include "framework/tools/analysis/grid.h"
+
+#include <cassert>
+#include <charconv>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+// A whole number that fills the text; 0 for anything else.
+long whole(std::string_view text) {
+  long n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  return error == std::errc() && end == text.data() + text.size() ? n : 0;
+}
+
+}  // namespace
+
+Shard read_shard(const std::string& text) {
+  const std::size_t bar = text.find('/');
+  Shard shard{0, 0};
+  if (bar != std::string::npos) shard = {whole(text.substr(0, bar)), whole(text.substr(bar + 1))};
+  if (shard.index < 1 || shard.count < 1)
+    throw ModelError("\"" + text + "\" is no share; write i/n with whole numbers from 1 on, as in 2/8");
+  if (shard.index > shard.count)
+    throw ModelError("\"" + text + "\": there is no share " + std::to_string(shard.index) + " of " +
+                     std::to_string(shard.count) + "; the last is " + std::to_string(shard.count) + "/" +
+                     std::to_string(shard.count));
+  return shard;
+}
+
+Grid::Grid(std::vector<std::size_t> sizes) : sizes_(std::move(sizes)) {
+  for (const std::size_t size : sizes_) {
+    if (size == 0) throw ModelError("a list without values makes a grid without runs; give it one value at least");
+    if (size > static_cast<std::size_t>(kMostRuns / n_runs_))
+      throw ModelError("the grid has more than " + std::to_string(kMostRuns) + " runs; take fewer values");
+    n_runs_ *= static_cast<long>(size);
+  }
+}
+
+std::vector<std::size_t> Grid::at(long run) const {
+  assert(run >= 1 && run <= n_runs_);
+  std::vector<std::size_t> choice(sizes_.size());
+  auto rest = static_cast<std::size_t>(run - 1);
+  for (std::size_t k = sizes_.size(); k-- > 0; rest /= sizes_[k]) choice[k] = rest % sizes_[k];
+  return choice;
+}
+
+long Grid::n_runs(Shard shard) const {
+  return shard.index > n_runs_ ? 0 : 1 + (n_runs_ - shard.index) / shard.count;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,44 @@
+// History: what a charted run leaves behind at the instants of comparison; for the work_precision*.cpp files only.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/record/channel.h"
+
+namespace lockstep {
+
+struct History {
+  std::vector<double> t, energy, kinetic;
+  std::vector<VecX> q, v;
+  std::vector<VecX>
+      load;  ///< 6 a slot: force (N, world) and moment about the mass centre (N m, slot axes) of all links
+};
+
+/// Fills a history and keeps account of what looking costs: the loads need an evaluation of their own.
+class HistoryObserver final : public Observer {
+ public:
+  HistoryObserver(System& system, const std::function<double()>& cpu, History& to)
+      : energy_(make_channel(system, "energy.total")),
+        kinetic_(make_channel(system, "energy.kinetic")),
+        cpu_(cpu),
+        to_(to) {}
+  void output(const Sample&) override;
+  double cpu() const { return spent_; }  ///< s
+  long evaluations() const { return evaluations_; }
+
+ private:
+  Channel energy_, kinetic_;
+  const std::function<double()>& cpu_;
+  History& to_;
+  double spent_ = 0;
+  long evaluations_ = 0;
+};
+
+/// Largest difference; infinite when the two do not cover the same instants or a number is not finite.
+HistoryError difference(const History&, const History&, double length);
+/// Largest displacement from the start, speed, load, and of the energy its change or its kinetic part.
+HistoryError size_of(const History&, double length);
+
+}  // namespace lockstep

@@ -1,0 +1,65 @@
+#include "framework/tools/analysis/pareto.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+namespace {
+
+constexpr double kLuck = 2;  // a finer run may err so many times as much
+
+bool out_of_time(const WorkPrecisionRun& run) { return run.failure.rfind("given up", 0) == 0; }
+
+}  // namespace
+
+double cost(const WorkPrecisionRun& run, CostKind kind) {
+  return kind == CostKind::cpu ? run.cpu : static_cast<double>(run.evaluations);
+}
+
+bool counts(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
+  if (!run.done() || !std::isfinite(run.error.of(kind))) return false;
+  const double limit = kLuck * std::max(run.error.of(kind), result.agreement.of(kind));
+  return std::none_of(result.runs.begin(), result.runs.end(), [&](const WorkPrecisionRun& other) {
+    const bool finer = same_way(other, run) && other.setting < run.setting;
+    return finer && (other.done() ? !(other.error.of(kind) <= limit) : !out_of_time(other));
+  });
+}
+
+std::vector<const WorkPrecisionRun*> pareto_front(const WorkPrecision& result, ErrorKind kind, CostKind by) {
+  std::vector<const WorkPrecisionRun*> all, front;
+  for (const WorkPrecisionRun& run : result.runs)
+    if (counts(result, run, kind)) all.push_back(&run);
+  std::stable_sort(all.begin(), all.end(), [&](const WorkPrecisionRun* a, const WorkPrecisionRun* b) {
+    return cost(*a, by) != cost(*b, by) ? cost(*a, by) < cost(*b, by) : a->error.of(kind) < b->error.of(kind);
+  });
+  double best = HUGE_VAL;
+  for (const WorkPrecisionRun* run : all) {
+    if (!(run->error.of(kind) < best)) continue;
+    front.push_back(run);
+    best = run->error.of(kind);
+    if (best <= result.agreement.of(kind)) break;  // less is no better: the truth itself is not known so well
+  }
+  return front;
+}
+
+std::vector<CostAtError> costs_at_error(const WorkPrecision& result, double error, ErrorKind kind) {
+  std::vector<CostAtError> costs;
+  for (const WorkPrecisionRun& run : result.runs) {
+    if (!counts(result, run, kind) || run.error.of(kind) > error) continue;
+    const auto of_same = [&](const CostAtError& c) { return same_way(*c.run, run); };
+    if (std::any_of(costs.begin(), costs.end(), of_same)) continue;
+    const auto any_made = [&](auto&& wanted) {
+      return std::any_of(result.runs.begin(), result.runs.end(),
+                         [&](const WorkPrecisionRun& other) { return same_way(other, run) && wanted(other); });
+    };
+    const bool coarser = any_made([&](const WorkPrecisionRun& other) { return other.setting > run.setting; });
+    const bool finer =
+        any_made([&](const WorkPrecisionRun& other) { return other.done() && other.setting < run.setting; });
+    costs.push_back({&run, !coarser, finer});
+  }
+  std::stable_sort(costs.begin(), costs.end(),
+                   [](const CostAtError& a, const CostAtError& b) { return a.run->cpu < b.run->cpu; });
+  return costs;
+}
+
+}  // namespace lockstep

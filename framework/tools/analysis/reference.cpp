@@ -1,0 +1,134 @@
+#include "framework/tools/analysis/reference.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kReferenceShare = 0.1;  // of the budget, that one try for a reference may take
+constexpr double kLastShare = 0.5;       // the same, when none came to its end before
+constexpr double kReferenceTime = 0.6;   // of the budget, after which no wider reference is tried
+constexpr double kSecondTime = 0.45;     // of the budget, after which no better pair is looked for
+constexpr double kAgreed = 1e-8;  // of the system's length: references that differ by less are not tried for better
+
+class Search {
+ public:
+  Search(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks)
+      : course_(course),
+        options_(options),
+        clocks_(clocks),
+        begin_(clocks.clock()),
+        limit_(kReferenceShare * options.budget) {}
+
+  Reference make() {
+    const Subject subject = course_.make();
+    result_.length = subject.system->length();
+    // The tightest runs; where those disagree, other choices of keys with more room above round-off; then all with
+    // more.
+    const double r = options_.reference_tolerance;
+    try_all(r, true, false);
+    try_all(100 * r, false, true);
+    try_all(100 * r, true, false);
+    try_all(1000 * r, true, true);
+    if (found_.empty()) {  // little time: nearly all of it for one
+      limit_ = kLastShare * options_.budget;
+      for (const MethodChoice& method : options_.references)
+        if (found_.empty() && left() > 0) find(method, 1000 * r);
+    }
+    if (found_.empty())
+      throw StepError("no reference can be made at a tolerance of " +
+                          fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why_ +
+                          "; chart a shorter run (--until), or give a larger budget (--budget)",
+                      0);
+    if (pair_.second == pair_.first) {
+      find(*found_.front().method, 100 * found_.front().tolerance);
+      pair_ = {0, found_.size() - 1};
+      result_.agreement = difference(found_.back().history, found_.front().history, result_.length);
+    }
+    result_.name = found_[pair_.first].name;
+    result_.second = pair_.second > 0 ? found_[pair_.second].name : "itself alone (no second run came to its end)";
+    result_.truth = std::move(found_[pair_.first].history);
+    return std::move(result_);
+  }
+
+ private:
+  struct Found {
+    const MethodChoice* method;
+    double tolerance;
+    std::string name;
+    History history;
+  };
+
+  std::optional<History> history_of(const MethodChoice& method, double tolerance) {
+    if (options_.progress) options_.progress(fmt::format("reference: {} at {:g}", method.name, tolerance));
+    Stabilization tight = options_.gains;
+    tight.kind = Stabilization::Kind::project;
+    tight.tolerance = std::min(tight.tolerance, 1e-12);
+    const Recipe recipe{&method,
+                        &options_.solvers.front(),
+                        {Formulation::omega, tight},
+                        {tolerance, 1e-2 * tolerance},
+                        options_.largest_step};
+    Outcome out = try_run(course_, recipe, limit_, clocks_, TrialKind::truth);
+    if (out.failure.empty()) return std::move(out.history);
+    why_ = method.name + ": " + out.failure;
+    return std::nullopt;
+  }
+
+  // The first method of each kind is the usual one.
+  void try_all(double tolerance, bool usual, bool others) {
+    std::vector<std::string> kinds;
+    for (const MethodChoice& method : options_.references) {
+      const bool first = std::find(kinds.begin(), kinds.end(), kind_of(method)) == kinds.end();
+      if (first) kinds.push_back(kind_of(method));
+      if ((first ? usual : others) && !settled() && time_for_another()) find(method, tolerance);
+    }
+  }
+
+  // Another history, and with it perhaps a better pair.
+  void find(const MethodChoice& method, double tolerance) {
+    std::optional<History> history = history_of(method, tolerance);
+    if (!history) return;
+    found_.push_back({&method, tolerance, fmt::format("{} at {:.0e}", method.name, tolerance), std::move(*history)});
+    const std::size_t last = found_.size() - 1;
+    for (std::size_t i = 0; i < last; ++i) {
+      if (kind_of(*found_[i].method) == kind_of(method)) continue;
+      const HistoryError e = difference(found_[last].history, found_[i].history, result_.length);
+      if (pair_.first != pair_.second && !(e.position < result_.agreement.position)) continue;
+      pair_ = {i, last};
+      result_.agreement = e;
+    }
+  }
+
+  bool settled() const { return pair_.first != pair_.second && result_.agreement.position <= kAgreed * result_.length; }
+  double left() const { return options_.budget - (clocks_.clock() - begin_); }
+  bool time_for_another() const {
+    return clocks_.clock() - begin_ < (found_.size() < 2 ? kReferenceTime : kSecondTime) * options_.budget;
+  }
+  // "dopri5" of "dopri5:stages=manifold".
+  static std::string kind_of(const MethodChoice& method) { return method.name.substr(0, method.name.find(':')); }
+
+  const Course& course_;
+  const WorkPrecisionOptions& options_;
+  const Clocks& clocks_;
+  double begin_;
+  double limit_;  // s, of one try
+  std::vector<Found> found_;
+  std::pair<std::size_t, std::size_t> pair_{0, 0};  // those of them that agree best; equal: none do yet
+  std::string why_ = "no adaptive method was offered";
+  Reference result_;
+};
+
+}  // namespace
+
+Reference make_reference(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks) {
+  return Search(course, options, clocks).make();
+}
+
+}  // namespace lockstep

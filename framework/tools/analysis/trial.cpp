@@ -1,0 +1,62 @@
+#include "framework/tools/analysis/trial.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+std::vector<double> output_times(const Course& course, TrialKind kind) {
+  std::vector<double> times;
+  if (kind == TrialKind::bare) return {course.length};
+  for (int k = 0; k <= course.outputs; ++k) times.push_back(course.length * k / course.outputs);
+  return times;
+}
+
+// A ModelError or SceneError before the first step says that method and mechanism do not go together.
+void note_failure(const Error& error, Outcome& out) {
+  out.failure = error.what();
+  const bool no_match = dynamic_cast<const ModelError*>(&error) || dynamic_cast<const SceneError*>(&error);
+  out.unsuited = no_match && out.report.steps == 0;
+}
+
+}  // namespace
+
+Outcome try_run(const Course& course, const Recipe& recipe, double limit, const Clocks& clocks, TrialKind kind) {
+  Outcome out;
+  const Subject subject = kind == TrialKind::truth && course.truth ? course.truth() : course.make();
+  HistoryObserver observer(*subject.system, clocks.cpu, out.history);
+  const double begin = clocks.cpu(), clock_begin = clocks.clock();
+  try {
+    Dynamics dynamics(*subject.system, recipe.solver->make(), recipe.dynamics);
+    Simulation sim(dynamics, recipe.method->make(),
+                   {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(course, kind)});
+    sim.set_state(subject.start);
+    for (Observer* o : subject.observers) sim.add_observer(*o);
+    if (kind != TrialKind::bare) sim.add_observer(observer);
+    for (const Event& event : subject.events) sim.add_event(event);
+    sim.progress = [&](const State&) { return !(out.given_up = clocks.clock() - clock_begin > limit); };
+    try {
+      sim.run_until(course.length);
+    } catch (const Error& error) {
+      out.report = sim.report();
+      note_failure(error, out);
+    }
+    out.report = sim.report();
+    out.work = dynamics.work();
+    State end = sim.state();
+    out.dense = out.failure.empty() && sim.integrator().dense(sim.state().t, end);
+  } catch (const Error& error) {
+    note_failure(error, out);
+  }
+  out.cpu = clocks.cpu() - begin - observer.cpu();
+  out.work.evaluations -= observer.evaluations(), out.work.factors -= observer.evaluations();
+  if (out.given_up && out.failure.empty())
+    out.failure = fmt::format("given up after {:.2g} s of computing", out.cpu);
+  else if (out.failure.empty() && out.report.stopped)
+    out.failure = "stopped by '" + out.report.stopped_by + "' before the end";
+  return out;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,238 @@
+#include "framework/tools/analysis/work_precision_chart.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kNothing = 1e-9;  // m, m/s, J, N
+constexpr double kLeast = 1e-16;   // nothing is zero on a logarithmic axis
+constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
+
+using Wanted = std::function<bool(const WorkPrecisionRun&)>;
+
+// All but the values of `by` (and of the integrator, where rows of panels are integrators) as the base has them.
+bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by) {
+  for (const ChartBy other : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
+    if (other != by && value_of(run, other) != value_of(base, other)) return false;
+  return true;
+}
+
+double drawn(double error) { return std::max(error, kLeast); }
+
+// An error so many times the motion itself says nothing: the run is drawn among those that failed.
+bool useless(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
+  const double size = std::max(result.size.of(kind), result.agreement.of(kind));
+  return !run.done() || !(run.error.of(kind) <= 30 * size);
+}
+
+Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind kind, CostKind by,
+                const Wanted& wanted) {
+  Series s{label, {}, {}, SeriesStyle::linespoints};
+  for (const WorkPrecisionRun& run : result.runs)
+    if (wanted(run) && !useless(result, run, kind))
+      s.x.push_back(cost(run, by)), s.y.push_back(drawn(run.error.of(kind)));
+  return s;
+}
+
+// The front as the staircase that it is: for this cost no less error, for this error no less cost.
+Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
+  Series s{"front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
+  for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
+    if (useless(result, *run, kind)) continue;
+    if (!s.x.empty()) s.x.push_back(cost(*run, by)), s.y.push_back(s.y.back());
+    s.x.push_back(cost(*run, by)), s.y.push_back(drawn(run->error.of(kind)));
+  }
+  return s;
+}
+
+Range extent(const std::vector<Series>& all, bool of_x) {
+  Range r{HUGE_VAL, 0};
+  for (const Series& s : all)
+    for (const double v : of_x ? s.x : s.y)
+      if (v > 0 && std::isfinite(v)) r.first = std::min(r.first, v), r.second = std::max(r.second, v);
+  return r;
+}
+
+// Below this line the two references differ themselves.
+void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
+  const double floor = result.agreement.of(kind);
+  const Range x = extent(panel.series, true);
+  if (!(floor > 0) || !std::isfinite(floor) || !(x.second > 0)) return;
+  panel.series.push_back(
+      {"the references differ", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
+}
+
+// A shaded strip above everything that was measured, with a cross for each run that failed, at what it cost.
+void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
+                  const std::vector<std::pair<std::string, Wanted>>& curves, ErrorKind kind) {
+  Range y = extent(panel.series, false);
+  if (!(y.second > 0)) return;
+  const double decade = std::max(1.0, std::log10(y.second / y.first)), from = y.second * std::pow(10.0, 0.05 * decade);
+  bool any = false;
+  for (const auto& [label, wanted] : curves) {
+    Series failed{label, {}, {}, SeriesStyle::crosses};
+    for (const WorkPrecisionRun& run : result.runs)
+      if (wanted(run) && useless(result, run, kind))
+        failed.x.push_back(by == CostKind::cpu ? std::max(run.cpu, 1e-6) : std::max(1.0, cost(run, by))),
+            failed.y.push_back(from * std::pow(10.0, 0.05 * decade));
+    if (failed.x.empty()) continue;
+    panel.series.push_back(failed);
+    any = true;
+  }
+  if (any) panel.strip_from = from;
+  panel.y_range = {y.first / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
+}
+
+std::string shortened(std::string text, std::size_t most) {
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  if (text.size() <= most) return text;
+  return text.substr(0, text.rfind(' ', most)) + " ...";
+}
+
+// Why runs failed and what was left out, a line a curve.
+std::vector<std::string> remarks_of(const WorkPrecision& result,
+                                    const std::vector<std::pair<std::string, Wanted>>& curves) {
+  std::vector<std::string> lines{fmt::format(
+      "truth: {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
+      result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
+  for (const auto& [label, wanted] : curves) {
+    std::vector<const WorkPrecisionRun*> failed;
+    for (const WorkPrecisionRun& run : result.runs)
+      if (wanted(run) && !run.done()) failed.push_back(&run);
+    if (failed.empty()) continue;
+    const std::string what = failed.front()->adaptive ? "tolerance" : "step",
+                      unit = failed.front()->adaptive ? "" : " s";
+    const std::string range = failed.size() == 1 ? fmt::format("{} {:.3g}{}", what, failed.front()->setting, unit)
+                                                 : fmt::format("{} {:.3g} to {:.3g}{}", what, failed.front()->setting,
+                                                               failed.back()->setting, unit);
+    lines.push_back(
+        shortened(fmt::format("× {} failed at {}: {}", label, range, failed.back()->failure), kMostLetters));
+  }
+  for (const std::string& line : unsuited_lines(result)) lines.push_back(shortened("left out: " + line, kMostLetters));
+  if (lines.size() > kMostRemarks) {
+    const std::size_t n = lines.size() - kMostRemarks + 1;
+    lines.resize(kMostRemarks - 1);
+    lines.push_back(fmt::format("and {} more; all reasons stand in the CSV file", n));
+  }
+  return lines;
+}
+
+// The base's, or another that works with more of the values: not every solver takes every formulation.
+std::string common_solver(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by) {
+  if (by == ChartBy::solver) return base.solver;
+  const auto n_values = [&](const std::string& solver) {
+    base.solver = solver;
+    std::vector<std::string> found;
+    for (const WorkPrecisionRun& run : result.runs)
+      if (like(run, base, by) && std::find(found.begin(), found.end(), value_of(run, by)) == found.end())
+        found.push_back(value_of(run, by));
+    return found.size();
+  };
+  std::string best = base.solver;
+  std::size_t most = n_values(best);
+  for (const std::string& solver : values_of(result, ChartBy::solver))
+    if (n_values(solver) > most) most = n_values(solver), best = solver;
+  return best;
+}
+
+std::string cost_label(CostKind by) {
+  return by == CostKind::cpu ? "CPU time of the run [s]" : "evaluations of the equations of motion";
+}
+
+using Curves = std::vector<std::pair<std::string, Wanted>>;
+
+std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string& title, ErrorKind kind, CostKind by,
+                                  const Curves& curves) {
+  GridPanel panel{title, cost_label(by), {}};
+  panel.series.push_back(front_of(result, kind, by));
+  for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
+  const Range y = extent(panel.series, false);
+  // Nothing of this kind: no link, no energy, or round-off alone.
+  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNothing)) return std::nullopt;
+  add_floor(result, panel, kind);
+  add_failures(result, panel, by, curves, kind);
+  std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });
+  return panel;
+}
+
+}  // namespace
+
+std::string value_of(const WorkPrecisionRun& run, ChartBy by) {
+  switch (by) {
+    case ChartBy::integrator:
+      return run.integrator;
+    case ChartBy::formulation:
+      return to_string(run.formulation);
+    case ChartBy::stabilization:
+      return run.stabilization == Stabilization::Kind::none ? "no stabilisation" : to_string(run.stabilization);
+    default:
+      return run.solver;
+  }
+}
+
+std::vector<std::string> values_of(const WorkPrecision& result, ChartBy by) {
+  std::vector<std::string> all;
+  for (const WorkPrecisionRun& run : result.runs)
+    if (const std::string v = value_of(run, by); std::find(all.begin(), all.end(), v) == all.end()) all.push_back(v);
+  return all;
+}
+
+GridSpec integrators_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base,
+                           CostKind by) {
+  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
+  GridSpec chart{title};
+  chart.strip_label = "grey: failed";
+  Curves curves;
+  for (const std::string& name : values_of(result, ChartBy::integrator))
+    curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
+      return run.integrator == name && like(run, base, ChartBy::integrator);
+    });
+  for (const ErrorKind kind : kErrorKinds)
+    if (auto panel = panel_of(result, fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), kind, by, curves))
+      chart.panels.push_back(*panel);
+  chart.remarks = remarks_of(result, curves);
+  chart.remarks.insert(
+      chart.remarks.begin(),
+      fmt::format("curves: {}, {}, solver {}; the front is that of all combinations",
+                  value_of(base, ChartBy::formulation), value_of(base, ChartBy::stabilization), base.solver));
+  return chart;
+}
+
+GridSpec forms_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base, ChartBy by,
+                     const std::vector<std::string>& integrators) {
+  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
+  GridSpec chart{title};
+  chart.strip_label = "grey: failed";
+  Curves all;
+  std::string solvers;
+  for (const std::string& integrator : integrators) {
+    WorkPrecisionRun own = base;
+    own.integrator = integrator;
+    own.solver = common_solver(result, own, by);
+    if (solvers.find(own.solver) == std::string::npos) solvers += (solvers.empty() ? "" : ", ") + own.solver;
+    Curves curves;
+    for (const std::string& value : values_of(result, by))
+      curves.emplace_back(value, [value, own, by](const WorkPrecisionRun& run) {
+        return value_of(run, by) == value && like(run, own, by);
+      });
+    for (const ErrorKind kind : {ErrorKind::position, ErrorKind::reaction})
+      if (auto panel = panel_of(result, fmt::format("{}: {} error [{}]", integrator, to_string(kind), unit_of(kind)),
+                                kind, CostKind::cpu, curves))
+        chart.panels.push_back(*panel);
+    for (const auto& [label, wanted] : curves) all.emplace_back(integrator + ", " + label, wanted);
+  }
+  chart.remarks = remarks_of(result, all);
+  if (by != ChartBy::solver) chart.remarks.insert(chart.remarks.begin(), "curves: solver " + solvers);
+  return chart;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,83 @@
+// The results of work_precision as words and as lines of a file.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+std::string quoted_cell(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+std::string to_string(Formulation f) { return f == Formulation::quaternion ? "quaternion" : "omega"; }
+
+std::string to_string(Stabilization::Kind kind) {
+  if (kind == Stabilization::Kind::baumgarte) return "baumgarte";
+  return kind == Stabilization::Kind::none ? "none" : "project";
+}
+
+std::string to_string(ErrorKind kind) {
+  constexpr const char* kNames[] = {"position", "velocity", "energy", "reaction"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+const char* unit_of(ErrorKind kind) {
+  constexpr const char* kUnits[] = {"m", "m/s", "J", "N"};
+  return kUnits[static_cast<std::size_t>(kind)];
+}
+
+std::string to_string(ChartBy by) {
+  constexpr const char* kNames[] = {"integrator", "formulation", "stabilization", "solver"};
+  return kNames[static_cast<std::size_t>(by)];
+}
+
+std::string label(const WorkPrecisionRun& run) {
+  return fmt::format("{}, {} {:.3g}{}, {}, {}, {}", run.integrator, run.adaptive ? "tolerance" : "step", run.setting,
+                     run.adaptive ? "" : " s", to_string(run.formulation), to_string(run.stabilization), run.solver);
+}
+
+std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
+  std::vector<std::string> lines, reasons;
+  for (const WorkPrecision::Unsuited& u : result.unsuited) {
+    if (std::find(reasons.begin(), reasons.end(), u.why) != reasons.end()) continue;
+    reasons.push_back(u.why);
+    const auto n = std::count_if(result.unsuited.begin(), result.unsuited.end(),
+                                 [&](const WorkPrecision::Unsuited& other) { return other.why == u.why; });
+    lines.push_back((n > 1 ? fmt::format("{} combinations, such as ", n) : "") + u.what + ": " + u.why);
+  }
+  return lines;
+}
+
+void write_runs(const std::string& file, const WorkPrecision& result) {
+  std::ofstream out(file);
+  out << "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "
+         "[m/s],energy "
+         "error [J],reaction error [N],cpu [s],evaluations,factors,steps,rejected,counts,front,failure\n";
+  const std::vector<const WorkPrecisionRun*> front = pareto_front(result);
+  for (const WorkPrecisionRun& r : result.runs) {
+    const std::string setting = r.adaptive ? fmt::format("{},", r.setting) : fmt::format(",{}", r.setting);
+    const std::string errors = r.done() ? fmt::format("{:.6g},{:.6g},{:.6g},{:.6g}", r.error.position, r.error.velocity,
+                                                      r.error.energy, r.error.reaction)
+                                        : ",,,";
+    const bool on_front = std::find(front.begin(), front.end(), &r) != front.end();
+    out << fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
+                       to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
+                       r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, r.done() ? "" : quoted_cell(r.failure));
+  }
+  out.flush();
+  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
+}
+
+}  // namespace lockstep

@@ -1,0 +1,144 @@
+// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same goals, rounds and
+// chords, decided copy by copy; a copy that is done stands still while others go on.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "framework/tools/batch/batch.h"
+
+namespace lockstep::lanes {
+namespace {
+
+constexpr int kRounds = 6;
+constexpr double kUlp = std::numeric_limits<double>::epsilon();
+constexpr std::size_t kL = kLanes;
+
+bool any(const Flags8& f) {
+  return std::any_of(f.begin(), f.end(), [](bool x) { return x; });
+}
+
+// Largest |number| of each lane over packs [first, first + width) of every `stride`.
+Numbers8 largest(const double* y, std::size_t first, std::size_t stride, std::size_t width, int n_slots) {
+  Numbers8 out{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(n_slots); ++k)
+    for (std::size_t i = 0; i < width; ++i)
+      for (std::size_t l = 0; l < kL; ++l) out[l] = std::max(out[l], std::abs(y[kL * (first + stride * k + i) + l]));
+  return out;
+}
+
+}  // namespace
+
+void Batch::gather_rows(const double* y, const Numbers8& t) {
+  z_.y = y;
+  pass_.see_bodies(plan_, z_);
+  fill_laws(y, t);
+  pass_.project_rows(plan_, z_);
+  rows_moved_ = true;
+}
+
+// M d + J^T z = 0, J d = -c in the wanted lanes, d = 0 in the others; `fresh`: the factor is made here. Checked by the
+// stop rule unless the rows are newer than the factor: then the caller iterates.
+void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
+  for (std::size_t i = 0; i < plan_.size_x; ++i)
+    for (std::size_t l = 0; l < kL; ++l) {
+      const double x = wanted[l] ? c[kL * i + l] : 0.0;
+      x_[kL * i + l] = x, c_[kL * i + l] = -x, scale_[kL * i + l] = std::abs(x);
+    }
+  std::fill(a_.begin(), a_.end(), 0.0);
+  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  if (fresh) {
+    pass_.own_blocks(plan_, z_);
+    pass_.factor_and_solve(plan_, z_);
+    rows_moved_ = false;
+  } else {
+    pass_.solve(plan_, z_);
+  }
+  pass_.apply(plan_, z_);
+  if (z_.eps > 0) {
+    pass_.shift(plan_, z_);
+    pass_.solve(plan_, z_);
+    pass_.apply(plan_, z_);
+  }
+  if (rows_moved_) return;
+  std::fill(af_.begin(), af_.end(), 0.0);
+  check_rows();
+}
+
+// x += d, e <- e exp(d): (1.12).
+void Batch::move(double* y) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.n_slots); ++k)
+    for (std::size_t l = 0; l < kL; ++l) {
+      double* q = y + kL * 7 * k + l;
+      const double* d = a_.data() + kL * 6 * k + l;
+      for (std::size_t i = 0; i < 3; ++i) q[kL * i] += d[kL * i];
+      const Quat e =
+          Quat{q[3 * kL], q[4 * kL], q[5 * kL], q[6 * kL]} * exponential(Vec3(d[3 * kL], d[4 * kL], d[5 * kL]));
+      q[3 * kL] = e.w, q[4 * kL] = e.x, q[5 * kL] = e.y, q[6 * kL] = e.z;
+    }
+}
+
+void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+  landed.fill({});
+  z_.y = y;
+  pass_.see_bodies(plan_, z_);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.n_slots); ++k)
+    std::copy_n(body_.data() + kL * (body::size * k + body::e), 4 * kL, y + kL * (7 * k + 3));
+  if (plan_.nodes.empty()) return;
+  if (stabilization_.kind != Stabilization::Kind::project) {
+    gather_rows(y, t);
+    pass_.norm(plan_, C_.data(), length_.data(), scratch_.data());
+    for (std::size_t l = 0; l < kL; ++l) landed[l].before = landed[l].after = scratch_[l];
+    return;
+  }
+  const bool factored = project_positions(y, t, wanted, landed);
+  project_velocities(y, wanted, factored);
+}
+
+// True when the factor that was left is good for the velocities.
+bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+  const Numbers8 x_max = largest(y, 0, 7, 3, plan_.n_slots);
+  const double tolerance = stabilization_.tolerance;
+  Flags8 going = wanted;
+  Numbers8 before{};
+  for (int round = 0;; ++round) {
+    gather_rows(y, t);
+    pass_.norm(plan_, C_.data(), length_.data(), scratch_.data());
+    bool chord = round > 0;  // one factor while it is good enough
+    for (std::size_t l = 0; l < kL; ++l) {
+      if (!wanted[l]) continue;
+      const double now = scratch_[l], goal = std::max(1e-2 * tolerance, 1e-14 * length_[l] + 4 * kUlp * x_max[l]);
+      if (round == 0) landed[l].before = now;
+      if (!going[l]) continue;
+      landed[l].after = now;
+      chord = chord && now <= 0.1 * before[l];
+      const bool stalled = round > 1 && now > 0.5 * before[l] && now <= tolerance;
+      if (now <= goal || stalled) going[l] = false;
+      if (going[l] && (round == kRounds || !std::isfinite(now))) {
+        landed[l].converged = now <= tolerance;
+        going[l] = false;
+      }
+      before[l] = now;
+    }
+    if (!any(going)) return chord;
+    solve_for(C_.data(), going, !chord);
+    move(y);
+  }
+}
+
+void Batch::project_velocities(double* y, const Flags8& wanted, bool factored) {
+  double* v = y + kL * plan_.v_at();
+  const Numbers8 v_max = largest(v, 0, 6, 6, plan_.n_slots);
+  for (int round = 0; round < 3; ++round) {
+    pass_.velocity_residual(plan_, z_, v, Cd_.data());
+    pass_.norm(plan_, Cd_.data(), length_.data(), scratch_.data());
+    Flags8 going{};
+    for (std::size_t l = 0; l < kL; ++l)
+      going[l] = wanted[l] && !(scratch_[l] <= std::max(1e-3 * stabilization_.tolerance, 8 * kUlp * v_max[l]));
+    if (!any(going)) return;
+    solve_for(Cd_.data(), going, !factored);
+    factored = true;
+    for (std::size_t i = 0; i < a_.size(); ++i) v[i] += a_[i];
+  }
+}
+
+}  // namespace lockstep::lanes

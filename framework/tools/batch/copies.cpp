@@ -1,0 +1,214 @@
+#include "framework/tools/batch/copies.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/batch/copy_run.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+// In words how copy b differs from the first, a; "" if it is a copy.
+std::string difference(const System& a, const System& b) {
+  const auto counts = [](const std::string& what, auto x, auto y) {
+    return std::to_string(y) + " " + what + " instead of " + std::to_string(x);
+  };
+  if (a.n_slots() != b.n_slots()) return counts("moving bodies", a.n_slots(), b.n_slots());
+  if (a.links().size() != b.links().size()) return counts("links", a.links().size(), b.links().size());
+  if (a.n_states() != b.n_states()) return counts("states of its own", a.n_states(), b.n_states());
+  for (int k = 0; k < a.n_slots(); ++k)
+    if (a.slot(k).freedoms != b.slot(k).freedoms)
+      return "body '" + b.body_of_slot(k).name + "', which is a particle in one of them only";
+  for (std::size_t i = 0; i < a.links().size(); ++i) {
+    const Lock &x = *a.links()[i], &y = *b.links()[i];
+    const std::string who = "link '" + y.name() + "', ";
+    if (x.type() != y.type()) return who + "which is " + std::string(y.type()) + " instead of " + std::string(x.type());
+    if (a.merged(x) != b.merged(y)) return who + "which is merged into a body in one of them only";
+    if (x.active_at_start != y.active_at_start) return who + "which is active in one of them only";
+    if (a.merged(x)) continue;
+    constexpr unsigned kParallel = 64;  // with::parallel: a matter of numbers
+    if ((x.pattern() | kParallel) != (y.pattern() | kParallel)) return who + "whose rows, laws or drives differ";
+    const auto bodies = [](const Lock& l) {
+      std::vector<int> slots;
+      for (const auto& [p, s] : l.pairs()) slots.push_back(p->body->slot), slots.push_back(s->body->slot);
+      return slots;
+    };
+    if (bodies(x) != bodies(y)) return who + "which joins other bodies";
+  }
+  return "";
+}
+
+// Makes the integrator of this name; empty where the registry has none.
+std::function<std::unique_ptr<Integrator>()> maker(const Registry& registry, const std::string& name) {
+  if (registry.integrators.find(name) == nullptr) return {};
+  return [&registry, name] { return registry.integrators.make(name, Params{}, &registry, "copies"); };
+}
+
+void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
+  if (scheme == nullptr)
+    throw ModelError("copies: integrator \"" + o.integrator + "\" has no lanes; take dop853, dopri5 or rk4");
+  if (scheme->tableau.n_stages > Weights::kMost)
+    throw ModelError("copies: integrator \"" + o.integrator + "\" has " + std::to_string(scheme->tableau.n_stages) +
+                     " stages, lanes hold " + std::to_string(Weights::kMost));
+  if (!(o.step >= 0) || !(o.max_step >= 0) || !std::isfinite(o.step + o.max_step) ||
+      (scheme->error == nullptr && o.step == 0))
+    throw ModelError("copies: step " + brief(o.step) + " s, largest " + brief(o.max_step) + " s; " +
+                     (scheme->error == nullptr ? o.integrator + " needs a step above zero, and " : "") +
+                     "none is negative");
+  if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
+    throw ModelError("copies: tolerances " + brief(o.tolerance.relative) + " and " + brief(o.tolerance.atol_x) +
+                     "; give numbers that are not negative, one of them above zero");
+  if (o.stabilization.kind == Stabilization::Kind::baumgarte)
+    throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
+  if (!(o.stabilization.tolerance > 0))
+    throw ModelError("copies: tolerance of the constraints " + brief(o.stabilization.tolerance) +
+                     " m; it must be above zero");
+}
+
+}  // namespace
+
+struct Copies::Work {
+  std::vector<System*> systems;
+  CopiesOptions options;
+  Registry own;  // where none was given
+  std::function<std::unique_ptr<Integrator>()> make_integrator;
+  std::unique_ptr<Integrator> method;  // the one whose numbers the lanes take
+  std::vector<std::unique_ptr<lanes::Batch>> batches;
+  Aligned<double> y, rate;
+
+  void check_states(std::span<const State> states) const {
+    if (states.size() != systems.size())
+      throw ModelError("copies: " + std::to_string(states.size()) + " states for " + std::to_string(systems.size()) +
+                       " copies; give one each");
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      systems[i]->check_size(states[i]);
+      for (std::size_t k = 0; k < states[i].modes.size(); ++k)
+        if (states[i].modes[k] != systems[i]->links()[k]->active_at_start)
+          throw ModelError("copies: link '" + systems[i]->links()[k]->name() +
+                           "' is not in the state that it has at the start; lanes keep one set of links");
+    }
+  }
+  std::size_t first(const lanes::Batch& batch) const { return static_cast<std::size_t>(batch.first()); }
+  /// The states of a batch into its array, and their times.
+  lanes::Numbers8 load(lanes::Batch& batch, std::span<const State> states) {
+    lanes::Numbers8 t{};
+    for (int l = 0; l < kLanes; ++l) {
+      const State& state = states[first(batch) + static_cast<std::size_t>(l < batch.size() ? l : 0)];
+      batch.put(l, state, y.data());
+      batch.remember(l, state.z);
+      t[static_cast<std::size_t>(l)] = state.t;
+    }
+    return t;
+  }
+};
+
+std::string Copies::unsuited(System& system) {
+  system.setup();
+  return lanes::unsuited(system);
+}
+
+Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std::make_unique<Work>()) {
+  static_assert(kLanes == lanes::kLanes);
+  Work& w = *work_;
+  if (options.registry == nullptr) w.own = builtin_registry();
+  w.make_integrator = maker(options.registry ? *options.registry : w.own, options.integrator);
+  if (w.make_integrator) w.method = w.make_integrator();
+  check(options, w.method ? w.method->scheme() : nullptr);
+  if (systems.empty()) throw ModelError("copies: no mechanism was given; give at least one");
+  for (std::size_t i = 0; i < systems.size(); ++i) {
+    if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
+    const std::string why = unsuited(*systems[i]);
+    if (!why.empty())
+      throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
+    const std::string differs = difference(*systems[0], *systems[i]);
+    if (!differs.empty())
+      throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
+                       "; copies have equal bodies and links");
+  }
+  w.systems = std::move(systems), w.options = std::move(options);
+  const std::span<System* const> all(w.systems);
+  for (std::size_t i = 0; i < all.size(); i += kLanes)
+    w.batches.push_back(std::make_unique<lanes::Batch>(all.subspan(i, std::min<std::size_t>(kLanes, all.size() - i)),
+                                                       static_cast<int>(i), w.options));
+  w.y.assign(w.batches.front()->n_numbers(), 0.0), w.rate = w.y;
+}
+Copies::~Copies() = default;
+
+int Copies::size() const { return static_cast<int>(work_->systems.size()); }
+const CopiesOptions& Copies::options() const { return work_->options; }
+
+std::vector<bool> Copies::rate(std::span<const State> states, std::span<StateRate> out) {
+  Work& w = *work_;
+  w.check_states(states);
+  if (out.size() != states.size()) throw ModelError("copies: as many rates as states are wanted");
+  std::vector<bool> met(states.size(), true);
+  for (const auto& batch : w.batches) {
+    const lanes::Numbers8 t = w.load(*batch, states);
+    const lanes::Flags8 unmet = batch->evaluate(w.y.data(), t, w.rate.data());
+    for (int l = 0; l < batch->size(); ++l) {
+      const std::size_t i = w.first(*batch) + static_cast<std::size_t>(l);
+      out[i].q.resize(states[i].q.size()), out[i].v.resize(states[i].v.size()), out[i].s.resize(states[i].s.size());
+      batch->get(l, w.rate.data(), out[i]);
+      met[i] = !unmet[static_cast<std::size_t>(l)];
+    }
+  }
+  return met;
+}
+
+std::vector<bool> Copies::project(std::span<State> states) {
+  Work& w = *work_;
+  w.check_states(states);
+  std::vector<bool> converged(states.size(), true);
+  for (const auto& batch : w.batches) {
+    const lanes::Numbers8 t = w.load(*batch, states);
+    lanes::Flags8 wanted{};
+    std::fill_n(wanted.begin(), batch->size(), true);
+    std::array<lanes::Landing, kLanes> landed;
+    batch->project(w.y.data(), t, wanted, landed);
+    for (int l = 0; l < batch->size(); ++l) {
+      const std::size_t i = w.first(*batch) + static_cast<std::size_t>(l);
+      batch->get(l, w.y.data(), states[i]);
+      converged[i] = landed[static_cast<std::size_t>(l)].converged;
+    }
+  }
+  return converged;
+}
+
+std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<const double> times,
+                                    const Output& output) {
+  Work& w = *work_;
+  w.check_states(starts);
+  if (!std::is_sorted(times.begin(), times.end()) ||
+      !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
+    throw ModelError("copies: the times are not ascending and finite; sort them");
+  for (const State& state : starts)
+    if (!times.empty() && state.t > times.front())
+      throw ModelError("copies: a start at " + number(state.t) + " s lies behind the first wanted time, " +
+                       number(times.front()) + " s; leave out the times before the starts");
+  std::vector<CopyReport> reports(starts.size());
+  if (times.empty()) return reports;
+  const lanes::RunTask task{w.options, *w.method->scheme(), w.make_integrator, times, output};
+  for (const auto& batch : w.batches) {
+    const auto n = static_cast<std::size_t>(batch->size());
+    const auto states = starts.subspan(w.first(*batch), n);
+    const std::span<CopyReport> told(reports.data() + w.first(*batch), n);
+    if (w.options.lanes) {
+      lanes::run_lanes(*batch, states, task, told);
+      continue;
+    }
+    for (std::size_t l = 0; l < n; ++l) {
+      System& system = batch->system(static_cast<int>(l));
+      lanes::Course course;
+      course.begin(system, states[l].t, times);
+      told[l].alone = true;
+      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], course, w.options.step, task, told[l]);
+    }
+  }
+  return reports;
+}
+
+}  // namespace lockstep

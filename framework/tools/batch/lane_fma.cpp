@@ -1,0 +1,9 @@
+// The passes, 4 lanes a register.
+#define LOCKSTEP_SET fma
+#define LOCKSTEP_WIDE 4
+#if defined(__x86_64__)
+#define LOCKSTEP_TARGET [[gnu::target("fma")]]
+#else
+#define LOCKSTEP_TARGET
+#endif
+#include "framework/tools/batch/lane_all.h"

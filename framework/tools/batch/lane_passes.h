@@ -1,0 +1,53 @@
+// The passes over all bodies and nodes of eight copies, compiled for three sets of instructions. Private to the room.
+#pragma once
+
+#include "framework/tools/batch/copies.h"
+#include "framework/tools/batch/lane_numbers.h"
+
+namespace lockstep::lanes {
+
+struct Passes {
+  using Pass = void (*)(const Plan&, const Numbers&);
+  Pass see_bodies = nullptr;        ///< y -> body: quaternions normalised, A, w in the world
+  Pass free_motion = nullptr;       ///< a_f = M^-1 f, a = a_f
+  Pass accelerate_rows = nullptr;   ///< J, Qhat, Y, S + E, x = J a_f - Qhat, scales; lambda = 0
+  Pass project_rows = nullptr;      ///< J, C, Ct
+  Pass own_blocks = nullptr;        ///< J -> Y, the nodes' own blocks of S + E
+  Pass factor_and_solve = nullptr;  ///< S + E -> L, D, and x <- (S + E)^-1 x
+  Pass solve = nullptr;             ///< x <- (S + E)^-1 x
+  Pass apply = nullptr;             ///< a -= Y^T x, lambda += x
+  Pass residual = nullptr;          ///< r = J a - c
+  Pass shift = nullptr;             ///< x = E lambda: what the first solution leaves of r
+  /// J v + Ct; v: 6 a slot.
+  void (*velocity_residual)(const Plan&, const Numbers&, const double* v, double* Cd) = nullptr;
+  /// Largest scale of each kind of row (translation, rotation) over all rows; 2 packs.
+  void (*largest_scales)(const Plan&, const Numbers&, double* out) = nullptr;
+  /// What rounding of other units can leave (StopRule): the largest S_jj of each kind, and a_f.M a_f + a.M a of the
+  /// body that has most; 3 packs.
+  void (*energies)(const Plan&, const Numbers&, double* out) = nullptr;
+  /// A pack, 0 where |r| <= tolerance max(scale, floor of its kind) in every row, else 1; a NaN is never met.
+  void (*unmet)(const Plan&, const Numbers&, const double* floors, double tolerance, double* out) = nullptr;
+  /// The norm of Dynamics::norm for each copy: metres; L: a pack.
+  void (*norm)(const Plan&, const double* c, const double* L, double* out) = nullptr;
+  /// rate = d/dt of the state y: velocities, (1/2) q w by the raw quaternion, a.
+  void (*rates)(const Plan&, const Numbers&, double* rate) = nullptr;
+  /// out = y + h sum_i w_i k_i over n packs, h a pack; y null: from zero.
+  void (*combine)(std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
+                  const double* w, double* out) = nullptr;
+};
+
+/// Throws ModelError where the machine has not got these instructions.
+Passes passes(Instructions);
+
+// What it chooses from, each compiled in a file of its own.
+namespace avx512 {
+Passes all_passes();
+}
+namespace fma {
+Passes all_passes();
+}
+namespace plain {
+Passes all_passes();
+}
+
+}  // namespace lockstep::lanes

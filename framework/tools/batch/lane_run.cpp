@@ -1,0 +1,303 @@
+// Explicit Runge-Kutta in lanes: every copy has its own time, step and error control, the attempts go in lockstep. A
+// copy whose try is rejected repeats it with a smaller step while the others go on.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/tools/batch/copy_run.h"
+#include "framework/dynamics/integrate/runge_kutta.h"
+#include "framework/dynamics/integrate/step_control.h"
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep::lanes {
+namespace {
+
+constexpr double kViolation = 1e-3;      // of the scene's length, before projection
+constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
+constexpr std::size_t kL = kLanes;
+
+struct Lane {
+  explicit Lane(int order) : control(order) {}
+  bool going = false;  // steps in lanes
+  bool tried = false;  // its present try was rejected before
+  bool lands = false;  // the present try ends on the course's next place
+  double advised = 0, asked = 0;
+  Course course;
+  StepControl control;
+  ErrorNorm norm;
+};
+
+class LaneRun {
+ public:
+  LaneRun(Batch& batch, const RunTask& task, std::span<CopyReport> reports)
+      : batch_(batch),
+        task_(task),
+        reports_(reports),
+        fixed_(task.scheme.error == nullptr),
+        scheme_(task.scheme),
+        tableau_(task.scheme.tableau) {
+    for (int i = 0; i < tableau_.n_stages; ++i) a_.emplace_back(tableau_.a + i * tableau_.stride, i);
+    b_ = Weights(tableau_.b, tableau_.n_stages);
+    if (scheme_.error) error_w_ = Weights(scheme_.error, tableau_.n_stages);
+    if (scheme_.second) second_w_ = Weights(scheme_.second, tableau_.n_stages);
+    for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
+    k_.resize(static_cast<std::size_t>(tableau_.n_stages));
+    for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
+    lanes_.assign(kL, Lane(tableau_.order));
+  }
+
+  void run(std::span<const State> starts) {
+    begin(starts);
+    while (std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.going; })) {
+      choose_steps();
+      attempt();
+    }
+  }
+
+ private:
+  void begin(std::span<const State> starts);
+  double first_step(int lane, const State&) const;
+  void arrive(int lane);
+  void choose_steps();
+  void attempt();
+  Flags8 evaluate_stages();
+  void combine_stages(const Weights&, const double* y, double* out);
+  double error_of(int lane);
+  void estimate(Numbers8& error);
+  void accept(int lane, double error);
+  void reject(int lane, double factor);
+  void leave(int lane);
+
+  Batch& batch_;
+  const RunTask& task_;
+  std::span<CopyReport> reports_;
+  bool fixed_;
+  const EmbeddedScheme& scheme_;
+  Tableau tableau_;
+  std::vector<Weights> a_;
+  Weights b_, error_w_, second_w_;
+  std::vector<Lane> lanes_;
+  Aligned<double> y_, stage_, end_, error_;
+  std::vector<Aligned<double>> k_;
+  alignas(64) Numbers8 t_{}, h_{};
+  bool first_done_ = false;  // the first stage stands: nobody moved since
+  State state_, state_end_;  // scratch of one lane
+  StateRate rate_, rate_error_;
+  std::vector<Motion> motions_;
+  std::span<const State> starts_;
+};
+
+void LaneRun::begin(std::span<const State> starts) {
+  starts_ = starts;
+  state_ = state_end_ = starts[0];
+  rate_ = rate_error_ = sized_like(starts[0]);
+  for (std::size_t l = 0; l < kL; ++l) {
+    const bool used = l < starts.size();
+    const State& start = starts[used ? l : 0];
+    const int lane = static_cast<int>(l);
+    batch_.put(lane, start, y_.data());
+    batch_.remember(lane, start.z);
+    t_[l] = start.t;
+    lanes_[l].going = used;
+    if (!used) continue;
+    Lane& the = lanes_[l];
+    the.course.begin(batch_.system(lane), start.t, task_.times);
+    the.norm.set(task_.options.tolerance);
+    the.norm.set_states(batch_.system(lane).n_steering_states());
+    the.norm.scale(start, 1.0);
+    the.control.begin();
+    reports_[l].t = start.t;
+    while (the.going && the.course.reach() <= start.t) arrive(lane);
+    if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
+  }
+}
+
+double LaneRun::first_step(int lane, const State& start) const {
+  DynamicsOptions options;
+  options.stabilization = task_.options.stabilization;
+  Dynamics dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
+  ErrorNorm norm = lanes_[static_cast<std::size_t>(lane)].norm;
+  StateRate f0 = sized_like(start), f1 = f0;
+  State y1 = start;
+  double largest = lanes_[static_cast<std::size_t>(lane)].course.reach() - start.t;
+  if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
+  try {
+    return guess_first_step(dynamics, start, tableau_.order, largest, norm, f0, f1, y1);
+  } catch (const Error&) {
+    return largest;  // the run itself meets the error and tells it
+  }
+}
+
+// At the course's next place.
+void LaneRun::arrive(int lane) {
+  Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  bool wanted = false;
+  t_[static_cast<std::size_t>(lane)] = the.course.arrive(wanted);
+  reports_[static_cast<std::size_t>(lane)].t = t_[static_cast<std::size_t>(lane)];
+  if (wanted) {
+    batch_.get(lane, y_.data(), state_);
+    state_.t = t_[static_cast<std::size_t>(lane)];
+    state_.z = batch_.memory(lane);
+    task_.output(batch_.first() + lane, the.course.next() - 1, state_);
+  }
+  the.going = !the.course.done();
+}
+
+void LaneRun::choose_steps() {
+  for (std::size_t l = 0; l < kL; ++l) {
+    Lane& the = lanes_[l];
+    h_[l] = 0;  // who has arrived stands still
+    if (!the.going) continue;
+    double h = the.advised;
+    if (task_.options.max_step > 0) h = std::min(h, task_.options.max_step);
+    the.asked = h;
+    h_[l] = the.course.step(t_[l], h, fixed_);
+    the.lands = t_[l] + h_[l] >= the.course.reach() - 1e-15 * std::abs(t_[l]);
+  }
+}
+
+void LaneRun::combine_stages(const Weights& w, const double* y, double* out) {
+  std::array<const double*, Weights::kMost> k{};
+  for (std::size_t i = 0; i < w.n; ++i) k[i] = k_[w.stage[i]].data();
+  batch_.passes().combine(batch_.plan().n(), y, h_.data(), w.n, k.data(), w.w.data(), out);
+}
+
+// True in lanes where an evaluation failed.
+Flags8 LaneRun::evaluate_stages() {
+  Flags8 failed{};
+  for (int i = first_done_ ? 1 : 0; i < tableau_.n_stages; ++i) {
+    if (i > 0) combine_stages(a_[static_cast<std::size_t>(i)], y_.data(), stage_.data());
+    Numbers8 t = t_;
+    for (std::size_t l = 0; l < kL; ++l) t[l] += tableau_.c[i] * h_[l];
+    const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[static_cast<std::size_t>(i)].data());
+    for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || unmet[l];
+  }
+  first_done_ = true;
+  return failed;
+}
+
+double LaneRun::error_of(int lane) {
+  batch_.get(lane, error_.data(), rate_error_);
+  return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
+}
+
+// As EmbeddedRungeKutta::estimate.
+void LaneRun::estimate(Numbers8& error) {
+  error.fill(0);
+  if (fixed_) return;
+  Numbers8 e3{};
+  const auto each = [&](const Weights& w, bool scale, Numbers8& out) {
+    combine_stages(w, nullptr, error_.data());
+    for (int l = 0; l < batch_.size(); ++l) {
+      Lane& the = lanes_[static_cast<std::size_t>(l)];
+      if (!the.going) continue;
+      batch_.get(l, end_.data(), state_end_);
+      if (scale) {
+        batch_.get(l, y_.data(), state_);
+        batch_.get(l, k_[0].data(), rate_);
+        the.norm.scale(state_, rate_, h_[static_cast<std::size_t>(l)], state_end_);
+      }
+      out[static_cast<std::size_t>(l)] = error_of(l);
+    }
+  };
+  each(error_w_, true, error);
+  if (!scheme_.second) return;
+  each(second_w_, false, e3);
+  for (std::size_t l = 0; l < kL; ++l) {
+    const double e5 = error[l];
+    if (e5 == 0) continue;
+    error[l] = std::isfinite(e5) && std::isfinite(e3[l]) ? e5 * (e5 / std::hypot(e5, 0.1 * e3[l])) : HUGE_VAL;
+  }
+}
+
+void LaneRun::attempt() {
+  const Flags8 failed = evaluate_stages();
+  combine_stages(b_, y_.data(), end_.data());
+  Numbers8 error{};
+  estimate(error);
+  Flags8 wanted{};
+  for (std::size_t l = 0; l < kL; ++l) wanted[l] = lanes_[l].going && !failed[l] && error[l] <= 1;
+  Numbers8 t1 = t_;
+  for (std::size_t l = 0; l < kL; ++l) t1[l] += h_[l];
+  std::array<Landing, kLanes> landed;
+  batch_.project(end_.data(), t1, wanted, landed);
+  for (int l = 0; l < batch_.size(); ++l) {
+    const auto i = static_cast<std::size_t>(l);
+    if (!lanes_[i].going) continue;
+    if (failed[i]) {
+      leave(l);
+      continue;
+    }
+    if (!wanted[i]) {
+      reject(l, lanes_[i].control.reject(error[i]));
+      continue;
+    }
+    const bool on = task_.options.stabilization.kind != Stabilization::Kind::project ||
+                    (landed[i].converged && (fixed_ || landed[i].before <= kViolation * batch_.system(l).length()));
+    on ? accept(l, error[i]) : reject(l, 0.5);
+  }
+}
+
+void LaneRun::accept(int lane, double error) {
+  const auto l = static_cast<std::size_t>(lane);
+  Lane& the = lanes_[l];
+  for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
+  first_done_ = false;
+  t_[l] += h_[l];
+  reports_[l].t = t_[l];
+  ++reports_[l].steps;
+  if (!fixed_) {
+    const double next = h_[l] * the.control.accept(error, the.tried);
+    the.advised = h_[l] < the.asked && !the.tried ? std::max(the.asked, next) : next;
+  }
+  the.tried = false;
+  System& system = batch_.system(lane);
+  if (system.n_memory() > 0) {
+    batch_.get(lane, y_.data(), state_);
+    state_.t = t_[l], state_.z = batch_.memory(lane);
+    system.motions(state_, motions_);
+    Inputs in;
+    in.t = state_.t, in.motions = motions_;
+    in.s = {state_.s.data(), static_cast<std::size_t>(state_.s.size())};
+    in.z = {state_.z.data(), static_cast<std::size_t>(state_.z.size())};
+    system.accept(in, state_);
+    batch_.remember(lane, state_.z);
+  }
+  if (the.lands) arrive(lane);
+}
+
+// Repeats with a smaller step; what cannot be stepped is for the ordinary path to name.
+void LaneRun::reject(int lane, double factor) {
+  const auto l = static_cast<std::size_t>(lane);
+  ++reports_[l].rejected;
+  lanes_[l].tried = true;
+  lanes_[l].advised = factor * h_[l];
+  if (fixed_ || lanes_[l].advised < kSmallestStep * std::max(std::abs(t_[l]), lanes_[l].asked) ||
+      t_[l] + lanes_[l].advised == t_[l])
+    leave(lane);
+}
+
+void LaneRun::leave(int lane) {
+  const auto l = static_cast<std::size_t>(lane);
+  Lane& the = lanes_[l];
+  the.going = false;
+  State state = state_;
+  batch_.get(lane, y_.data(), state);
+  state.t = t_[l], state.z = batch_.memory(lane);
+  reports_[l].alone = true;
+  batch_.put(lane, starts_[l], y_.data());  // the lane stands at a place that it can be evaluated at
+  batch_.remember(lane, starts_[l].z);
+  t_[l] = starts_[l].t;
+  first_done_ = false;
+  const double h = fixed_ ? task_.options.step : h_[l];
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), the.course, h, task_, reports_[l]);
+}
+
+}  // namespace
+
+void run_lanes(Batch& batch, std::span<const State> starts, const RunTask& task, std::span<CopyReport> reports) {
+  LaneRun(batch, task, reports).run(starts);
+}
+
+}  // namespace lockstep::lanes

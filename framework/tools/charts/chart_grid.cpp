@@ -1,0 +1,199 @@
+#include "framework/tools/charts/chart_grid.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/tools/charts/chart_style.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+using namespace chart_style;
+
+// Pixels.
+constexpr double kTitle = 54, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
+                 kRight = 24, kBeforeRemarks = 22;
+
+// Those of chart_style and five more, still apart for most eyes; marks and dashes tell the rest.
+constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
+                                              "#000000", "#882255", "#999933", "#5b3fa0", "#8c564b", "#7f7f7f"};
+
+constexpr std::size_t kOneLine = 98;  // letters of a title
+
+/// All labels with what stands for them.
+struct Legend {
+  std::vector<std::string> labels;
+  std::vector<SeriesStyle> styles;
+  std::vector<std::string> colors;
+  std::size_t n_columns = 1, n_rows = 0;
+  double width = 0;  // letters that a column gets beyond gnuplot's own count
+
+  std::size_t index(const std::string& label) const {
+    return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
+  }
+};
+
+// What has a colour of its own comes last and leaves the colours of the others alone.
+Legend legend_of(const GridSpec& spec) {
+  constexpr double kLetter = 9.5, kSample = 70;
+  Legend legend;
+  std::size_t longest = 0;
+  for (const bool own_color : {false, true})
+    for (const GridPanel& panel : spec.panels)
+      for (const Series& s : panel.series) {
+        if (s.label.empty() || s.color.empty() == own_color || legend.index(s.label) < legend.labels.size()) continue;
+        const SeriesStyle style = s.style == SeriesStyle::crosses ? SeriesStyle::linespoints : s.style;
+        legend.colors.push_back(own_color ? s.color : kColors[legend.labels.size() % kColors.size()]);
+        legend.labels.push_back(s.label), legend.styles.push_back(style);
+        longest = std::max(longest, s.label.size());
+      }
+  const double letters = static_cast<double>(longest);
+  const auto fits =
+      static_cast<std::size_t>(std::clamp((spec.width - kLeft - kRight) / (kLetter * letters + kSample), 1.0, 20.0));
+  const std::size_t n = legend.labels.size();
+  legend.n_rows = (n + fits - 1) / fits;
+  legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
+  legend.width = 1 + 0.25 * letters;
+  return legend;
+}
+
+struct Layout {
+  std::size_t n_columns, n_rows;
+  double width, height, title, top, plot_width, plot_height;  // pixels
+};
+
+Layout layout_of(const GridSpec& spec, const Legend& legend) {
+  Layout all{};
+  all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.panels.size());
+  all.n_rows = (spec.panels.size() + all.n_columns - 1) / all.n_columns;
+  all.width = spec.width;
+  all.title = kTitle + (spec.title.size() > kOneLine ? kLegendRow : 0);
+  all.top = all.title + kLegendRow * static_cast<double>(legend.n_rows);
+  all.plot_height = spec.panel_height - kAbove - kBelow;
+  const auto n = static_cast<double>(all.n_columns);
+  all.plot_width = (spec.width - kLeft - kRight - kBetween * (n - 1)) / n;
+  all.height = all.top + spec.panel_height * static_cast<double>(all.n_rows) +
+               kRemark * static_cast<double>(spec.remarks.size()) + (spec.remarks.empty() ? 0 : kBeforeRemarks);
+  return all;
+}
+
+std::string block(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
+
+void add_legend(Script& out, const Layout& all, const Legend& legend) {
+  out.line("unset border\nunset tics\nunset xlabel\nunset ylabel\nset xrange [0:1]\nset yrange [0:1]");
+  out.line("set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1");
+  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
+                       kLeft / all.width, 1 - (all.title - 6) / all.height, legend.n_columns, legend.width));
+  std::string clauses = "plot 2 notitle";
+  for (std::size_t i = 0; i < legend.labels.size(); ++i) {
+    std::string clause = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);
+    clause.replace(0, std::string("$none using 1:2").size(), "keyentry");
+    clauses += ", \\\n     " + clause;
+  }
+  out.line(clauses);
+  out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
+}
+
+void place(Script& out, const GridSpec& spec, const Layout& all, std::size_t k) {
+  const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(k / all.n_columns);
+  const double left = kLeft + column * (all.plot_width + kBetween);
+  const double top = all.top + row * spec.panel_height + kAbove;
+  out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", left / all.width,
+                       (left + all.plot_width) / all.width));
+  out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", 1 - top / all.height,
+                       1 - (top + all.plot_height) / all.height));
+}
+
+// Whole decades around what is there, so that every axis has labels.
+Range decades(const Extent& e, double room) { return {e.low / std::pow(10.0, room), e.high * std::pow(10.0, room)}; }
+
+void strip(Script& out, const GridPanel& panel, const std::string& name) {
+  out.line("unset object\nunset label");
+  out.line(fmt::format("set label 1 {} at graph 0,1 left offset 0,0.9 noenhanced font ',13' textcolor rgb '#111111'",
+                       quoted_text(panel.title)));
+  if (panel.strip_from <= 0) return;
+  out.line(
+      fmt::format("set object 1 rectangle from graph 0, first {} to graph 1, graph 1 behind fc rgb '#eeeeee' fs "
+                  "solid noborder",
+                  panel.strip_from));
+  out.line(
+      fmt::format("set label 2 {} at graph 1, graph 1 right offset 0,0.8 noenhanced font ',10' textcolor rgb "
+                  "'#777777'",
+                  quoted_text(name)));
+}
+
+void add_panel(Script& out, const GridSpec& spec, const Layout& all, const Legend& legend, std::size_t k) {
+  const GridPanel& panel = spec.panels[k];
+  place(out, spec, all, k);
+  Extent x{}, y{};
+  for (const Series& s : panel.series) x.take(s.x, true), y.take(s.y, true);
+  axis(out, 'x', panel.x_label, true, x.low, x.high);
+  axis(out, 'y', "", true, y.low, y.high);
+  out.line("set xtics nomirror out\nset ytics nomirror out");
+  const Range seen_x = decades(x, 0.08), seen_y = panel.y_range.second > 0 ? panel.y_range : decades(y, 0.15);
+  out.line(
+      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
+  strip(out, panel, spec.strip_label);
+  std::string clauses;
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    Series s = panel.series[i];
+    const std::size_t n = s.label.empty() ? i : legend.index(s.label);
+    if (!s.label.empty()) s.color = color_or(legend.colors[n], n, "series \"" + s.label + "\"");
+    s.label.clear();
+    clauses += (clauses.empty() ? "plot " : ", \\\n     ") + plot_clause(block(k, i), s, n);
+  }
+  out.line(clauses);
+}
+
+void add_remarks(Script& out, const GridSpec& spec, const Layout& all) {
+  if (spec.remarks.empty()) return;
+  out.line(
+      "unset border\nunset tics\nunset xlabel\nunset ylabel\nunset object\nunset label\nset xrange [0:1]\nset "
+      "yrange [0:1]\nunset logscale");
+  out.line("set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1");
+  for (std::size_t i = 0; i < spec.remarks.size(); ++i)
+    out.line(
+        fmt::format("set label {} {} at screen {:.5f}, screen {:.5f} left noenhanced font ',10' textcolor rgb "
+                    "'#444444'",
+                    i + 1, quoted_text(spec.remarks[i]), kLeft / all.width,
+                    (kRemark * static_cast<double>(spec.remarks.size() - i) - 2) / all.height));
+  out.line("plot 2 notitle");
+}
+
+void check(const GridSpec& spec) {
+  if (spec.panels.empty()) throw ModelError(fmt::format("chart \"{}\" has no panels; give it one", spec.title));
+  for (const GridPanel& panel : spec.panels) {
+    Extent x{}, y{};
+    for (const Series& s : panel.series) {
+      chart_style::check(s, spec.title);
+      x.take(s.x, true), y.take(s.y, true);
+    }
+    if (!x.any || !y.any)
+      throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it numbers above zero",
+                                   spec.title, panel.title));
+  }
+}
+
+}  // namespace
+
+void write_grid(const std::string& path, const GridSpec& spec) {
+  check(spec);
+  const Legend legend = legend_of(spec);
+  const Layout all = layout_of(spec, legend);
+  Script out;
+  for (std::size_t k = 0; k < spec.panels.size(); ++k)
+    for (std::size_t i = 0; i < spec.panels[k].series.size(); ++i)
+      series_data(out, block(k, i), spec.panels[k].series[i]);
+  common(out);
+  begin_page(out, 1, spec.title);
+  add_legend(out, all, legend);
+  for (std::size_t k = 0; k < spec.panels.size(); ++k) add_panel(out, spec, all, legend, k);
+  add_remarks(out, spec, all);
+  end_page(out);
+  draw(out, path, spec.width, static_cast<int>(std::lround(all.height)));
+}
+
+}  // namespace lockstep

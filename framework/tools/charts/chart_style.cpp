@@ -1,0 +1,173 @@
+#include "framework/tools/charts/chart_style.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep::chart_style {
+namespace {
+
+// Okabe and Ito, "Color universal design" (2008), darkest first.
+constexpr std::array<std::string_view, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                  "#e69f00", "#56b4e9", "#000000"};
+constexpr std::size_t kMostPoints = 3000;
+
+bool is_color(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' &&
+         std::all_of(text.begin() + 1, text.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+// Of every run of points the first, the least, the largest: a picture 1000 pixels wide shows no more.
+std::vector<std::size_t> thinned(const Series& s) {
+  std::vector<std::size_t> keep;
+  const std::size_t n = s.y.size();
+  const bool joined = s.style == SeriesStyle::lines || s.style == SeriesStyle::dashes;
+  const std::size_t run = joined && n > kMostPoints ? (3 * n + kMostPoints - 1) / kMostPoints : 1;
+  for (std::size_t i = 0; i < n; i += run) {
+    const std::size_t end = std::min(i + run, n);
+    std::size_t low = i, high = i, hole = end;
+    for (std::size_t k = i; k < end; ++k) {
+      if (!std::isfinite(s.y[k])) hole = k;
+      if (s.y[k] < s.y[low]) low = k;
+      if (s.y[k] > s.y[high]) high = k;
+    }
+    std::vector<std::size_t> some{i, low, high};
+    if (hole < end) some.push_back(hole);
+    if (end == n) some.push_back(n - 1);
+    std::sort(some.begin(), some.end());
+    some.erase(std::unique(some.begin(), some.end()), some.end());
+    keep.insert(keep.end(), some.begin(), some.end());
+  }
+  return keep;
+}
+
+// The end of a character, or the start of the text, at or before byte `at`.
+std::size_t character_end(const std::string& text, std::size_t at) {
+  while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) --at;
+  return std::min(at, text.size());
+}
+
+// A title as wide as the picture at most: smaller letters for a long one, then two lines, then an end cut off.
+std::string fitted(const std::string& title) {
+  constexpr std::size_t kLarge = 68, kSmall = 98;  // letters that fit into 800 pixels
+  if (title.size() <= kSmall) {
+    const std::size_t size = title.size() <= kLarge ? 16 : 16 * kLarge / title.size();
+    return fmt::format("{} noenhanced font ',{}'", quoted_text(title), size);
+  }
+  std::size_t first = title.rfind(' ', kSmall);
+  if (first == std::string::npos || first < kSmall / 3) first = character_end(title, kSmall);
+  std::string rest = title.substr(first + (title[first] == ' ' ? 1 : 0));
+  if (rest.size() > kSmall) rest = rest.substr(0, character_end(rest, kSmall - 3)) + "...";
+  return fmt::format("{}.\"\\n\".{} noenhanced font ',11'", quoted_text(title.substr(0, first)), quoted_text(rest));
+}
+
+}  // namespace
+
+std::string color(std::size_t n) { return std::string(kColors[n % kColors.size()]); }
+
+std::string color_or(const std::string& wanted, std::size_t n, const std::string& what) {
+  if (wanted.empty()) return color(n);
+  if (!is_color(wanted))
+    throw ModelError(fmt::format("{}: color \"{}\" is none; write it like \"#0072b2\", or leave it out", what, wanted));
+  return wanted;
+}
+
+void common(Script& out) {
+  out.line("set encoding utf8")
+      .line("set border 3 lc rgb '#555555' lw 1")
+      .line("set tics nomirror out textcolor rgb '#333333'")
+      .line("set grid back lc rgb '#dddddd' lw 0.8 lt 1 dt 1")
+      .line("set key above left horizontal Left reverse samplen 2.5 spacing 1.15 noenhanced textcolor rgb '#222222'")
+      .line("set lmargin 13")
+      .line("set rmargin 4")
+      .line("set datafile missing 'NaN'")
+      .line("set pointsize 0.9");
+}
+
+void begin_page(Script& out, std::size_t n, const std::string& title) {
+  const std::string text = title.empty() ? "" : fmt::format(" title {}", fitted(title));
+  out.line(fmt::format("set multiplot layout {},1{}", n, text));
+}
+
+void end_page(Script& out) { out.line("unset multiplot"); }
+
+void axis(Script& out, char a, const std::string& label, bool log, double low, double high) {
+  out.line(fmt::format("set {}label {} noenhanced textcolor rgb '#222222'", a, quoted_text(label)));
+  out.line(fmt::format("set {}tics autofreq", a));
+  if (!log) {
+    out.line(fmt::format("unset logscale {}", a)).line(fmt::format("set format {} '%.6g'", a));
+    return;
+  }
+  out.line(fmt::format("set logscale {}", a));
+  const bool plain = low >= 1e-4 && high <= 1e5;  // numbers that are easier to read than powers
+  out.line(fmt::format("set format {} '{}'", a, plain ? "%g" : "10^{%T}"));
+  if (high / low >= 30) return;
+  std::string ticks;  // a decade or less: 1, 2 and 5 of each
+  for (int d = static_cast<int>(std::floor(std::log10(low))); d <= std::ceil(std::log10(high)); ++d)
+    for (int n : {1, 2, 5}) ticks += fmt::format("{}{}e{}", ticks.empty() ? "" : ", ", n, d);
+  out.line(fmt::format("set format {0} '%g'\nset {0}tics ({1})", a, ticks));
+}
+
+void notes(Script& out, const std::vector<Note>& all) {
+  out.line("unset label");
+  for (const Note& n : all) {
+    if (!std::isfinite(n.x) || !std::isfinite(n.y)) continue;
+    out.line(fmt::format(
+        "set label {} at first {},{} noenhanced front textcolor rgb '#222222' point pt 7 ps 0.5 offset 0.8,0.5",
+        quoted_text(n.text), n.x, n.y));
+  }
+}
+
+void series_data(Script& out, const std::string& name, const Series& s) {
+  out.begin_data(name);
+  for (std::size_t i : thinned(s)) {
+    const double row[] = {s.x[i], s.y[i]};
+    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
+      out.row(row);
+    else
+      out.gap();
+  }
+  out.end_data();
+}
+
+std::string plot_clause(const std::string& name, const Series& s, std::size_t n) {
+  constexpr std::array<int, 7> kMarks{7, 5, 9, 13, 6, 4, 8};
+  const std::string tint = color_or(s.color, n, "series \"" + s.label + "\"");
+  const std::string legend = s.label.empty() ? "notitle" : "title " + quoted_text(s.label);
+  const int dash = s.style == SeriesStyle::dashes ? 2 : n < kColors.size() ? 1 : 4;
+  const std::string line = fmt::format("lc rgb '{}' lw 1.8 dt {}", tint, dash);
+  const std::string mark = fmt::format("pt {}", kMarks[n % kMarks.size()]);
+  switch (s.style) {
+    case SeriesStyle::points:
+      return fmt::format("${} using 1:2 with points {} lc rgb '{}' {}", name, mark, tint, legend);
+    case SeriesStyle::band:
+      return fmt::format("${} using 1:2 with lines lc rgb '{}' lw 7 dt 1 {}", name, tint, legend);
+    case SeriesStyle::crosses:
+      return fmt::format("${} using 1:2 with points pt 2 ps 0.8 lw 1.8 lc rgb '{}' {}", name, tint, legend);
+    case SeriesStyle::linespoints:
+      return fmt::format("${} using 1:2 with linespoints {} {} {}", name, mark, line, legend);
+    default:
+      return fmt::format("${} using 1:2 with lines {} {}", name, line, legend);
+  }
+}
+
+void check(const Series& s, const std::string& chart) {
+  if (s.x.size() != s.y.size())
+    throw ModelError(fmt::format("chart \"{}\": series \"{}\" has {} x and {} y; give both the same number", chart,
+                                 s.label, s.x.size(), s.y.size()));
+}
+
+void Extent::take(std::span<const double> values, bool log) {
+  for (double v : values) {
+    if (!std::isfinite(v) || (log && v <= 0)) continue;
+    low = any ? std::min(low, v) : v;
+    high = any ? std::max(high, v) : v;
+    any = true;
+  }
+}
+
+}  // namespace lockstep::chart_style

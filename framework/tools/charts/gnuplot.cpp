@@ -1,0 +1,171 @@
+#include "framework/tools/charts/gnuplot.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+extern char** environ;
+
+namespace lockstep {
+namespace {
+namespace fs = std::filesystem;
+
+// A folder of our own for the script and for what gnuplot says; gone at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "lockstep-chart-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+      throw FileError(
+          fmt::format("cannot make the folder \"{}\" for a chart's script: {}; set TMPDIR to a folder that "
+                      "can be written",
+                      name, std::strerror(errno)));
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string path() const { return path_.string(); }
+  std::string file(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+std::string contents(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// Runs the program in the folder with its arguments as they are; what it says goes to said.txt. 0 when all went well.
+int run(const std::string& program, std::span<const std::string> arguments, const std::string& folder) {
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "said.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0)
+    throw FileError(
+        fmt::format("cannot start \"{}\": {}; check that it can be executed", program, std::strerror(failed)));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+std::string base_of(const std::string& path) {
+  for (const char* ending : {".svg", ".png"})
+    if (path.size() > 4 && path.ends_with(ending)) return path.substr(0, path.size() - 4);
+  return path;
+}
+
+// gnuplot writes under names of ours: its own reading of an output name ("| command", quotes) never meets the user's.
+std::string head(const char* file, const std::string& terminal) {
+  return fmt::format("set terminal {} enhanced background '#ffffff' linewidth 1.2\nset output '{}'\n", terminal, file);
+}
+
+void hand_over(const std::string& made, const std::string& file, const std::string& said) {
+  std::error_code none;
+  if (const auto size = fs::file_size(made, none); none || size == 0)
+    throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; it said: {}", file, contents(said)));
+  std::error_code failed;
+  fs::copy_file(made, file, fs::copy_options::overwrite_existing, failed);
+  if (failed)
+    throw FileError(
+        fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
+                    failed.message()));
+}
+
+}  // namespace
+
+std::string find_gnuplot() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (folder.empty()) continue;
+    const std::string file = folder + "/gnuplot";
+    std::error_code none;
+    if (fs::is_regular_file(file, none) && access(file.c_str(), X_OK) == 0) return file;
+  }
+  return {};
+}
+
+Script& Script::line(std::string_view commands) {
+  text_ += commands;
+  text_ += '\n';
+  return *this;
+}
+Script& Script::begin_data(std::string_view name) { return line(fmt::format("${} << END_OF_DATA", name)); }
+Script& Script::row(std::span<const double> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i > 0) text_ += ' ';
+    text_ += std::isfinite(numbers[i]) ? number(numbers[i]) : "NaN";
+  }
+  text_ += '\n';
+  return *this;
+}
+Script& Script::gap() { return line(""); }
+Script& Script::end_data() { return line("END_OF_DATA"); }
+
+std::string quoted_text(std::string_view text) {
+  std::string all = "'";
+  for (char c : text) {
+    if (c == '\'')
+      all += "\u2019";
+    else
+      all += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+  }
+  return all + "'";
+}
+
+void draw(const Script& script, const std::string& path, int width, int height) {
+  const std::string program = find_gnuplot();
+  if (program.empty())
+    throw FileError(
+        fmt::format("cannot draw \"{}\": gnuplot is not in PATH; install it with: apt-get install gnuplot-nox", path));
+  const std::string base = base_of(path);
+  if (base.empty()) throw FileError(fmt::format("cannot write a chart to \"{}\": give a file name", path));
+  const TemporaryFolder folder;
+  const std::string commands = folder.file("chart.gp"), said = folder.file("said.txt");
+  {
+    std::ofstream out(commands, std::ios::binary);
+    out << head("chart.png", fmt::format("pngcairo size {},{} font 'sans,12'", width, height)) << script.text()
+        << "set output\nreset\n"
+        << head("chart.svg", fmt::format("svg size {},{} font 'sans-serif,15'", width, height)) << script.text()
+        << "set output\n";
+    if (!out.flush())
+      throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with space left", commands));
+  }
+  const std::string arguments[] = {"-d", "chart.gp"};
+  if (run(program, arguments, folder.path()) != 0)
+    throw FileError(fmt::format("gnuplot could not draw \"{}\"; it said: {}", path, contents(said)));
+  hand_over(folder.file("chart.svg"), base + ".svg", said);
+  hand_over(folder.file("chart.png"), base + ".png", said);
+}
+
+}  // namespace lockstep

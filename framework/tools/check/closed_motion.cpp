@@ -1,0 +1,67 @@
+#include "framework/tools/check/closed_motion.h"
+
+#include <cmath>
+
+#include "framework/mechanism/forces/torsion_spring_damper.h"
+#include "framework/mechanism/links/joints.h"
+
+namespace lockstep {
+
+double ClosedMotion::error(const State& s) const {
+  const Pose is = s.slot_pose(0), should_be = pose(s.t);
+  return (is.x - should_be.x).norm() + rotation_vector(conjugate(should_be.q) * normalized(is.q)).norm();
+}
+
+ClosedMotion free_top() {
+  constexpr double kJ1 = 0.4, kJ3 = 0.7;
+  const Vec3 x0(0.1, 0.2, 0.3), v0(1, -2, 3), w0(1.1, 0.4, 2.5), g(0.3, 0, -9.81);
+  const Quat q0 = exponential(Vec3(0.3, -0.5, 0.2));
+  ClosedMotion m{"free top", 2.0, std::make_unique<System>(System::Options{g}), {}};
+  MassProperties mass;
+  mass.mass = 2, mass.J = Vec3(kJ1, kJ1, kJ3).asDiagonal();
+  m.system->add_body("top", mass, {x0, q0}).start = {v0, w0};
+  m.system->setup();
+  const Vec3 L = rotation(q0) * Vec3(kJ1 * w0[0], kJ1 * w0[1], kJ3 * w0[2]);
+  m.pose = [=](double t) {
+    const Quat q = exponential(Vec3(t / kJ1 * L)) * q0 * exponential(Vec3(0, 0, t * (1 - kJ3 / kJ1) * w0[2]));
+    return Pose{x0 + t * v0 + 0.5 * t * t * g, q};
+  };
+  return m;
+}
+
+ClosedMotion hinged_pendulum() {
+  constexpr double kAngle = 1.2, kLength = 0.8, kG = 9.81, kMass = 1.5, kRadius = kLength / 50;
+  ClosedMotion m{"pendulum", 1.5, std::make_unique<System>(System::Options{{0, 0, -kG}}), {}};
+  const auto end = [](double a) { return Vec3(kLength * std::sin(a), 0, -kLength * std::cos(a)); };
+  Body& body = m.system->add_body("rod", rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
+  auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), at(Vec3::Zero(), Vec3(0, 1, 0)));
+  m.system->add<TorsionSpringDamper>("counter", m.system->marker("hinge.P"), m.system->marker("hinge.S"), {});
+  (void)hinge;
+  m.system->setup();
+  const double J = kMass * (kLength * kLength / 3 + kRadius * kRadius / 4);  // about the hinge
+  const double rate = std::sqrt(kMass * kG * 0.5 * kLength / J), k = std::sin(0.5 * kAngle);
+  const Quat q0 = body.home.q;
+  m.pose = [=](double t) {
+    const Elliptic e = elliptic(rate * t, k);
+    const double a = 2 * std::asin(k * e.cn / e.dn);
+    return Pose{0.5 * end(a), axis_angle(Vec3(0, -1, 0), a - kAngle) * q0};
+  };
+  return m;
+}
+
+Elliptic elliptic(double u, double k) {
+  constexpr int kMost = 12;
+  double a[kMost + 1], c[kMost + 1], b = std::sqrt(1 - k * k);
+  a[0] = 1, c[0] = k;
+  int n = 0;
+  while (n < kMost && std::abs(c[n]) > 1e-17) {
+    a[n + 1] = 0.5 * (a[n] + b), c[n + 1] = 0.5 * (a[n] - b), b = std::sqrt(a[n] * b);
+    ++n;
+  }
+  double phi = std::ldexp(a[n] * u, n);
+  for (int i = n; i > 0; --i) phi = 0.5 * (phi + std::asin(c[i] / a[i] * std::sin(phi)));
+  const double sn = std::sin(phi);
+  return {sn, std::cos(phi), std::sqrt(1 - k * k * sn * sn)};
+}
+
+}  // namespace lockstep

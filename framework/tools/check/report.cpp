@@ -1,0 +1,68 @@
+#include "framework/tools/check/report.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+
+void CheckReport::add(const std::string& key, Finding finding, double weight) {
+  const auto at = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.key == key; });
+  if (at == keys_.end()) {
+    keys_.push_back({key, weight});
+    findings_.push_back(std::move(finding));
+  } else if (weight > at->weight) {
+    at->weight = weight;
+    findings_[static_cast<std::size_t>(at - keys_.begin())] = std::move(finding);
+  }
+}
+
+void CheckReport::note(std::string words) {
+  if (std::find(notes_.begin(), notes_.end(), words) == notes_.end()) notes_.push_back(std::move(words));
+}
+
+void CheckReport::compared(double error) {
+  ++n_comparisons_;
+  if (std::isfinite(error)) accuracy_ = std::max(accuracy_, error);
+}
+
+void CheckReport::take(const CheckReport& other) {
+  for (std::size_t i = 0; i < other.findings_.size(); ++i)
+    add(other.keys_[i].key, other.findings_[i], other.keys_[i].weight);
+  for (const std::string& words : other.notes_) note(words);
+  n_comparisons_ += other.n_comparisons_;
+  accuracy_ = std::max(accuracy_, other.accuracy_);
+}
+
+std::string CheckReport::text() const {
+  constexpr std::size_t kMost = 20;
+  std::string out = subject_ + ": ";
+  if (ok()) {
+    out += fmt::format("nothing found in {} comparisons (seed {}", n_comparisons_, seed_);
+    if (accuracy_ > 0) out += fmt::format("; differences good to {:.1g} or better", accuracy_);
+    out += ")\n";
+  } else {
+    out += fmt::format("{} {} (seed {})\n", findings_.size(), findings_.size() == 1 ? "finding" : "findings", seed_);
+  }
+  for (std::size_t i = 0; i < std::min(findings_.size(), kMost); ++i) {
+    out += "  " + subject_ + ": " + findings_[i].what;
+    if (!findings_[i].look.empty()) out += "; look at " + findings_[i].look;
+    out += "\n";
+  }
+  if (findings_.size() > kMost) out += fmt::format("  and {} more\n", findings_.size() - kMost);
+  for (const std::string& words : notes_) out += "  note: " + words + "\n";
+  return out;
+}
+
+std::string likeness(double is, double should_be) {
+  const auto near = [&](double x) { return std::abs(is - x) <= 1e-5 * std::max(std::abs(is), std::abs(x)); };
+  if (is == 0 && should_be != 0) return ", so it is missing";
+  if (should_be == 0) return "";
+  if (near(-should_be)) return ", so it has the wrong sign";
+  if (near(0.5 * should_be)) return ", so it is half of that: a factor 2 is missing";
+  if (near(2 * should_be)) return ", so it is twice that: a factor 2 is too much";
+  return "";
+}
+
+}  // namespace lockstep

@@ -1,0 +1,30 @@
+// Derivatives by differences, with an estimate of their error from the same numbers.
+//
+//   f'(0)  = (1/h)   sum_k  a_k (f(kh) - f(-kh)),          k = 1 ... 4: error h^8
+//   f''(0) = (1/h^2) sum_k  b_k (f(kh) - 2 f(0) + f(-kh))
+//
+// for steps h = reach/4, reach/8, ...: what order 6 says differently is the truncation, and the eighth difference of
+// the finest step, where nothing smooth is left, the rounding noise of f. Of each component the step with the least sum
+// of both is taken.
+#pragma once
+
+#include <functional>
+
+#include "framework/foundation/math/types.h"
+#include "framework/foundation/support/export.h"
+
+namespace lockstep {
+
+/// f(x) into `out`, always of one size.
+using Curve = std::function<void(double x, VecX& out)>;
+
+/// Component by component: the derivative, a bound for its error (several times the estimate), and the largest |f|.
+struct Slope {
+  VecX value, error, size;
+};
+
+/// At x = 0, from values in [-reach, reach]. Components that are not finite somewhere have an infinite error.
+LOCKSTEP_API Slope first_derivative(const Curve&, double reach);
+LOCKSTEP_API Slope second_derivative(const Curve&, double reach);
+
+}  // namespace lockstep

@@ -1,0 +1,132 @@
+// The verb chart: what accuracy costs on this scene, measured on this machine.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/charts/gnuplot.h"
+#include "framework/tools/program/files.h"
+#include "framework/tools/program/survey.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kLimits[] = {1e-3, 1e-6, 1e-9};  // m
+constexpr std::size_t kMostRows = 3;              // integrators that a picture of forms shows
+
+void print_cheapest(const WorkPrecision& result) {
+  fmt::print("cheapest run with a position error of at most\n");
+  for (const double limit : kLimits) {
+    const std::vector<CostAtError> costs = costs_at_error(result, limit);
+    if (costs.empty())
+      fmt::print("  {:.0e} m   none reached it\n", limit);
+    else
+      fmt::print("  {:.0e} m   {:>12} CPU  {:7} evaluations  {}  (error {:.1e} m)\n", limit,
+                 cost_text(costs.front().run->cpu, costs.front().upper_bound), costs.front().run->evaluations,
+                 label(*costs.front().run), costs.front().run->error.position);
+  }
+}
+
+// For each value of a dimension the best that it took part in: which of them wins.
+void print_winners(const WorkPrecision& result, ChartBy by) {
+  if (values_of(result, by).size() < 2) return;
+  fmt::print("{:<26}", "best with each " + to_string(by));
+  for (const double limit : kLimits) fmt::print("{:>14}", fmt::format("{:.0e} m", limit));
+  fmt::print("\n");
+  for (const std::string& value : values_of(result, by)) {
+    fmt::print("  {:<24}", value);
+    for (const double limit : kLimits) {
+      const std::vector<CostAtError> costs = costs_at_error(result, limit);
+      const auto best =
+          std::find_if(costs.begin(), costs.end(), [&](const CostAtError& c) { return value_of(*c.run, by) == value; });
+      fmt::print("{:>14}", best == costs.end() ? "never" : cost_text(best->run->cpu, best->upper_bound));
+    }
+    fmt::print("\n");
+  }
+}
+
+void print_failures(const WorkPrecision& result, const SceneSurvey& survey) {
+  std::size_t n = 0;
+  for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
+  if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
+  for (const std::string& remark : survey.remarks) fmt::print("left out: {}\n", remark);
+  for (const std::string& line : unsuited_lines(result)) fmt::print("left out: {}\n", line);
+  if (!result.left_out.empty())
+    fmt::print("{} combinations were still climbing when the time was up; give more with --budget\n",
+               result.left_out.size());
+}
+
+// The scene's own integrator and those that were cheapest at some error.
+std::vector<std::string> shown_integrators(const WorkPrecision& result, const WorkPrecisionRun& base) {
+  std::vector<std::string> names{base.integrator};
+  const auto add = [&](const std::string& name) {
+    if (names.size() < kMostRows && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const double limit : kLimits)
+    if (const auto costs = costs_at_error(result, limit); !costs.empty()) add(costs.front().run->integrator);
+  std::erase_if(names, [&](const std::string& name) {
+    return std::none_of(result.runs.begin(), result.runs.end(),
+                        [&](const WorkPrecisionRun& run) { return run.integrator == name && run.done(); });
+  });
+  return names;
+}
+
+std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result, const SceneSurvey& survey) {
+  std::vector<std::string> files;
+  const auto write = [&](const std::string& name, const GridSpec& chart) {
+    if (chart.panels.empty()) return;
+    write_grid(base + name, chart);
+    files.push_back(base + name + ".png");
+  };
+  const std::string title = survey.title;
+  write("", integrators_chart(result, title, survey.base, CostKind::cpu));
+  write("_evaluations", integrators_chart(result, title, survey.base, CostKind::evaluations));
+  for (const ChartBy by : {ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
+    if (values_of(result, by).size() > 1)
+      write("_" + to_string(by) + "s",
+            forms_chart(result, title, survey.base, by, shown_integrators(result, survey.base)));
+  return files;
+}
+
+}  // namespace
+
+int chart_command(const Words& w) {
+  const Loaded loaded = load(w);
+  const std::string csv = csv_path(
+      w.out.empty() ? "" : (std::filesystem::path(w.out) / std::filesystem::path(w.scene).stem()).string() + ".csv",
+      w.scene);
+  const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
+  check_writable(base + ".csv");
+
+  const Interrupt interrupt;
+  SceneSurvey survey = survey_of(loaded, w, interrupt);
+  fmt::print("{}\n", survey.title);
+  const std::unique_ptr<WorkPrecision> result = measure(survey, w, interrupt);
+  if (!result) return kExitInterrupted;
+
+  write_runs(base + ".csv", *result);
+  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
+             result->runs.size(), survey.course.length, result->reference, result->second, result->agreement.position,
+             result->agreement.velocity, result->agreement.energy, result->agreement.reaction);
+  if (survey.imposed)
+    fmt::print(
+        "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
+        "step;\n"
+        "the integrators' pictures compare them without stabilisation\n");
+  print_cheapest(*result);
+  for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
+    print_winners(*result, by);
+  print_failures(*result, survey);
+  fmt::print("files: {}.csv\n", base);
+  if (result->runs.empty())
+    fmt::print("       no pictures: no run was measured\n");
+  else if (find_gnuplot().empty())
+    fmt::print("       no pictures: gnuplot is not installed (apt install gnuplot-nox)\n");
+  else
+    for (const std::string& file : draw_all(base, *result, survey)) fmt::print("       {}, and as .svg\n", file);
+  if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
+  return interrupt.asked() ? kExitInterrupted : kExitOk;
+}
+
+}  // namespace lockstep

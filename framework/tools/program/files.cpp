@@ -1,0 +1,98 @@
+#include "framework/tools/program/files.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "framework/tools/charts/chart.h"
+#include "framework/tools/charts/gnuplot.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+
+namespace fs = std::filesystem;
+
+std::string csv_path(const std::string& record, const std::string& scene) {
+  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
+  fs::path file = record;
+  if (record.empty()) {
+    file = fs::path(folder != nullptr && *folder != 0 ? folder : ".") / fs::path(scene).stem();
+    file += ".csv";
+  }
+  std::error_code error;
+  if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
+  if (error)
+    throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
+                    "; name another");
+  return file.lexically_normal().string();
+}
+
+void check_writable(const std::string& file) {
+  std::error_code error;
+  const bool there = fs::exists(file, error);
+  const std::ofstream out(file, std::ios::app);
+  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
+  if (!there) fs::remove(file, error);
+}
+
+namespace {
+
+// The columns by unit, as far as a picture holds them.
+std::vector<Panel> panels_by_unit(const Table& table) {
+  constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
+  std::vector<Panel> panels;
+  const std::string& time = table.columns().front().name;
+  for (const Column& column : table.columns()) {
+    if (&column == &table.columns().front()) continue;
+    const std::string label = column.unit.empty() ? "1" : column.unit;
+    Panel* panel = nullptr;
+    for (Panel& p : panels)
+      if (p.y_label == label) panel = &p;
+    if (panel == nullptr) {
+      if (panels.size() == kMostPanels) continue;
+      panel = &panels.emplace_back(Panel{label, {}});
+    }
+    if (panel->series.size() < kMostCurves) panel->series.push_back(curve(table, time, column.name, column.name));
+  }
+  return panels;
+}
+
+std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<std::string>>& draw) {
+  std::vector<Panel> panels;
+  for (const std::vector<std::string>& names : draw) {
+    Panel& panel = panels.emplace_back(Panel{table.column(names.front()).unit, {}});
+    for (const std::string& name : names)
+      panel.series.push_back(curve(table, table.columns().front().name, name, name));
+  }
+  return panels;
+}
+
+}  // namespace
+
+Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
+                     const std::vector<std::vector<std::string>>& draw) {
+  Drawing drawing;
+  if (table.n_columns() < 2) drawing.reason = "nothing to draw: no column beside the time is recorded";
+  if (table.n_rows() < 2) drawing.reason = "nothing to draw: a curve needs two rows";
+  if (drawing.reason.empty() && find_gnuplot().empty())
+    drawing.reason = "gnuplot is not installed (apt install gnuplot-nox)";
+  if (!drawing.reason.empty()) return drawing;
+  try {
+    const ChartSpec chart{title, "t [s]", draw.empty() ? panels_by_unit(table) : panels_of(table, draw)};
+    std::set<std::string> names;
+    for (const Panel& panel : chart.panels)
+      for (const Series& series : panel.series) names.insert(series.label);
+    const std::string base = fs::path(csv).replace_extension().string();
+    write_chart(base, chart);
+    drawing.files = {base + ".svg", base + ".png"};
+    drawing.n_drawn = names.size();
+  } catch (const std::exception& error) {
+    drawing.reason = what_of(error);
+    drawing.failed = true;
+  }
+  return drawing;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,90 @@
+// The verbs that only look: list, describe, schema.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "framework/tools/program/commands.h"
+#include "framework/description/scene/describe.h"
+#include "framework/description/scene/schema.h"
+
+namespace lockstep {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Description& d) {
+  Json keys = Json::array();
+  for (const Key& key : d.info.keys) {
+    Json k = {
+        {"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.fallback.empty()}, {"help", key.help}};
+    if (!key.fallback.empty() && key.fallback != "absent") k["default"] = Json::parse(key.fallback);
+    keys.push_back(std::move(k));
+  }
+  return {{"name", d.info.name},
+          {"shelf", d.shelf},
+          {"origin", d.origin},
+          {"help", d.info.help},
+          {"keys", std::move(keys)}};
+}
+
+// What a scene gets that does not say.
+bool is_default(const Description& d) {
+  const RunSettings run;
+  return (d.shelf == "integrators" && d.info.name == run.integrator.type) ||
+         (d.shelf == "solvers" && d.info.name == run.solver.type);
+}
+
+std::string shown_name(const Description& d) {
+  if (d.shelf == "translation_laws") return d.info.name + " (translation)";
+  if (d.shelf == "rotation_laws") return d.info.name + " (rotation)";
+  return d.info.name + (is_default(d) ? " (default)" : "");
+}
+
+void print_shelf(const std::string& shelf, const std::vector<Description>& all) {
+  fmt::print("{}:\n", shelf);
+  std::size_t width = 0;
+  for (const Description& d : all) width = std::max(width, shown_name(d).size());
+  for (const Description& d : all) {
+    const std::string origin = d.origin == "built in" ? "" : " [plugin " + d.origin + "]";
+    fmt::print("  {:<{}}  {}{}\n", shown_name(d), width, d.info.help, origin);
+  }
+  if (all.empty()) fmt::print("  nothing\n");
+}
+
+}  // namespace
+
+int list_command(const std::string& shelf, const Words& w) {
+  const Registry registry = make_registry(w.plugins);
+  std::vector<std::string> shelves = {"links", "laws", "forces", "integrators", "solvers"};
+  if (!shelf.empty()) shelves = {shelf};
+  Json all = Json::object();
+  for (const std::string& name : shelves) {
+    const std::vector<Description> contents = shelf_contents(registry, name);
+    if (!w.json) print_shelf(name, contents);
+    all[name] = Json::array();
+    for (const Description& d : contents) all[name].push_back(json_of(d));
+  }
+  if (w.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+int describe_command(const std::string& name, const Words& w) {
+  const Registry registry = make_registry(w.plugins);
+  try {
+    for (const Description& d : find_descriptions(registry, name)) {
+      fmt::print("{}", describe(d));
+      if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
+    }
+  } catch (const SceneError& error) {
+    throw UsageError(error.what());
+  }
+  return kExitOk;
+}
+
+int schema_command(const Words& w) {
+  fmt::print("{}", scene_schema(make_registry(w.plugins)));
+  return kExitOk;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,149 @@
+#include "framework/tools/program/new_plugin.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string capitalised(std::string word) {
+  if (!word.empty()) word[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
+  return word;
+}
+
+bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+void check_letters(const std::string& name) {
+  const bool letters =
+      std::all_of(name.begin(), name.end(), [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
+  if (name.empty() || name.size() > 60 || !letters || !is_lower(name.front()) || name.back() == '_' ||
+      name.find("__") != std::string::npos)
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" cannot be a plugin's name; take small letters, digits and single _, "
+                    "a letter first, at most 60, as in wavy_rail",
+                    name));
+  if (name.starts_with("lib"))
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" begins with \"lib\", which lockstep cuts from the name of a plugin's file "
+                    "(libbump.so is plugin bump); take a name without it",
+                    name));
+}
+
+template <class Shelf>
+bool on(const Shelf& shelf, const std::string& name) {
+  return shelf.find(name) != nullptr;
+}
+
+void check_free(const std::string& kind, const std::string& name, const Registry& taken) {
+  const char* by = on(taken.links, name)              ? "a link"
+                   : on(taken.laws, name)             ? "a law"
+                   : on(taken.translation_laws, name) ? "a translation law"
+                   : on(taken.rotation_laws, name)    ? "a rotation law"
+                   : on(taken.forces, name)           ? "a force"
+                   : on(taken.integrators, name)      ? "an integrator"
+                   : on(taken.solvers, name)          ? "a solver"
+                                                      : nullptr;
+  if (by != nullptr)
+    throw UsageError(fmt::format(
+        "new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name", name, by, name));
+  // classes that the source would not tell from lockstep's own, and targets that CMake has
+  constexpr std::array kClasses = {"MotionLaw",   "TranslationLaw", "RotationLaw",
+                                   "MarkerForce", "AppliedForce",   "FunctionForce"};
+  const std::string made = class_name(kind, name);
+  if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
+    throw UsageError(
+        fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; take another name", name, made));
+  constexpr std::array kTargets = {"all",      "clean",   "edit_cache", "help",          "install",
+                                   "lockstep", "package", "preinstall", "rebuild_cache", "test"};
+  if (std::find(kTargets.begin(), kTargets.end(), name) != kTargets.end())
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" is a target that every CMake project has; take another name", name));
+}
+
+std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
+  std::string out;
+  for (std::size_t at = 0;;) {
+    const std::size_t next = text.find(what, at);
+    out += text.substr(at, next - at);
+    if (next == std::string_view::npos) return out;
+    out += by;
+    at = next + what.size();
+  }
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw FileError(fmt::format("{}: cannot be written; is the disk full, or the folder closed?", file.string()));
+}
+
+}  // namespace
+
+std::string class_name(const std::string& kind, const std::string& name) {
+  std::string camel, word;
+  for (const char c : name + "_") {
+    if (c != '_') {
+      word += c;
+    } else {
+      camel += capitalised(word);
+      word.clear();
+    }
+  }
+  const std::string end = capitalised(kind);
+  return camel.size() > end.size() && camel.ends_with(end) ? camel : camel + end;
+}
+
+std::vector<std::string> write_plugin(const std::string& kind, const std::string& name, const std::string& into,
+                                      const Registry& taken) {
+  check_letters(name);
+  check_free(kind, name, taken);
+  const fs::path folder = fs::path(into.empty() ? "." : into) / name;
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(folder, error)))
+    throw FileError(fmt::format("{}: exists already and is left as it is; take another name, or --into another folder",
+                                folder.string()));
+  if (!fs::create_directories(folder, error))
+    throw FileError(fmt::format("{}: cannot be made: {}; say --into a folder that you may write to", folder.string(),
+                                error.message()));
+  std::vector<std::string> files;
+  try {
+    for (const TemplateFile& file : template_files()) {
+      if (file.kind != kind) continue;
+      const std::string old_name = "template_" + kind, old_class = "Template" + capitalised(kind);
+      const auto renamed = [&](std::string_view text) {
+        return replaced(replaced(text, old_name, name), old_class, class_name(kind, name));
+      };
+      files.push_back((folder / renamed(file.name)).string());
+      write(files.back(), renamed(file.text));
+    }
+  } catch (...) {
+    fs::remove_all(folder, error);
+    throw;
+  }
+  return files;
+}
+
+int new_plugin_command(const Words& w) {
+  const std::vector<std::string> files = write_plugin(w.kind, w.name, w.into, builtin_registry());
+  const std::string folder = fs::path(files.front()).parent_path().string();
+  for (const std::string& file : files) fmt::print("{}\n", file);
+  fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
+             folder);
+  return kExitOk;
+}
+
+}  // namespace lockstep

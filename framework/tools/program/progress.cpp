@@ -1,0 +1,92 @@
+#include "framework/tools/program/progress.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+
+namespace lockstep {
+namespace {
+
+// A signal reaches nothing but a variable of the whole program.
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void note_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+// One column is left free: a full line would wrap on some terminals.
+std::size_t line_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return (known ? size.ws_col : 80u) - 1u;
+}
+
+constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  interrupted = 0;
+  std::signal(SIGINT, note_interrupt);
+  std::signal(SIGTERM, note_interrupt);
+}
+Interrupt::~Interrupt() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+bool Interrupt::asked() const { return interrupted != 0; }
+
+std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {
+  constexpr int kWidth = 30;
+  const double part = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
+  std::string line;
+  if (bar) {
+    const int n = static_cast<int>(part * kWidth);
+    line = "[" + std::string(static_cast<std::size_t>(n), '#') +
+           std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
+  }
+  const bool runs = counts == Counts::runs;
+  line += runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * part, std::floor(t), until)
+               : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
+  if (seconds > 0 && t > 0)
+    line += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
+  return line;
+}
+
+Progress::Progress(double until, bool quiet, Counts counts)
+    : until_(until),
+      counts_(counts),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      begin_(Clock::now()),
+      last_(begin_) {}
+
+double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+
+void Progress::at(double t) {
+  if (quiet_) return;
+  const Clock::time_point now = Clock::now();
+  if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kBarSeconds : kLineSeconds)) return;
+  last_ = now;
+  const std::string line = progress_line(t, until_, seconds(), terminal_, counts_);
+  if (terminal_) {
+    fmt::print(stderr, "\r{:<{}}", line.substr(0, line_width()), line_width());
+    std::fflush(stderr);
+    drawn_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+}
+
+void Progress::finish() {
+  if (drawn_) fmt::print(stderr, "\r{:<{}}\r", "", line_width());
+  drawn_ = false;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,235 @@
+// The verbs that move something: run and assemble.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "framework/dynamics/simulate/assembly.h"
+#include "framework/dynamics/simulate/simulation.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/tools/program/certify.h"
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/files.h"
+#include "framework/tools/program/progress.h"
+#include "framework/tools/program/summary.h"
+#include "framework/tools/record/observe.h"
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kSayMove = 1e-6;  // m, rad, m/s: an assembly that changed less goes without saying
+
+std::string assembly_text(const AssemblyReport& r) {
+  std::string text = fmt::format(
+      "assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
+      r.before, r.before_v, r.after, r.after_v);
+  if (r.largest_move == 0 && r.largest_turn == 0) text += "; only velocities changed";
+  if (r.largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", r.moved_most, r.largest_move);
+  if (r.largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", r.turned_most, r.largest_turn);
+  return text;
+}
+
+bool worth_saying(const AssemblyReport& r) {
+  return r.before > kSayMove || r.before_v > kSayMove || r.largest_move > kSayMove || r.largest_turn > kSayMove;
+}
+
+std::string heading(const Loaded& loaded) {
+  return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
+}
+
+SimulationOptions options_of(const RunSettings& run) {
+  SimulationOptions options;
+  options.step = run.step;
+  options.tolerance = run.tolerance;
+  options.output = run.output;
+  options.output_times = run.times;
+  return options;
+}
+
+// In every case: what was computed is not lost. What went wrong is handed back, so that it hides nothing else.
+std::exception_ptr write_table(const std::string& csv, const Table& table) {
+  try {
+    write_csv(csv, table);
+    return nullptr;
+  } catch (const std::exception&) {
+    return std::current_exception();
+  }
+}
+
+std::string what_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& e) {
+    return lockstep::what_of(e);
+  }
+}
+
+struct Ended {
+  std::exception_ptr error;
+  bool interrupted = false;
+};
+
+Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
+  Ended ended;
+  Interrupt interrupt;
+  Progress progress(until, quiet);
+  sim.progress = [&](const State& s) {
+    progress.at(s.t);
+    return !interrupt.asked();
+  };
+  try {
+    sim.run_until(until);
+  } catch (...) {
+    ended.error = std::current_exception();
+  }
+  progress.finish();
+  ended.interrupted = interrupt.asked();
+  seconds = progress.seconds();
+  return ended;
+}
+
+std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
+
+void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
+  const SimulationReport& r = sim.report();
+  const std::string rejected =
+      sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
+  fmt::print("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
+             counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
+  if (r.manifold_steps > 0)
+    fmt::print("  stages     on the constraints in {} of {}, as singular positions ask for\n", r.manifold_steps,
+               counted(r.steps, "step", "steps"));
+  if (std::isfinite(r.stiff_since))
+    fmt::print(
+        "  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
+        "cheaper (--integrator radau5 or generalized_alpha)\n",
+        r.stiff_since);
+  const auto& links = sim.system().links();
+  const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
+    return link->one_sided && sim.state().modes[static_cast<std::size_t>(link->number())];
+  });
+  if (r.impacts > 0 || resting > 0)
+    fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
+               resting == 1 ? "is" : "are");
+  if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
+  fmt::print("{}", summary.text());
+  if (!sim.system().links().empty())
+    fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
+}
+
+// The table first: what was computed is there, whatever becomes of the picture.
+void print_files(const std::string& csv, const std::string& title, const Table& table, const RunSettings& run,
+                 bool quiet) {
+  if (!quiet) {
+    fmt::print("  files      {} ({})\n", csv, rows_of(table));
+    std::fflush(stdout);
+  }
+  const Drawing drawing = draw_columns(csv, title, table, run.draw);
+  if (quiet) {
+    if (drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
+    return;
+  }
+  for (const std::string& picture : drawing.files) fmt::print("             {}\n", picture);
+  if (drawing.files.empty()) fmt::print("             no picture: {}\n", drawing.reason);
+  const std::size_t n = table.n_columns() - 1;
+  if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
+    fmt::print("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
+}
+
+// One line each for what is said and has no effect.
+void warn(const Scene& scene, const Mechanism& m, const Words& w, const Integrator& method) {
+  const RunSettings& run = m.run;
+  const auto say = [](const std::string& text) { fmt::print(stderr, "lockstep: warning: {}\n", text); };
+  if (!run.times.empty() && run.times.back() > run.until)
+    say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
+                    run.until));
+  for (const EventRequest& e : m.events)
+    if (e.event.at > run.until)
+      say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
+                      e.event.at, run.until));
+  const Value* settings = scene.root.find("run");
+  const bool in_scene = w.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
+  if ((in_scene || !w.tolerance.empty()) && !method.info().adaptive)
+    say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
+}
+
+}  // namespace
+
+int run_command(const Words& w) {
+  Loaded loaded = load(w);
+  Mechanism m = build(loaded.scene, loaded.registry);
+  if (m.run.until <= 0)
+    refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
+           "the scene does not say how long it runs; add it, or give --until 5");
+  record_places(m);
+  const std::string csv = csv_path(w.record, w.scene);
+  check_writable(csv);
+
+  const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  std::vector<Event> events = make_events(m, *recorder);
+  std::optional<Summary> summary;  // only who reads it pays for its energies
+  if (!w.quiet) summary.emplace(m.system);
+  Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
+  State start = m.system.start();
+  if (!w.quiet) fmt::print("{}\n", heading(loaded));
+  if (m.run.assemble) {
+    const AssemblyReport report = assemble(dynamics, start, m.start_speeds);
+    if (!w.quiet && worth_saying(report)) fmt::print("  {}\n", assembly_text(report));
+  }
+
+  Simulation sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
+  sim.add_observer(*recorder);
+  if (summary) sim.add_observer(*summary);
+  for (Event& event : events) sim.add_event(std::move(event));
+  sim.set_state(std::move(start));
+  if (!w.quiet) warn(loaded.scene, m, w, sim.integrator());
+
+  double seconds = 0;
+  const Ended ended = go(sim, m.run.until, w.quiet, seconds);
+  const std::exception_ptr unwritten = write_table(csv, recorder->table());
+  if (ended.error) {
+    const std::string rows = unwritten ? "the rows up to there could not be written: " + what_of(unwritten)
+                                       : rows_of(recorder->table()) + " up to there are in " + csv;
+    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, rows);
+    std::rethrow_exception(ended.error);
+  }
+  if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
+  if (unwritten) std::rethrow_exception(unwritten);
+  print_files(csv, heading(loaded), recorder->table(), m.run, w.quiet);
+  if (w.certify && !ended.interrupted) print_certificate(loaded, w, m.run, recorder->table());
+  if (ended.interrupted)
+    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
+  return ended.interrupted ? kExitInterrupted : kExitOk;
+}
+
+int assemble_command(const Words& w) {
+  const Loaded loaded = load(w);
+  Mechanism m = build(loaded.scene, loaded.registry);
+  Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
+  State state = m.system.start();
+  const AssemblyReport r = assemble(dynamics, state, m.start_speeds);
+  nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
+  if (!w.json) fmt::print("{}\n  {}\n", heading(loaded), assembly_text(r));
+  for (const Body& body : m.system.bodies()) {
+    if (body.fixed) continue;
+    const Pose at = pose(body, state);
+    bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
+    if (!w.json)
+      fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
+                 at.q.w, at.q.x, at.q.y, at.q.z);
+  }
+  const nlohmann::ordered_json report = {{"before", r.before},           {"after", r.after},
+                                         {"before_v", r.before_v},       {"after_v", r.after_v},
+                                         {"iterations", r.iterations},   {"largest_move", r.largest_move},
+                                         {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
+                                         {"turned_most", r.turned_most}, {"bodies", bodies}};
+  if (w.json) fmt::print("{}\n", report.dump(1, ' '));
+  return kExitOk;
+}
+
+}  // namespace lockstep

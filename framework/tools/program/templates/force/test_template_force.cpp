@@ -1,0 +1,19 @@
+// Holds the force against its energies and, where it has a tangent, that against differences. Give it the file of the
+// plugin.
+#include <cstdio>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_force.h"
+#include "framework/description/registry/loader.h"
+
+int main(int argc, char** argv) try {
+  using namespace lockstep;
+  Registry registry = builtin_registry();
+  load_plugin(registry, argc > 1 ? argv[1] : "template_force");
+  const CheckReport report = check_force(registry, "template_force", {{"strength", 0.4}});
+  std::fputs(report.text().c_str(), stdout);
+  return report.ok() ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
+}

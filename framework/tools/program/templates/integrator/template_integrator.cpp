@@ -1,0 +1,75 @@
+// The integrator template_integrator: the midpoint rule, order 2, fixed step.
+//
+// Change two things: step(), and what info() and type_info() say. Then build and run the test, which measures the
+// order.
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/description/registry/plugin.h"
+
+namespace {
+
+using namespace lockstep;
+
+///   y1 = y + h f(t + h/2, y + h/2 f(t, y)),   y = (q, v, s),   then onto the constraints
+class TemplateIntegrator final : public Integrator {
+ public:
+  static TypeInfo type_info() { return {"template_integrator", "midpoint rule of order 2, fixed step", {}}; }
+  static std::unique_ptr<Integrator> make(const Params&) { return std::make_unique<TemplateIntegrator>(); }
+
+  /// Name, order, implicit?, chooses its step?, evaluations a step.
+  IntegratorInfo info() const override { return {"template_integrator", 2, false, false, 2}; }
+
+  /// Sizes what a step needs, so that no step allocates; forgets what was.
+  void begin(Dynamics&, const State& state) override {
+    middle_ = end_ = state;
+    rate_ = {state.q, state.v, state.s};
+  }
+
+  /// One step of at most h. What throws on the way leaves `state` as it was: it is written at the end alone.
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    middle_ = end_ = state;
+    dynamics.rate(state, rate_);
+    move(middle_, 0.5 * h);
+    dynamics.rate(middle_, rate_);
+    move(end_, h);
+
+    StepReport report;
+    report.h = h;
+    land(dynamics, state.t, report);
+    state = end_;
+    return report;
+  }
+
+  // A method that keeps a history, or chooses its step, has more to write: save() and restore(), set_tolerance() and
+  // first_step(), and dense() for what lies inside a step.
+
+ private:
+  void move(State& y, double h) const {
+    y.t += h;
+    y.q += h * rate_.q, y.v += h * rate_.v, y.s += h * rate_.s;
+  }
+
+  /// Unit quaternions, then onto the constraints where the dynamics says so.
+  void land(Dynamics& dynamics, double t, StepReport& report) {
+    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
+      dynamics.normalize(end_);
+      report.violation = report.violation_after = dynamics.violation(end_);
+      return;
+    }
+    const ProjectReport landed = dynamics.project(end_);
+    report.violation = landed.before, report.violation_after = landed.after;
+    if (!landed.converged)
+      throw StepError(
+          fmt::format("template_integrator: the step of {:.3g} s from t = {:.9g} s could not be brought back "
+                      "onto the constraints; take a smaller step (--step)",
+                      report.h, t),
+          t);
+  }
+
+  State middle_, end_;
+  StateRate rate_;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.integrators.add(TemplateIntegrator::type_info(), &TemplateIntegrator::make); }

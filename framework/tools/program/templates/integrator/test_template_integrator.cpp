@@ -1,0 +1,18 @@
+// Measures the order of the integrator and tries what a run relies on. Give it the file of the plugin.
+#include <cstdio>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_integrator.h"
+#include "framework/description/registry/loader.h"
+
+int main(int argc, char** argv) try {
+  using namespace lockstep;
+  Registry registry = builtin_registry();
+  load_plugin(registry, argc > 1 ? argv[1] : "template_integrator");
+  const CheckReport report = check_integrator(registry, "template_integrator");
+  std::fputs(report.text().c_str(), stdout);
+  return report.ok() ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
+}

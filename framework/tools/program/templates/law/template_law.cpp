@@ -1,0 +1,51 @@
+// The motion law template_law: y goes to a new value and settles there, as a critically damped spring does.
+//
+// Change three things: the formulas in at(), the keys in info(), and what make() refuses. Then build and run the test.
+#include <cmath>
+
+#include "framework/description/registry/plugin.h"
+
+namespace {
+
+using namespace lockstep;
+
+///   y = rise (1 - (1 + u) exp(-u)),   u = (t - start)/time,   for u > 0;   y = 0 before
+class TemplateLaw final : public MotionLaw {
+ public:
+  TemplateLaw(double rise, double time, double start) : rise_(rise), time_(time), start_(start) {}
+
+  /// y and its first and second derivative at t.
+  LawValue at(double t) const override {
+    const double u = (t - start_) / time_;
+    if (u < 0) return {};
+    const double e = std::exp(-u);
+    return {rise_ * (1 - (1 + u) * e), rise_ * u * e / time_, rise_ * (1 - u) * e / (time_ * time_)};
+  }
+
+  /// The instants where y, yd or ydd jumps (here ydd): integrators land on them.
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (t0 < start_ && start_ < t1) out.push_back(start_);
+  }
+
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
+  /// given).
+  static TypeInfo info() {
+    return {"template_law",
+            "goes to a new value and settles there: rise (1 - (1 + u) exp(-u)), u = (t - start)/time > 0",
+            {{"rise", Form::number, Unit::any, "", "value in the end"},
+             {"time", Form::number, Unit::time, "", "from start to the largest speed, above zero"},
+             {"start", Form::number, Unit::time, "0", "instant at which it begins"}}};
+  }
+
+  static LawPtr<MotionLaw> make(const Params& p) {
+    if (!(p.number("time") > 0)) p.refuse("time", "is " + brief(p.number("time")) + " s; must be above zero");
+    return std::make_shared<TemplateLaw>(p.number("rise"), p.number("time"), p.number("start"));
+  }
+
+ private:
+  double rise_, time_, start_;
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.laws.add<TemplateLaw>(); }

@@ -1,0 +1,20 @@
+// Holds the law's derivatives against differences and looks for jumps that it does not tell. Give it the file of the
+// plugin.
+#include <cstdio>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_law.h"
+#include "framework/description/registry/loader.h"
+
+int main(int argc, char** argv) try {
+  using namespace lockstep;
+  Registry registry = builtin_registry();
+  load_plugin(registry, argc > 1 ? argv[1] : "template_law");
+  const auto law = registry.laws.make("template_law", {{"rise", 0.3}, {"time", 0.2}, {"start", 0.5}}, &registry, "law");
+  const CheckReport report = check_law(*law, {.from = 0, .to = 2});
+  std::fputs(report.text().c_str(), stdout);
+  return report.ok() ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
+}

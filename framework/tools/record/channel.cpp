@@ -1,0 +1,200 @@
+#include "framework/tools/record/channel.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <memory>
+#include <optional>
+
+#include "framework/tools/record/channel_entry.h"
+#include "framework/tools/record/quadrature.h"
+#include "framework/tools/record/turn_counter.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace channels {
+
+void add(Entries& out, std::string name, std::string unit, std::string help, Value value) {
+  out.push_back({std::move(name), std::move(unit), std::move(help),
+                 [value = std::move(value)](System&, Channel& c) { c.value = value; }});
+}
+
+void add_vector(Entries& out, const std::string& name, const std::string& unit, const std::string& help,
+                std::function<Vec3(const Sample&)> value) {
+  for (int k = 0; k < 3; ++k)
+    add(out, name + kAxisName[k], unit, fmt::format("{}, {}", help, kAxisName[k]),
+        [value, k](const Sample& s) { return value(s)[k]; });
+}
+
+void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw) {
+  const auto make = [raw = std::move(raw)](System&, Channel& c) {
+    const auto turns = std::make_shared<TurnCounter>();
+    c.value = [raw, turns](const Sample& s) {
+      const RawAngle a = raw(s);
+      return turns->at(a.angle, s.state.t, a.rate);
+    };
+    c.track = [raw, turns](const Sample& s) {
+      const RawAngle a = raw(s);
+      turns->accept(a.angle, s.state.t, a.rate);
+    };
+    c.jumped = c.track;
+    c.restart = [turns] { turns->restart(); };
+  };
+  out.push_back({std::move(name), "rad", std::move(help), make});
+}
+
+void add_integral(Entries& out, std::string name, std::string unit, std::string help, std::string id,
+                  std::function<double(const Evaluated&)> rate, bool of_reactions) {
+  const auto make = [id = std::move(id), rate = std::move(rate), of_reactions](System& system, Channel& c) {
+    const Quadrature& q = quadrature(system, id, rate, of_reactions);
+    c.value = [&q](const Sample& s) { return q.value(s.state); };
+  };
+  out.push_back({std::move(name), std::move(unit), std::move(help), make});
+}
+
+namespace {
+
+/// An object that has channels: "body 'crank'".
+struct Object {
+  std::string kind, name;
+  Entries entries;
+};
+
+template <class Items>
+auto find_named(const Items& items, std::string_view name) -> decltype(&*items.begin()) {
+  for (const auto& item : items) {
+    if constexpr (requires { item->name(); }) {
+      if (item->name() == name) return &item;
+    } else {
+      if (item.name == name) return &item;
+    }
+  }
+  return nullptr;
+}
+
+std::optional<Frame> find_frame(const System& system, std::string_view name) {
+  if (const Body* b = find_named(system.bodies(), name)) return Frame{b, nullptr};
+  if (const Marker* m = find_named(system.markers(), name)) return Frame{m->body, m};
+  return {};
+}
+
+void link_entries(const System& system, const Lock& link, Entries& out) {
+  of_link(system, link, out);
+  of_reactions(link, out);
+}
+
+std::optional<Object> find_object(const System& system, std::string_view name) {
+  Object found{"", std::string(name), {}};
+  if (const Body* b = find_named(system.bodies(), name)) {
+    found.kind = "body", of_body(*b, found.entries);
+  } else if (const Marker* m = find_named(system.markers(), name)) {
+    found.kind = "marker", of_frame({m->body, m}, found.entries);
+  } else if (const auto* l = find_named(system.links(), name)) {
+    found.kind = "link", link_entries(system, **l, found.entries);
+  } else if (const auto* f = find_named(system.forces(), name)) {
+    found.kind = "force", of_force(**f, found.entries);
+  } else {
+    return {};
+  }
+  return found;
+}
+
+std::vector<std::string> names_of(const Entries& entries) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) names.push_back(e.name);
+  return names;
+}
+
+Channel made(System& system, const std::string& name, const Entry& entry) {
+  Channel c{name, entry.unit, {}};
+  entry.make(system, c);
+  return c;
+}
+
+const Entry* find(const Entries& entries, std::string_view name) {
+  for (const Entry& e : entries)
+    if (e.name == name) return &e;
+  return nullptr;
+}
+
+[[noreturn]] void unknown_quantity(const std::string& channel, const std::string& owner, const std::string& quantity,
+                                   const Entries& entries) {
+  const std::vector<std::string> names = names_of(entries);
+  const std::string near = closest_name(quantity, names);
+  throw ModelError(fmt::format("channel \"{}\": {} has no \"{}\"{}; it has: {}", channel, owner, quantity,
+                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), join(names)));
+}
+
+[[noreturn]] void unknown_object(const System& system, const std::string& channel, const std::string& object) {
+  Entries totals;
+  of_totals(totals), of_run(totals);
+  std::vector<std::string> names;
+  for (const Body& b : system.bodies()) names.push_back(b.name);
+  for (const auto& l : system.links()) names.push_back(l->name());
+  for (const auto& f : system.forces()) names.push_back(f->name());
+  for (const Marker& m : system.markers()) names.push_back(m.name);
+  const std::vector<std::string> total_names = names_of(totals);
+  const std::string near = closest_name(channel, total_names);
+  const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : suggestion(object, names);
+  throw ModelError(
+      fmt::format("channel \"{}\": no body, marker, link or force is called \"{}\"{}; a channel is an object and a "
+                  "quantity like \"{}.x\", or one of {}",
+                  channel, object, hint, names.size() > 1 ? names[1] : "body", join(total_names)));
+}
+
+// "M.x@N": M seen from N.
+Channel make_pair_channel(System& system, const std::string& name, std::size_t at) {
+  const std::string left = name.substr(0, at), from = name.substr(at + 1);
+  const std::optional<Frame> n = find_frame(system, from);
+  if (!n) unknown_object(system, name, from);
+  for (std::size_t dot = left.rfind('.'); dot != std::string::npos && dot > 0; dot = left.rfind('.', dot - 1)) {
+    const std::optional<Frame> m = find_frame(system, left.substr(0, dot));
+    if (!m) continue;
+    Entries entries;
+    of_pair(*m, *n, entries);
+    const std::string quantity = left.substr(dot + 1);
+    if (const Entry* e = find(entries, quantity)) return made(system, name, *e);
+    unknown_quantity(name, fmt::format("'{}' seen from '{}'", left.substr(0, dot), from), quantity, entries);
+  }
+  unknown_object(system, name, left.substr(0, left.rfind('.')));
+}
+
+}  // namespace
+}  // namespace channels
+
+Channel make_channel(System& system, const std::string& name) {
+  using namespace channels;
+  if (!system.ready()) system.setup();
+  Entries totals;
+  of_totals(totals), of_run(totals);
+  if (const Entry* e = find(totals, name)) return made(system, name, *e);
+  if (const auto at = name.find('@'); at != std::string::npos) return make_pair_channel(system, name, at);
+  // The object's name may hold points ("A.P"), so may the quantity's ("drive.work"): the longest object's name wins.
+  for (std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
+    const std::optional<Object> object = find_object(system, name.substr(0, dot));
+    if (!object) continue;
+    const std::string quantity = name.substr(dot + 1);
+    if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
+    unknown_quantity(name, fmt::format("{} '{}'", object->kind, object->name), quantity, object->entries);
+  }
+  unknown_object(system, name, name.substr(0, name.find('.')));
+}
+
+std::vector<ChannelHelp> channel_help(const System& system) {
+  using namespace channels;
+  std::vector<ChannelHelp> all;
+  const auto take = [&](const std::string& object, const Entries& entries) {
+    for (const Entry& e : entries) all.push_back({object.empty() ? e.name : object + "." + e.name, e.unit, e.help});
+  };
+  const auto take_of = [&](const std::string& name) { take(name, find_object(system, name)->entries); };
+  for (const Body& b : system.bodies()) take_of(b.name);
+  for (const Marker& m : system.markers()) take_of(m.name);
+  for (const auto& l : system.links()) take_of(l->name());
+  for (const auto& f : system.forces()) take_of(f->name());
+  Entries totals;
+  of_totals(totals), of_run(totals);
+  take("", totals);
+  return all;
+}
+
+}  // namespace lockstep

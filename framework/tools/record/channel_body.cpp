@@ -1,0 +1,103 @@
+// Channels of bodies and markers: motion in the world, and seen from another frame.
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/mechanism/params/angles.h"
+#include "framework/tools/record/channel_entry.h"
+
+namespace lockstep::channels {
+namespace {
+
+// Angle of the frame's own next axis about the world's axis k, for planar motion: angle_z is that of its x axis.
+RawAngle turn_about(int k, const FrameMotion& m) {
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  const Vec3 n = m.A.col(i), nd = cross(m.w, n);  // (1.10)
+  return {std::atan2(n[j], n[i]), (n[i] * nd[j] - n[j] * nd[i]) / (n[i] * n[i] + n[j] * n[j])};
+}
+
+void add_quaternion(Entries& out, const std::string& help, const std::function<Quat(const Sample&)>& q) {
+  const char* const names[] = {"qw", "qx", "qy", "qz"};
+  for (int k = 0; k < 4; ++k)
+    add(out, names[k], "", help + ", scalar first", [q, k](const Sample& s) { return q(s).coefficients()[k]; });
+}
+
+void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
+  for (const std::string name : {"cardan", "euler", "hpb"}) {
+    const std::string sequence = angle_sequence(name);
+    for (int k = 0; k < 3; ++k)
+      add(out, fmt::format("{}_{}", name, k + 1), "rad",
+          fmt::format("turn {} of three about own axes {}", k + 1, sequence),
+          [q, sequence, k](const Sample& s) { return to_angles(sequence, q(s)).value[k]; });
+    add(out, name + "_gimbal", "",
+        "1 where the outer axes of that sequence are parallel and the third turn is set to 0, else 0",
+        [q, sequence](const Sample& s) { return to_angles(sequence, q(s)).gimbal ? 1.0 : 0.0; });
+  }
+}
+
+}  // namespace
+
+void of_frame(const Frame& f, Entries& out) {
+  add_vector(out, "", "m", "origin in the world", [f](const Sample& s) { return motion_of(f, s.state).x; });
+  add_vector(out, "v", "m/s", "velocity of the origin, world",
+             [f](const Sample& s) { return motion_of(f, s.state).v; });
+  add_vector(out, "a", "m/s^2", "acceleration of the origin, world",
+             [f](const Sample& s) { return acceleration_of(f, s).a; });
+  const auto q = [f](const Sample& s) { return motion_of(f, s.state).q; };
+  add_quaternion(out, "quaternion to world axes", q);
+  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes",
+             [f](const Sample& s) { return motion_of(f, s.state).w; });
+  add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [f](const Sample& s) {
+    const FrameMotion m = motion_of(f, s.state);
+    return Vec3(m.A.transpose() * m.w);
+  });
+  add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
+             [f](const Sample& s) { return acceleration_of(f, s).alpha; });
+  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
+             [f](const Sample& s) { return Vec3(motion_of(f, s.state).A.transpose() * acceleration_of(f, s).alpha); });
+  for (int k = 0; k < 3; ++k)
+    add_angle(out, std::string("angle_") + kAxisName[k],
+              fmt::format("turn about the world's {}, of the own {} axis, counted past full turns", kAxisName[k],
+                          kAxisName[(k + 1) % 3]),
+              [f, k](const Sample& s) { return turn_about(k, motion_of(f, s.state)); });
+  add_sequences(out, q);
+}
+
+void of_body(const Body& body, Entries& out) {
+  of_frame({&body, nullptr}, out);
+  if (body.fixed) return;
+  const Body* const b = &body;  // the mass centre is the slot's origin
+  add_vector(out, "center_", "m", "mass centre in the world",
+             [b](const Sample& s) { return Vec3(s.state.q.segment<3>(7 * b->slot)); });
+  add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
+             [b](const Sample& s) { return Vec3(s.state.v.segment<3>(6 * b->slot)); });
+  add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
+             [b](const Sample& s) { return Vec3(s.values().a.segment<3>(6 * b->slot)); });
+}
+
+void of_pair(const Frame& m, const Frame& n, Entries& out) {
+  const auto y = [m, n](const Sample& s) { return relative(m, n, s.state); };
+  add_vector(out, "", "m", "origin, in the other's axes", [y](const Sample& s) { return Vec3(y(s).y.head<3>()); });
+  add_vector(out, "v", "m/s", "rate of that", [y](const Sample& s) { return Vec3(y(s).yd.head<3>()); });
+  add_vector(out, "a", "m/s^2", "second rate of that",
+             [m, n](const Sample& s) { return Vec3(relative_with_second(m, n, s).ydd.head<3>()); });
+  const auto q = [y](const Sample& s) { return Quat::from(y(s).y.tail<4>()); };
+  add_quaternion(out, "quaternion to the other's axes", q);
+  add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
+             [y](const Sample& s) { return y(s).w; });
+  for (int k = 0; k < 3; ++k)
+    add_angle(out, std::string("angle_") + kAxisName[k], "turn about the other's axis, counted past full turns",
+              [y, k](const Sample& s) {
+                const Relative r = y(s);
+                FrameMotion f;
+                f.A = rotation(Quat::from(r.y.tail<4>())), f.w = r.w;
+                return turn_about(k, f);
+              });
+  add_sequences(out, q);
+  add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).y.head<3>().norm(); });
+  add(out, "distance_d", "m/s", "rate of that; 0 where they meet", [y](const Sample& s) {
+    const Relative r = y(s);
+    const double d = r.y.head<3>().norm();
+    return d > 0 ? r.y.head<3>().dot(r.yd.head<3>()) / d : 0.0;
+  });
+}
+
+}  // namespace lockstep::channels

@@ -1,0 +1,48 @@
+// Channels of forces: their own quantities, power, what they store and what they take out.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "framework/tools/record/channel_entry.h"
+#include "framework/mechanism/system/blame.h"
+
+namespace lockstep::channels {
+
+double loss(const Force& f, const Evaluated& v) {
+  return named(f, v.in.t, [&] { return f.dissipation(v.in) + f.friction_loss(v.in, Reactions(v)); });
+}
+
+void of_force(const Force& force, Entries& out) {
+  const Force* const f = &force;
+  const std::vector<Quantity> own = force.quantities();
+  for (int k = 0; k < static_cast<int>(own.size()); ++k)
+    add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
+        fmt::format("quantity of a {} force", force.type()), [f, k](const Sample& s) {
+          const Evaluated& v = s.values();
+          return named(*f, v.in.t, [&] { return f->reacting_quantity(k, v.in, Reactions(v)); });
+        });
+  const auto free = [&out](const char* name) {  // a force's own words win
+    return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
+  };
+  const auto scratch = std::make_shared<VecX>();
+  if (free("power"))
+    add(out, "power", "W", "power that the force gives to the bodies", [f, scratch](const Sample& s) {
+      const Inputs& in = s.values().in;
+      scratch->setZero(s.state.v.size());
+      WrenchSum sum(in.motions, *scratch);
+      f->apply(in, sum);
+      f->react(in, Reactions(s.values()), sum);
+      return scratch->dot(s.state.v);
+    });
+  if (free("potential"))
+    add(out, "potential", "J", "energy stored in the force",
+        [f](const Sample& s) { return named(*f, s.state.t, [&] { return f->potential(s.values().in); }); });
+  if (free("dissipation"))
+    add(out, "dissipation", "W", "power taken out by dampers and friction",
+        [f](const Sample& s) { return loss(*f, s.values()); });
+  add_integral(out, "dissipated", "J", "energy taken out since the start", force.name() + ".dissipated",
+               [f](const Evaluated& v) { return loss(*f, v); });
+}
+
+}  // namespace lockstep::channels

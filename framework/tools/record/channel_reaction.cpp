@@ -1,0 +1,85 @@
+// Reactions of links and what drives add, from the multipliers and the rows alone: no formula a link.
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/mechanism/forces/reactions.h"
+#include "framework/tools/record/channel_entry.h"
+
+namespace lockstep::channels {
+namespace {
+
+constexpr int kJoint = Reactions::kJoint, kDrives = Reactions::kDrives;
+
+bool belongs(int drive_row, int part) { return part == kDrives ? drive_row >= 0 : drive_row == part; }
+
+LinkWrench on_body_of(const Marker& at, const Lock& link, const Evaluated& v, int part) {
+  return Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part);
+}
+
+void add_wrench(const Lock& link, const std::string& prefix, int part, const std::string& by, Entries& out) {
+  const Lock* const l = &link;
+  const auto [p, s] = link.pairs().front();
+  const Marker *const P = p, *const S = s;
+  add_vector(out, prefix + "force_on_p_world_", "N", fmt::format("force on p's body at P by {}, world axes", by),
+             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).force; });
+  add_vector(out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by),
+             [=](const Sample& x) {
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
+                           on_body_of(*P, *l, x.values(), part).force);
+             });
+  add_vector(out, prefix + "torque_on_p_world_", "N m", fmt::format("torque on p's body about P by {}, world axes", by),
+             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).moment; });
+  add_vector(out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by),
+             [=](const Sample& x) {
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
+                           on_body_of(*P, *l, x.values(), part).moment);
+             });
+  add_vector(out, prefix + "force_on_s_world_", "N", fmt::format("force on s's body at S by {}, world axes", by),
+             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).force; });
+  add_vector(out, prefix + "torque_on_s_world_", "N m", fmt::format("torque on s's body about S by {}, world axes", by),
+             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).moment; });
+}
+
+// (8.8) lambda . Ct over the rows of the drive
+double power_of_drive(const Lock& link, const Evaluated& v, int part) {
+  const int entry = v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
+  if (entry < 0) return 0;
+  const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
+  const RowBlock block = v.rows.block(e);
+  double power = 0;
+  for (int k = 0; k < e.m; ++k)
+    if (belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part))
+      power += v.lambda[e.first_row + k] * block.Ct(k);
+  return power;
+}
+
+void add_drive(const Lock& link, const std::string& name, int part, const std::string& by, Entries& out) {
+  const Lock* const l = &link;
+  add_wrench(link, name + ".", part, by, out);
+  add(out, name + ".power", "W", "power put in by " + by,
+      [l, part](const Sample& s) { return power_of_drive(*l, s.values(), part); });
+  add_integral(
+      out, name + ".work", "J", "work of " + by + " since the start", link.name() + "." + name + ".work",
+      [l, part](const Evaluated& v) { return power_of_drive(*l, v, part); }, true);
+}
+
+}  // namespace
+
+void of_reactions(const Lock& link, Entries& out) {
+  if (link.pairs().empty()) return;
+  add_wrench(link, "", kJoint, link.n_drives() > 0 ? "the link, drives left out" : "the link", out);
+  if (link.n_drives() == 0) return;
+  add_drive(link, "drive", kDrives, link.n_drives() > 1 ? "all its drives" : "its drive", out);
+  for (int d = 0; d < link.n_drives(); ++d)
+    add_drive(link, "drive_" + link.drive(d).name, d, "its drive on " + link.drive(d).name, out);
+}
+
+double power_of_laws(const Evaluated& v) {
+  double power = 0;
+  for (const RowEntry& e : v.rows.entries) {
+    const RowBlock block = v.rows.block(e);
+    for (int k = 0; k < e.m; ++k) power += v.lambda[e.first_row + k] * block.Ct(k);
+  }
+  return power;
+}
+
+}  // namespace lockstep::channels

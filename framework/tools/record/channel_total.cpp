@@ -1,0 +1,168 @@
+// Channels of the whole mechanism: energies, momenta; and of the run.
+#include <memory>
+
+#include "framework/tools/record/channel_entry.h"
+#include "framework/tools/record/quadrature.h"
+#include "framework/mechanism/system/blame.h"
+
+namespace lockstep::channels {
+namespace {
+
+double kinetic(const Sample& s) {
+  double twice = 0;
+  for (int k = 0; k < s.system().n_slots(); ++k) {
+    const Slot& b = s.system().slot(k);
+    const Vec3 v = s.state.v.segment<3>(6 * k), w = s.state.v.segment<3>(6 * k + 3);
+    twice += b.mass * v.squaredNorm() + w.dot(b.J * w);
+  }
+  return 0.5 * twice;
+}
+
+double potential(const Sample& s) {
+  double sum = 0;
+  for (int k = 0; k < s.system().n_slots(); ++k)
+    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.q.segment<3>(7 * k));
+  if (s.system().forces().empty()) return sum;
+  for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.values().in); });
+  return sum;
+}
+
+Vec3 momentum(const Sample& s) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.state.v.segment<3>(6 * k);
+  return sum;
+}
+
+Vec3 angular_momentum(const Sample& s) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < s.system().n_slots(); ++k) {
+    const Slot& b = s.system().slot(k);
+    const Motion O = slot_motion(s.state, k);
+    sum += cross(O.x, Vec3(b.mass * O.v)) + O.A * (b.J * O.w);
+  }
+  return sum;
+}
+
+// All of them at the evaluation, so that forces added later count.
+double dissipation(const System& system, const Evaluated& v) {
+  double sum = 0;
+  for (const auto& f : system.forces()) sum += loss(*f, v);
+  return sum;
+}
+
+double supply(const System& system, const Evaluated& v) {
+  double sum = 0;
+  for (const auto& f : system.forces()) sum += named(*f, v.in.t, [&] { return f->supply(v.in); });
+  return sum;
+}
+
+const Quadrature& drives(System& system) { return quadrature(system, "energy.drives", power_of_laws, true); }
+const Quadrature& dissipated(System& system) {
+  return quadrature(system, "energy.dissipated", [&system](const Evaluated& v) { return dissipation(system, v); });
+}
+
+const Quadrature& supplied(System& system) {
+  return quadrature(system, "energy.supplied", [&system](const Evaluated& v) { return supply(system, v); });
+}
+
+// total - drives - supplied + dissipated, minus its value at the start. What the system has not (links, forces) is not
+// integrated.
+void make_balance(System& system, Channel& c) {
+  const Quadrature* const led = system.links().empty() ? nullptr : &drives(system);
+  const Quadrature* const fed = system.forces().empty() ? nullptr : &supplied(system);
+  const Quadrature* const lost = system.forces().empty() ? nullptr : &dissipated(system);
+  const auto sum = [led, fed, lost](const Sample& s) {
+    double e = kinetic(s) + potential(s) + lost_in_impacts(s.system(), s.state);
+    if (led) e -= led->value(s.state);
+    if (fed) e -= fed->value(s.state);
+    if (lost) e += lost->value(s.state);
+    return e;
+  };
+  struct Start {
+    bool begun = false;
+    double value = 0;
+  };
+  const auto start = std::make_shared<Start>();
+  c.track = [sum, start](const Sample& s) {
+    if (!start->begun) *start = {true, sum(s)};
+  };
+  c.value = [sum, start](const Sample& s) { return start->begun ? sum(s) - start->value : 0.0; };
+  c.restart = [start] { start->begun = false; };
+}
+
+void make_rejected(System&, Channel& c) {
+  const auto count = std::make_shared<double>(0);
+  c.track = [count](const Sample& s) { *count += s.report.rejected; };
+  c.value = [count](const Sample&) { return *count; };
+  c.restart = [count] { *count = 0; };
+}
+
+}  // namespace
+
+double lost_in_impacts(const System& system, const State& state) {
+  double sum = 0;
+  for (const auto& link : system.links())
+    if (link->one_sided) sum += state.z[link->impact_memory()];
+  return sum;
+}
+
+void of_totals(Entries& out) {
+  add(out, "energy.kinetic", "J", "kinetic energy of all bodies", kinetic);
+  add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy", potential);
+  add(out, "energy.total", "J", "kinetic and potential energy",
+      [](const Sample& s) { return kinetic(s) + potential(s); });
+  out.push_back(
+      {"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
+         const Quadrature& q = drives(system);
+         c.value = [&q](const Sample& s) { return q.value(s.state); };
+       }});
+  out.push_back({"energy.supplied", "J", "work of the laws and motors of all forces since the start",
+                 [](System& system, Channel& c) {
+                   const Quadrature& q = supplied(system);
+                   c.value = [&q](const Sample& s) { return q.value(s.state); };
+                 }});
+  out.push_back({"energy.dissipated", "J", "energy taken out by all dampers, friction and impacts since the start",
+                 [](System& system, Channel& c) {
+                   const Quadrature& q = dissipated(system);
+                   c.value = [&q](const Sample& s) { return q.value(s.state) + lost_in_impacts(s.system(), s.state); };
+                 }});
+  out.push_back({"energy.balance", "J",
+                 "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
+                 make_balance});
+  add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
+  add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
+}
+
+void of_run(Entries& out) {
+  add(out, "step", "s", "the step that led here", [](const Sample& s) { return s.report.h; });
+  out.push_back({"rejected", "", "tries thrown away since the start", make_rejected});
+  const auto scratch = std::make_shared<VecX>();
+  add(out, "violation", "m", "largest residual of all rows, turns as lengths", [scratch](const Sample& s) {
+    const RowTable& rows = s.values().rows;
+    scratch->setZero(rows.n_rows);
+    for (const RowEntry& e : rows.entries)
+      for (int k = 0; k < e.m; ++k) (*scratch)[e.first_row + k] = rows.block(e).C(k);
+    return s.dynamics().norm(*scratch);
+  });
+  add(out, "evaluations", "", "evaluations of the equations of motion so far, those for the record included",
+      [](const Sample& s) { return static_cast<double>(s.dynamics().work().evaluations); });
+  add(out, "solver.residual", "", "largest residual of the rows' equations, relative", [](const Sample& s) {
+    s.values();
+    return s.dynamics().last_solve().residual;
+  });
+  add(out, "solver.corrections", "", "proximal corrections of this solution", [](const Sample& s) {
+    s.values();
+    return static_cast<double>(s.dynamics().last_solve().corrections);
+  });
+  add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
+      [](const Sample& s) {
+        s.values();
+        return s.dynamics().last_solve().detector;
+      });
+  add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution", [](const Sample& s) {
+    s.values();
+    return s.dynamics().last_solve().smallest_pivot;
+  });
+}
+
+}  // namespace lockstep::channels

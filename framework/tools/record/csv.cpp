@@ -1,0 +1,149 @@
+// Tables as CSV files: written and read without ever asking the locale.
+#include <spdlog/fmt/fmt.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <istream>
+#include <limits>
+#include <ostream>
+#include <string_view>
+
+#include "framework/tools/record/table.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+// A text with a separator, a quote or a line end is put in quotes, its own quotes doubled.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string all = "\"";
+  for (char c : text) {
+    if (c == '"') all += '"';
+    all += c;
+  }
+  return all + '"';
+}
+
+void append_number(std::string& line, double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  line.append(text, end.ptr);
+}
+
+std::string_view trimmed(std::string_view s) {
+  const auto first = s.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
+}
+
+// Cells of one line; a quoted cell may hold commas.
+void split(std::string_view line, std::vector<std::string>& cells) {
+  cells.assign(1, {});
+  bool inside = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
+      cells.back() += line[++i];
+    else if (c == '"')
+      inside = !inside;
+    else if (c == ',' && !inside)
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  for (std::string& cell : cells) cell = std::string(trimmed(cell));
+}
+
+// "Bx [N]" -> Bx, N
+void add_titled_column(Table& table, const std::string& text) {
+  const auto open = text.rfind(" [");
+  if (open == std::string::npos || text.back() != ']')
+    table.add_column(text);
+  else
+    table.add_column(std::string(trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
+}
+
+double read_number(std::string_view cell, const std::string& file, int line, const std::string& column) {
+  std::string_view digits = cell;
+  if (digits.size() > 1 && digits.front() == '+') digits.remove_prefix(1);
+  double value = 0;
+  const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (end.ec == std::errc::result_out_of_range)
+    throw FileError(fmt::format("{}:{}: column \"{}\": {} does not fit into a double (at most {}); scale the column",
+                                file, line, column, cell, std::numeric_limits<double>::max()));
+  if (end.ec != std::errc() || end.ptr != digits.data() + digits.size())
+    throw FileError(fmt::format("{}:{}: column \"{}\": \"{}\" is not a number; write it like 1.5e-3, with a point",
+                                file, line, column, cell));
+  return value;
+}
+
+}  // namespace
+
+void write_csv(std::ostream& out, const Table& table) {
+  std::string line;
+  for (const Column& c : table.columns()) line += (line.empty() ? "" : ",") + quoted(title(c));
+  line += '\n';
+  out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    line.clear();
+    for (const Column& c : table.columns()) {
+      if (!line.empty()) line += ',';
+      append_number(line, c.values[i]);
+    }
+    line += '\n';
+    out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  }
+}
+
+void write_csv(const std::string& file, const Table& table) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  if (out) write_csv(out, table);
+  out.close();
+  if (!out)
+    throw FileError(
+        fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
+                    errno != 0 ? std::strerror(errno) : "writing failed"));
+}
+
+Table read_csv(std::istream& in, const std::string& file) {
+  std::string text;
+  std::vector<std::string> cells;
+  if (!std::getline(in, text))
+    throw FileError(fmt::format("{}:1: the file is empty; its first line must name the columns", file));
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // byte order mark
+  Table table;
+  split(text, cells);
+  try {
+    for (const std::string& cell : cells) add_titled_column(table, cell);
+  } catch (const ModelError& e) {
+    throw FileError(fmt::format("{}:1: {}", file, e.what()));
+  }
+  std::vector<double> row(table.n_columns());
+  for (int line = 2; std::getline(in, text); ++line) {
+    if (trimmed(text).empty()) continue;
+    split(text, cells);
+    if (cells.size() != row.size())
+      throw FileError(
+          fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column", file,
+                      line, cells.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = read_number(cells[i], file, line, table.columns()[i].name);
+    table.add_row(row);
+  }
+  if (in.bad()) throw FileError(fmt::format("cannot read \"{}\" to its end; check the file", file));
+  return table;
+}
+
+Table read_csv(const std::string& file) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    throw FileError(fmt::format("cannot read \"{}\": {}; check the name and the folder", file,
+                                errno != 0 ? std::strerror(errno) : "opening failed"));
+  return read_csv(in, file);
+}
+
+}  // namespace lockstep

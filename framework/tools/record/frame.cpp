@@ -1,0 +1,88 @@
+#include "framework/tools/record/frame.h"
+
+namespace lockstep::channels {
+namespace {
+
+Vec3 slot_acceleration(const VecX& a, int slot) {
+  return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot));
+}
+Vec3 slot_alpha(const VecX& a, int slot) {
+  return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3));
+}
+
+LockPoint look_at(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
+  const bool moving = m.slide || m.spin || n.slide || n.spin;
+  return look(slot_motion(s, m.slot), slot_motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
+}
+
+}  // namespace
+
+MarkerFrame Frame::folded() const {
+  if (marker) return MarkerFrame(*marker);
+  MarkerFrame f;
+  f.slot = body->slot;
+  const Pose& p = body->fixed ? body->home : body->in_slot;
+  f.u0 = p.x, f.q0 = normalized(p.q), f.A0 = rotation(f.q0);
+  return f;
+}
+
+Motion slot_motion(const State& s, int slot) {
+  Motion O;
+  if (slot == kGround) return O;
+  O.x = s.q.segment<3>(7 * slot);
+  O.e = normalized(Quat::from(s.q.segment<4>(7 * slot + 3)));
+  O.A = rotation(O.e);
+  O.v = s.v.segment<3>(6 * slot);
+  O.w = s.v.segment<3>(6 * slot + 3);
+  return O;
+}
+
+FrameMotion motion_of(const Frame& frame, const State& s) {
+  const MarkerFrame f = frame.folded();
+  const Motion O = slot_motion(s, f.slot);
+  const MarkerMotion m = f.at(s.t);
+  FrameMotion r;
+  r.q = O.e * m.q;
+  r.A = O.A * m.A;
+  r.x = O.x + O.A * m.u;
+  r.v = O.v + O.A * (cross(O.w, m.u) + m.ud);
+  r.w = O.A * O.w + r.A * m.w;
+  return r;
+}
+
+FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
+  const VecX& a = sample.values().a;
+  const State& s = sample.state;
+  const MarkerFrame f = frame.folded();
+  const Motion O = slot_motion(s, f.slot);
+  const MarkerMotion m = f.at(s.t);
+  const Vec3 al = slot_alpha(a, f.slot);
+  // a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  alpha = A al + A_M md + (A w) x (A_M mw)
+  FrameAcceleration r;
+  r.a = slot_acceleration(a, f.slot) + O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
+  r.alpha = O.A * (al + m.A * m.a + cross(O.w, Vec3(m.A * m.w)));
+  return r;
+}
+
+Relative relative(const Frame& m, const Frame& n, const State& s) {
+  const MarkerFrame P = m.folded(), S = n.folded();
+  const LockPoint L = look_at(P, S, s);
+  Relative r;
+  r.y = L.y, r.yd = L.yd, r.ydd.setZero();
+  const FrameMotion p = motion_of(m, s), o = motion_of(n, s);
+  r.w = o.A.transpose() * (p.w - o.w);
+  return r;
+}
+
+Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
+  const VecX& a = sample.values().a;
+  const MarkerFrame P = m.folded(), S = n.folded();
+  const LockPoint L = look_at(P, S, sample.state);
+  Relative r = relative(m, n, sample.state);
+  // (2.2) ydd = Jh_y acc - Qhat_y
+  r.ydd = L.Jv1 * (slot_acceleration(a, P.slot) - slot_acceleration(a, S.slot)) + L.Jw1 * slot_alpha(a, P.slot) +
+          L.Jw2 * slot_alpha(a, S.slot) - L.Qhat;
+  return r;
+}
+
+}  // namespace lockstep::channels

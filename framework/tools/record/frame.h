@@ -1,0 +1,40 @@
+// Frame: a body's frame or a marker, and its motion in the world or seen from another one.
+#pragma once
+
+#include "framework/dynamics/simulate/observer.h"
+#include "framework/mechanism/lock/look.h"
+#include "framework/mechanism/lock/marker_frame.h"
+
+namespace lockstep::channels {
+
+/// One of the two; stays valid through a new set-up of the system, since it folds into the slot at each call.
+struct Frame {
+  const Body* body = nullptr;
+  const Marker* marker = nullptr;  ///< nullptr: the body's own frame
+  MarkerFrame folded() const;
+};
+
+/// World axes; alpha is the rate of w.
+struct FrameMotion {
+  Vec3 x, v, w;
+  Quat q;
+  Mat3 A;
+};
+struct FrameAcceleration {
+  Vec3 a, alpha;
+};
+
+Motion slot_motion(const State&, int slot);
+FrameMotion motion_of(const Frame&, const State&);
+FrameAcceleration acceleration_of(const Frame&, const Sample&);
+
+/// Frame m seen from frame n, in n's axes: the seven coordinates of (7.1), their rates and second rates.
+struct Relative {
+  Vec7T<double> y, yd, ydd;
+  Vec3 w;  ///< angular velocity of m against n
+};
+Relative relative(const Frame& m, const Frame& n, const State&);
+/// With ydd, which needs the accelerations.
+Relative relative_with_second(const Frame& m, const Frame& n, const Sample&);
+
+}  // namespace lockstep::channels

@@ -1,0 +1,41 @@
+#include "framework/tools/record/observe.h"
+
+#include "framework/description/scene/builder.h"
+
+namespace lockstep {
+
+void record_places(Mechanism& m) {
+  if (!m.run.record.empty()) return;
+  for (const Body& body : m.system.bodies())
+    if (!body.fixed)
+      for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
+}
+
+std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
+  auto recorder = std::make_unique<Recorder>(m.system);
+  for (const ChannelRequest& request : m.run.record) {
+    placed(request.where, "run.record", [&] {
+      Channel channel = make_channel(m.system, request.channel);
+      if (!request.name.empty()) channel.name = request.name;
+      recorder->add(std::move(channel));
+    });
+  }
+  return recorder;
+}
+
+std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
+  std::vector<Event> events;
+  for (const EventRequest& request : m.events) {
+    Event event = request.event;
+    if (!request.channel.empty()) {
+      const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
+                                     [&] { return make_channel(m.system, request.channel); });
+      recorder.follow(channel);
+      event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
+    }
+    events.push_back(std::move(event));
+  }
+  return events;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,22 @@
+#include "framework/tools/record/quadrature.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+const Quadrature& quadrature(System& system, const std::string& name,
+                             const std::function<double(const Evaluated&)>& rate, bool of_reactions) {
+  for (const auto& auxiliary : system.auxiliaries()) {
+    if (auxiliary->name() != name) continue;
+    if (const auto* found = dynamic_cast<const Quadrature*>(auxiliary.get())) return *found;
+    throw ModelError(
+        fmt::format("channel \"{0}\" integrates under its own name, but the system has a state '{0}' already; rename "
+                    "that state",
+                    name));
+  }
+  return static_cast<const Quadrature&>(system.add(std::make_unique<Quadrature>(name, rate, of_reactions)));
+}
+
+}  // namespace lockstep

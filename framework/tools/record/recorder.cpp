@@ -1,0 +1,59 @@
+#include "framework/tools/record/recorder.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+Recorder::Recorder(System& system, std::vector<Request> requests) {
+  table_.add_column("t", "s");
+  row_.resize(1);
+  for (const Request& r : requests) {
+    Channel c = make_channel(system, r.channel);
+    c.name = r.name;
+    add(std::move(c));
+  }
+}
+Recorder::~Recorder() = default;
+
+void Recorder::add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value) {
+  add(Channel{name, unit, std::move(value)});
+}
+
+void Recorder::add(Channel channel) {
+  if (!channel.value) throw ModelError(fmt::format("column \"{}\" has no function; give it one", channel.name));
+  table_.add_column(channel.name, channel.unit);
+  channels_.push_back(std::move(channel));
+  row_.resize(channels_.size() + 1);
+}
+
+void Recorder::follow(Channel channel) { followed_.push_back(std::move(channel)); }
+
+void Recorder::start(const Sample& sample) {
+  table_.clear_rows();
+  for (const std::vector<Channel>* all : {&channels_, &followed_})
+    for (const Channel& c : *all)
+      if (c.restart) c.restart();
+  step(sample);
+}
+
+void Recorder::step(const Sample& sample) {
+  for (const std::vector<Channel>* all : {&channels_, &followed_})
+    for (const Channel& c : *all)
+      if (c.track) c.track(sample);
+}
+
+void Recorder::jumped(const Sample& sample) {
+  for (const std::vector<Channel>* all : {&channels_, &followed_})
+    for (const Channel& c : *all)
+      if (c.jumped) c.jumped(sample);
+}
+
+void Recorder::output(const Sample& sample) {
+  row_[0] = sample.state.t;
+  for (std::size_t k = 0; k < channels_.size(); ++k) row_[k + 1] = channels_[k].value(sample);
+  table_.add_row(row_);
+}
+
+}  // namespace lockstep

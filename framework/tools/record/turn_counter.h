@@ -1,0 +1,38 @@
+// TurnCounter: an angle that runs on past full turns (theory, (7.9)).
+#pragma once
+
+#include <cmath>
+
+#include "framework/foundation/math/types.h"
+
+namespace lockstep {
+
+/// Angles are known up to full turns. The counter keeps the last accepted angle and takes the branch nearest to where
+/// the rates lead from there, so that a step may make several turns as long as its rates change by less than half a
+/// turn.
+class TurnCounter {
+ public:
+  /// The angle at time t, from any branch `raw` (rad) and its rate (rad/s). Before the first accept: in (-pi, pi].
+  double at(double raw, double t, double rate) const {
+    if (!begun_) return principal(raw);
+    const double way = 0.5 * (t - t_) * (rate_ + rate);
+    const double expected = std::isfinite(way) ? angle_ + way : angle_;
+    return raw + kTwoPi * std::round((expected - raw) / kTwoPi);
+  }
+  void accept(double raw, double t, double rate) {
+    angle_ = at(raw, t, rate);
+    t_ = t, rate_ = rate, begun_ = true;
+  }
+  void restart() { begun_ = false; }
+
+  static double principal(double raw) {
+    const double a = raw - kTwoPi * std::round(raw / kTwoPi);
+    return a <= -kPi ? a + kTwoPi : a;
+  }
+
+ private:
+  bool begun_ = false;
+  double angle_ = 0, t_ = 0, rate_ = 0;
+};
+
+}  // namespace lockstep

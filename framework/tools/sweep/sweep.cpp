@@ -1,0 +1,148 @@
+#include "framework/tools/sweep/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/record/observe.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+namespace {
+
+SimulationOptions options_of(const RunSettings& run) {
+  return {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times};
+}
+
+ColumnRange range_of(const std::vector<double>& values) {
+  ColumnRange range{values.back(), values.front(), values.front()};
+  for (const double x : values) {
+    if (!(x >= range.least)) range.least = x;  // a NaN is not passed over
+    if (!(x <= range.most)) range.most = x;
+  }
+  return range;
+}
+
+void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
+              const std::function<bool(const State&)>& go_on) {
+  std::vector<Event> events = make_events(m, recorder);
+  Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+  State start = m.system.start();
+  if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
+  Simulation sim(dynamics, make_integrator(m.run, registry), options_of(m.run));
+  sim.add_observer(recorder);
+  for (Event& event : events) sim.add_event(std::move(event));
+  sim.set_state(std::move(start));
+  sim.progress = [&](const State& s) {
+    result.broken_off = go_on && !go_on(s);
+    return !result.broken_off;
+  };
+  const SimulationReport& report = sim.report();
+  try {
+    sim.run_until(m.run.until);
+  } catch (...) {
+    result.steps = report.steps;
+    throw;
+  }
+  result.steps = report.steps;
+  if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
+}
+
+void refuse_other_columns(const Table& table, const Table& like) {
+  if (table.names() != like.names())
+    throw ModelError("it records other columns than the first run; name in \"run\" what is recorded");
+}
+
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string titled(const std::string& name, const std::string& unit) {
+  return cell(unit.empty() ? name : name + " [" + unit + "]");
+}
+
+}  // namespace
+
+SweepRun recorded_run(const Table& table) {
+  SweepRun run;
+  run.status = "ok";
+  if (table.n_rows() == 0) return run;
+  run.t = table.columns().front().values.back();
+  for (std::size_t k = 1; k < table.n_columns(); ++k) run.columns.push_back(range_of(table.columns()[k].values));
+  return run;
+}
+
+Table recorded_columns(const Scene& scene, const Registry& registry) {
+  Mechanism m = build(scene, registry);
+  record_places(m);
+  return make_recorder(m)->table();
+}
+
+SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& like,
+                   const std::function<bool(const State&)>& go_on, Table* history) {
+  SweepRun result;
+  result.status = "ok";
+  const double begin = thread_seconds();
+  try {
+    Mechanism m = build(scene, registry);
+    record_places(m);
+    const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    try {
+      refuse_other_columns(recorder->table(), like);
+      if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
+      simulate(m, *recorder, registry, result, go_on);
+    } catch (...) {
+      if (history != nullptr) *history = recorder->table();
+      throw;
+    }
+    SweepRun recorded = recorded_run(recorder->table());
+    result.columns = std::move(recorded.columns), result.t = recorded.t;
+    if (history != nullptr) *history = recorder->table();
+  } catch (const std::exception& error) {
+    result.failed = true;
+    result.status = what_of(error);
+  }
+  result.cpu = thread_seconds() - begin;
+  return result;
+}
+
+std::string sweep_header(const std::vector<Variable>& variables, const Table& columns) {
+  std::string line = "run";
+  for (const Variable& v : variables) line += "," + titled(v.path, v.unit);
+  const Column& time = columns.columns().front();
+  line += "," + titled(time.name + " final", time.unit);
+  for (std::size_t k = 1; k < columns.n_columns(); ++k)
+    for (const char* what : {" final", " min", " max"})
+      line += "," + titled(columns.columns()[k].name + what, columns.columns()[k].unit);
+  return line + ",steps,cpu [s],status\n";
+}
+
+std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
+                      const Table& columns, const SweepRun& result) {
+  std::string line = std::to_string(run);
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    line += "," + cell(one_line(plain_text(variables[k].values[choice[k]])));
+  const std::size_t n = columns.n_columns() - 1;
+  if (result.failed || result.columns.size() != n) {
+    line += std::string(1 + 3 * n, ',');
+  } else {
+    line += "," + number(result.t);
+    for (const ColumnRange& c : result.columns)
+      for (const double x : {c.last, c.least, c.most}) line += "," + number(x);
+  }
+  const std::string status = result.failed ? "failed: " + result.status : result.status;
+  return line + "," + std::to_string(result.steps) + "," + number(result.cpu) + "," + cell(one_line(status)) + "\n";
+}
+
+}  // namespace lockstep

@@ -1,0 +1,149 @@
+#include "framework/tools/sweep/sweep_lanes.h"
+
+#include <cmath>
+
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/batch/copies.h"
+#include "framework/tools/record/observe.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+struct BrokenOff {};  // thrown by the output, to leave Copies::run
+
+/// One run: its mechanism stays where it is in memory.
+struct Lane {
+  Mechanism mechanism;
+  std::unique_ptr<Recorder> recorder{};
+  std::unique_ptr<Dynamics> dynamics{};
+  State start{};
+};
+
+bool has_keys(const Typed& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
+
+// Of the settings that all runs of a sweep share, mostly.
+std::string unsuited(const RunSettings& run) {
+  const std::string& method = run.integrator.type;
+  if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
+    return "lanes are there for dop853 and dopri5 without keys";
+  if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
+  if (run.formulation != Formulation::omega) return "lanes have the formulation omega";
+  if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
+  if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
+  return {};
+}
+
+std::string unsuited(Mechanism& m) {
+  if (!m.events.empty()) return "the scene has events";
+  for (const ChannelRequest& request : m.run.record) {
+    if (request.channel == "step" || request.channel.rfind("solver.", 0) == 0 ||
+        make_channel(m.system, request.channel).track)
+      return "column \"" + request.channel + "\" looks at every step";
+  }
+  return Copies::unsuited(m.system);
+}
+
+bool alike(const RunSettings& a, const RunSettings& b) {
+  return a.integrator.type == b.integrator.type && a.until == b.until && a.step == b.step && a.output == b.output &&
+         a.times == b.times && a.tolerance.relative == b.tolerance.relative &&
+         a.tolerance.atol_x == b.tolerance.atol_x && a.stabilization.kind == b.stabilization.kind &&
+         a.stabilization.tolerance == b.stabilization.tolerance;
+}
+
+// The instants at which a Simulation puts out.
+std::vector<double> output_times(const RunSettings& run) {
+  std::vector<double> times;
+  if (!run.times.empty()) {
+    for (const double t : run.times)
+      if (t <= run.until) times.push_back(t);
+    return times;
+  }
+  for (long k = 0; static_cast<double>(k) * run.output < run.until - 1e-9 * run.output; ++k)
+    times.push_back(static_cast<double>(k) * run.output);
+  times.push_back(run.until);
+  return times;
+}
+
+std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
+  auto lane = std::make_unique<Lane>(Lane{build(scene, registry)});
+  record_places(lane->mechanism);
+  return lane;
+}
+
+void prepare(Lane& lane, const Registry& registry) {
+  Mechanism& m = lane.mechanism;
+  lane.recorder = make_recorder(m);
+  lane.dynamics = std::make_unique<Dynamics>(m.system, make_solver(m.run, registry),
+                                             DynamicsOptions{m.run.formulation, m.run.stabilization});
+  lane.start = m.system.start();
+  if (m.run.assemble) assemble(*lane.dynamics, lane.start, m.start_speeds);
+  lane.recorder->start(Sample(*lane.dynamics, lane.start, {}));
+}
+
+CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
+  CopiesOptions options;
+  options.registry = &registry;
+  options.integrator = run.integrator.type, options.tolerance = run.tolerance;
+  options.max_step = run.step, options.stabilization = run.stabilization;
+  return options;
+}
+
+std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, std::span<const double> times,
+                                     const Registry& registry, const std::function<bool(const State&)>& go_on) {
+  std::vector<System*> systems;
+  std::vector<State> starts;
+  for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
+  Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
+  return copies.run(starts, times, [&](int copy, std::size_t, const State& state) {
+    Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+    lane.recorder->output(Sample(*lane.dynamics, state, {}));
+    if (go_on && !go_on(state)) throw BrokenOff();
+  });
+}
+
+}  // namespace
+
+LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
+                     const std::function<bool(const State&)>& go_on, std::vector<Table>* histories) {
+  LaneRuns result;
+  const double begin = thread_seconds();
+  std::vector<std::unique_ptr<Lane>> lanes;
+  std::vector<CopyReport> reports;
+  try {
+    for (const Scene& scene : scenes) {
+      if (result.unsuited = unsuited(scene.run); !result.unsuited.empty()) return result;
+      if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return result;
+      lanes.push_back(make_lane(scene, registry));
+      if (result.unsuited = unsuited(lanes.back()->mechanism); !result.unsuited.empty()) return result;
+      prepare(*lanes.back(), registry);
+      if (lanes.back()->recorder->table().names() != like.names()) return result;
+    }
+    const std::vector<double> times = output_times(scenes.front().run);
+    if (lanes.empty() || times.empty()) return result;
+    reports = run_together(lanes, times, registry, go_on);
+  } catch (const BrokenOff&) {
+    SweepRun broken;
+    broken.broken_off = true;
+    result.runs.assign(scenes.size(), broken);
+    return result;
+  } catch (const Error&) {
+    return result;  // one of them cannot be: one by one, each gets its own reason
+  }
+  const double cpu = (thread_seconds() - begin) / static_cast<double>(lanes.size());
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    Table* history = histories != nullptr ? &(*histories)[i] : nullptr;
+    if (!reports[i].finished || !reports[i].error.empty()) {
+      result.runs.push_back(sweep_run(scenes[i], registry, like, go_on, history));
+      result.runs.back().cpu += cpu;
+      continue;
+    }
+    SweepRun run = recorded_run(lanes[i]->recorder->table());
+    run.steps = reports[i].steps, run.cpu = cpu;
+    result.runs.push_back(std::move(run));
+    if (history != nullptr) *history = lanes[i]->recorder->table();
+  }
+  return result;
+}
+
+}  // namespace lockstep

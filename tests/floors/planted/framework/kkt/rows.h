@@ -1,2 +1,0 @@
-#pragma once
-#include "framework/model/body.h"

@@ -1,2 +1,0 @@
-#include "framework/builtins.h"
-#include "framework/links/joints.h"

@@ -1,3 +1,0 @@
-#pragma once
-#include "framework/kkt/rows.h"
-#include "framework/support/text.h"

@@ -1,2 +1,0 @@
-#pragma once
-#include "framework/links/joints.h"

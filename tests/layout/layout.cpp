@@ -1,0 +1,157 @@
+// layout ROOT: holds every #include below ROOT against ROOT/framework/layout.txt. A file may include its own room and
+// the rooms that are listed before it.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folders that may be plugins (LOCKSTEP_BUILTINS=OFF): nothing in the library may need them, but the files that register.
+const std::set<std::string> kMayBePlugins = {"motionlaws", "integrators"};
+// Everything that stands on the library: above the last room.
+const std::set<std::string> kUsers = {"samples", "tests", "plugins"};
+// Files that register what is built in belong to the registry, wherever they are.
+const std::string kRegistry = "framework/description/registry";
+const std::set<std::string> kRegistering = {"register", "register_plugin"};
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+// The rooms of layout.txt, in their order.
+std::vector<std::string> read_rooms(const fs::path& file) {
+  std::vector<std::string> rooms;
+  std::ifstream text(file);
+  for (std::string line; std::getline(text, line);) {
+    const bool indented = !line.empty() && line.front() == ' ';
+    if (indented && trimmed(line).front() != '#') rooms.push_back(trimmed(line.substr(0, line.find('|'))));
+  }
+  return rooms;
+}
+
+// The opening mark and the path of an #include line; a blank and nothing for any other line.
+std::pair<char, std::string> included(std::string line) {
+  line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c == ' ' || c == '\t'; }), line.end());
+  const std::string word = "#include";
+  if (line.compare(0, word.size(), word) != 0 || line.size() < word.size() + 2) return {' ', ""};
+  const char mark = line[word.size()];
+  const std::size_t start = word.size() + 1;
+  const std::size_t end = line.find(mark == '<' ? '>' : mark, start);
+  if ((mark != '<' && mark != '"') || end == std::string::npos) return {' ', ""};
+  return {mark, line.substr(start, end - start)};
+}
+
+bool is_code(const fs::path& file) {
+  const std::string extension = file.extension().string();
+  return extension == ".h" || extension == ".cpp" || file.filename() == "version.h.in";
+}
+
+class Inspection {
+ public:
+  explicit Inspection(fs::path root) : root_(std::move(root)), rooms_(read_rooms(root_ / "framework/layout.txt")) {}
+
+  int run() {
+    const std::vector<fs::path> files = source_files();
+    for (const fs::path& file : files) inspect(file);
+    for (const std::string& room : rooms_)
+      if (!fs::is_directory(root_ / room)) fault("framework/layout.txt", 1, "there is no folder '" + room + "'");
+    std::cout << files.size() << " files, " << n_arrows_ << " includes between rooms, " << n_faults_ << " faults\n";
+    return n_faults_ == 0 && !files.empty() ? 0 : 1;
+  }
+
+ private:
+  std::vector<fs::path> source_files() const {
+    std::vector<fs::path> files;
+    for (const char* top : {"framework", "motionlaws", "integrators"}) {
+      if (!fs::is_directory(root_ / top)) continue;
+      for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_ / top))
+        if (is_code(entry.path())) files.push_back(fs::relative(entry.path(), root_));
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+  }
+
+  // The room of a file: the longest listed folder that holds it. A file beside the wings, such as framework/lockstep.h,
+  // belongs to nobody and may include all; other people's headers are "".
+  std::string room_of(const fs::path& path) const {
+    const std::string stem = path.filename().string().substr(0, path.filename().string().find('.'));
+    const std::string top = path.begin() == path.end() ? "" : path.begin()->string();
+    if (kUsers.count(top) != 0) return top;
+    if (top != "framework" && kMayBePlugins.count(top) == 0) return "";
+    if (kRegistering.count(stem) != 0) return kRegistry;
+    if (path.parent_path() == "framework") return "framework";
+    std::string best = path.parent_path().generic_string();
+    for (const std::string& room : rooms_)
+      if (path.generic_string().rfind(room + "/", 0) == 0) best = room;
+    return best;
+  }
+
+  // Place in the list; users of the library and files beside the wings come last; -1: not listed.
+  int rank(const std::string& room) const {
+    if (kUsers.count(room) != 0) return static_cast<int>(rooms_.size()) + 1;
+    if (room == "framework") return static_cast<int>(rooms_.size());
+    const auto found = std::find(rooms_.begin(), rooms_.end(), room);
+    return found == rooms_.end() ? -1 : static_cast<int>(found - rooms_.begin());
+  }
+
+  void inspect(const fs::path& file) {
+    const std::string from = room_of(file);
+    if (rank(from) < 0) {
+      fault(file.generic_string(), 1, "room '" + from + "' is not listed; add it to framework/layout.txt");
+      return;
+    }
+    std::ifstream text(root_ / file);
+    std::string line;
+    for (int number = 1; std::getline(text, line); ++number) {
+      const auto [mark, path] = included(line);
+      const std::string to = room_of(path);
+      if (to.empty() && mark == '"') {
+        fault(file.generic_string(), number,
+              "\"" + path + "\" does not start at the root of the repository, as in \"framework/version.h\"");
+      } else if (!to.empty() && to != from && path != "framework/version.h") {
+        ++n_arrows_;
+        judge(file.generic_string(), number, path, from, to);
+      }
+    }
+  }
+
+  void judge(const std::string& file, int line, const std::string& path, const std::string& from,
+             const std::string& to) {
+    const std::string arrow = "includes \"" + path + "\": " + from + " may not include ";
+    if (rank(to) < 0) {
+      fault(file, line, arrow + "room '" + to + "', which is not listed");
+    } else if (rank(to) > rank(from)) {
+      fault(file, line, arrow + to + ", which is listed after it");
+    } else if (kMayBePlugins.count(to) != 0 && from != kRegistry && from != "framework") {
+      fault(file, line, arrow + to + ", which may be a plugin");
+    }
+  }
+
+  void fault(const std::string& file, int line, const std::string& what) {
+    std::cout << file << ":" << line << ": " << what << "\n";
+    ++n_faults_;
+  }
+
+  fs::path root_;
+  std::vector<std::string> rooms_;
+  int n_arrows_ = 0, n_faults_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char* argv[]) {
+  if (argc != 2) {
+    std::cerr << "usage: test_layout ROOT\n";
+    return 2;
+  }
+  return Inspection(argv[1]).run();
+}

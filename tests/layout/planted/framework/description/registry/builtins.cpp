@@ -1,0 +1,1 @@
+#include "framework/mechanism/links/joints.h"

@@ -1,0 +1,2 @@
+#pragma once
+#include "framework/mechanism/model/body.h"

@@ -1,0 +1,2 @@
+#include "framework/description/registry/builtins.h"
+#include "framework/mechanism/links/joints.h"

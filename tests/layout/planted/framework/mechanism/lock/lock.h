@@ -1,0 +1,5 @@
+#pragma once
+#include "framework/mechanism/model/body.h"
+
+#  include "framework/mechanism/links/joints.h"
+#include "kernel.h"

@@ -1,0 +1,3 @@
+#pragma once
+#include "framework/dynamics/rows/rows.h"
+#include "framework/foundation/support/text.h"
