@@ -8,7 +8,7 @@
 
 #include <Eigen/SVD>
 
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
@@ -113,7 +113,7 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
       CHECK(link.row_name(k) == e.rows[static_cast<std::size_t>(k)]);
       CHECK(link.row_kind(k) ==
             (e.rows[static_cast<std::size_t>(k)].size() == 1 ? RowKind::translation : RowKind::rotation));
-      CHECK(link.drive_row(k) == -1);
+      CHECK(link.row(k).drive == -1);
     }
     const Rows rows = gathered(pair.system, pair.system.start());
     CHECK(rows.C.norm() < 1e-14);  // the joint fits where it was put
@@ -178,9 +178,9 @@ TEST_CASE("a generic lock is its mask in words", "[unit][links]") {
   REQUIRE(link.row_count() == 5);
   // drives are in the order in which they were given; the joint's own rows belong to none
   CHECK(link.n_drives() == 2);
-  CHECK(link.drive_row(0) == 0);
-  CHECK(link.drive_row(1) == -1);
-  CHECK(link.drive_row(4) == 1);
+  CHECK(link.row(0).drive == 0);
+  CHECK(link.row(1).drive == -1);
+  CHECK(link.row(4).drive == 1);
   CHECK(link.drive(0).name == "x");
   CHECK(link.drive(0).unit == "m");
   CHECK(link.drive(1).name == "rz");
@@ -211,7 +211,7 @@ struct RackAndPinion {  ///< oracle::Rack
   }
 };
 struct Cross {  ///< oracle::Universal: x_S . y_P
-  static constexpr Needs kNeeds = Needs::rotation;
+  static constexpr Reads kReads = Reads::rotation;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
@@ -462,12 +462,12 @@ TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
   Distance& rod = pair.system.add<Distance>("rod", far, pair.system.marker("bolt.S"), good);
   Distance& cord = pair.system.add<Distance>("cord", far, pair.system.marker("bolt.S"), bad);
   pair.system.setup();
-  CHECK(says(hinge.blame(0), {"drive rz"}));
-  CHECK(says(bolt.blame(0), {"translation law"}));
-  CHECK(says(weld.blame(0), {"rotation law"}));
-  CHECK(says(clamp.blame(0), {"marker 'clamp.S'"}));
-  CHECK(rod.blame(0).empty());
-  CHECK(says(cord.blame(0), {"law of its length"}));
+  CHECK(says(hinge.diagnose(0), {"drive rz"}));
+  CHECK(says(bolt.diagnose(0), {"translation law"}));
+  CHECK(says(weld.diagnose(0), {"rotation law"}));
+  CHECK(says(clamp.diagnose(0), {"marker 'clamp.S'"}));
+  CHECK(rod.diagnose(0).empty());
+  CHECK(says(cord.diagnose(0), {"law of its length"}));
 }
 
 TEST_CASE("a distance of zero is refused", "[unit][links]") {

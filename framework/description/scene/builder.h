@@ -61,7 +61,7 @@ class Builder {
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);
   void laws(const Params& common, Lock& link);
-  void one_sided(const Params& link, Lock&);
+  void unilateral(const Params& link, Lock&);
   void brought_along(const Params& link, const Site&, Lock&);
   void stops(const Value& object, const std::string& owner, const Site&);
   void start_speeds(const Params& common, const Lock& link);

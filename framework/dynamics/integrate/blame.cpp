@@ -99,7 +99,7 @@ void Dynamics::check_gathered(const State& state) const {
 void Dynamics::blame_rates(const State& state, const VecX& sd) const {
   const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
   for (const auto& link : system_.links())
-    if (bad(link->first_state(), link->n_states()))
+    if (bad(link->first_state(), link->n_own_states()))
       throw NonFiniteError(at_time(state.t) + label(*link) + ": the rate of its driven speed is not finite" +
                                law_words(*link, state.t, "; look at its parameters"),
                            state.t);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "framework/mechanism/forces/force.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include "framework/mechanism/lock/marker_frame.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
 

@@ -71,7 +71,7 @@ std::string label(const Force& force) { return label_of("force", force); }
 
 std::string law_at_fault(const Lock& link, double t) {
   try {
-    return link.blame(t);
+    return link.driven() == nullptr ? "" : link.driven()->diagnose(t);
   } catch (...) {  // the user's code too
     return {};
   }
@@ -91,12 +91,10 @@ void rethrow_from_rows(const System& system, const Inputs& in, const RowTable& t
     for (int k = 0; k < run.n; ++k) {
       const RowEntry& e = table.entries[static_cast<std::size_t>(run.first_entry + k)];
       const Lock* link = system.links()[static_cast<std::size_t>(e.link)].get();
-      const RowShape shape = run.in_plane || !e.plane
-                                 ? e.shape()
-                                 : RowShape{link->row_count(), e.slots.n, link->layout(), link->row_sign(), {}};
+      const RowShape shape = run.in_plane || !e.plane ? e.shape() : link->shape();
       named(*link, in.t, [&] {
         if (run.in_plane)
-          link->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
+          link->planar()->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
         else
           link->gather(Group(&link, 1), in, alone.spatial_span(shape));
       });

@@ -81,7 +81,7 @@ struct Look {
 void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
   RowTable table;
   const Lock* const one = &link;
-  const RowShape shape{link.row_count(), link.slots().n, link.layout(), link.row_sign(), {}};
+  const RowShape shape = link.shape();
   link.gather(Group(&one, 1), in, table.spatial_span(shape));
   const RowBlock block = table.spatial(shape);
   rows.resize(static_cast<std::size_t>(shape.m));
@@ -178,7 +178,8 @@ void System::setup_plane() {
       rows.own[static_cast<std::size_t>(rows.m++)] = row;
       offsets_ = offsets_ || s.has_arm();
     }
-    rows.by_link = links_[l]->setup_plane(plane_);
+    Planar* own = links_[l]->planar();
+    rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
   for (const auto& force : forces_)
     for (const Lock* link : force->reads()) {

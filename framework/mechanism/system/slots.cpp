@@ -102,7 +102,7 @@ void System::setup_merge() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
+    if (!link.is_weld() || !link.active_at_start() || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
         std::find(read.begin(), read.end(), &link) != read.end())
       continue;
     const auto [p, s] = link.pairs().front();
