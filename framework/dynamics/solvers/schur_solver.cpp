@@ -36,7 +36,8 @@ class SchurFactorization final : public Factorization {
   Aligned<double> A, Y, x, c, scale, diagonal, pivot, E, r, lambda, a, inverse, mass, given;
   std::vector<RowKind> kind;  // of every number of x
   bool masses_known = false;
-  long revision = -1;  // of the rows that the matrix was computed from
+  const RowTable* rows = nullptr;  // that the matrix was computed from, and their revision then
+  long revision = -1;
   int n_small = 0, n_small_usual = 0;
   std::array<double, 3> largest{};  // scale by kind
 
@@ -137,8 +138,9 @@ void SchurFactorization::read_masses(const Kkt& kkt) {
 
 void SchurFactorization::compute(const Kkt& kkt) {
   if (!masses_known) read_masses(kkt);
-  z.rows = kkt.pattern.rows->data();
-  revision = kkt.pattern.rows->revision();
+  rows = kkt.pattern.rows;
+  revision = rows->revision();
+  z.rows = rows->data();
   schur::fill(plan, z);
   schur::factor(plan, z);
   if (!plan.tree) count_small_pivots();
@@ -254,6 +256,7 @@ void SchurFactorization::unload(const KktPattern& pattern, VecX& a_out, VecX& la
 }
 
 SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c_in, VecX& a_out, VecX& lambda_out) {
+  z.rows = kkt.pattern.rows->data();
   std::copy(c_in.data(), c_in.data() + c_in.size(), given.data());
   free_motion(f);
   schur::start(plan, given.data(), z);
@@ -278,7 +281,7 @@ SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
     for (std::size_t i = 0; i < plan.size_x; ++i) x[i] = E[i] * lambda[i];
     correct();
   }
-  if (kkt.pattern.rows->revision() != revision) {  // the rows of the factor are gone: the caller iterates
+  if (kkt.pattern.rows != rows || rows->revision() != revision) {  // the rows of the factor are gone: the caller iterates
     unload(kkt.pattern, a_out, lambda_out);
     return report;
   }
