@@ -113,10 +113,10 @@ class LOCKSTEP_API Dynamics {
   std::unique_ptr<LinearSolver> solver_;
   DynamicsOptions options_;
   std::unique_ptr<Matrix> matrix_;
+  std::unique_ptr<Factorization> factor_;
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
   bool laid_out_ = false, factored_ = false;
-  bool rows_moved_ = false;  // since the last factor
   long revision_ = -1;       // of the system that was laid out
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;
