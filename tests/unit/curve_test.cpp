@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
 #include "framework/foundation/support/error.h"
+#include "framework/tools/check/check_lock.h"
 #include "motionlaws/from.h"
 #include "motionlaws/path.h"
 #include "motionlaws/translations.h"
@@ -140,8 +140,9 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   };
   const auto rail = [](const LawPtr<TranslationLaw>& path, const LawPtr<RotationLaw>& turn) {
     LinkBench bench;
-    return message_of<ModelError>(
-        [&] { bench.system.add<PathFollower>("rail", bench.p(), bench.s(), {path, turn}), bench.begin(); });
+    return message_of<ModelError>([&] {
+      bench.system.add<PathFollower>("rail", bench.p(), bench.s(), {path, turn}), bench.begin();
+    });
   };
   CHECK(wire(helix(), 0) == "no error");
   CHECK(rail(helix(), turning()) == "no error");

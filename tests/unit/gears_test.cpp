@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/links/rack_and_pinion.h"
 #include "framework/mechanism/links/screw.h"
-#include "framework/foundation/support/error.h"
+#include "framework/tools/check/check_lock.h"
 #include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
@@ -76,8 +76,15 @@ TEST_CASE("Gears and belts turn the way they should from any start", "[unit][lin
       {"external", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5); }, -1 / 2.5},
       {"internal", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::internal); }, 1 / 2.5},
       {"bevel", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::bevel); }, -1 / 2.5},
-      {"open belt", [](const CoupledPairs& s) { return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5}); }, 0.2 / 0.5},
-      {"crossed belt", [](const CoupledPairs& s) { return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5, true}); },
+      {"open belt",
+       [](const CoupledPairs& s) {
+         return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5});
+       },
+       0.2 / 0.5},
+      {"crossed belt",
+       [](const CoupledPairs& s) {
+         return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5, true});
+       },
        -0.2 / 0.5}};
   for (const Case& c : cases) {
     CAPTURE(c.name);
@@ -181,9 +188,16 @@ TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words
   CHECK(error([](const CoupledPairs& s) { Differential{s}; }) == "no error");
   check_words(error([](const CoupledPairs& s) { Differential(s, 0); }), {"link 'link'", "ratio 0", "above zero"});
   check_words(error([&](const CoupledPairs& s) { Differential(of_two(s), 1); }), {"'link'", "pair 3", "add it"});
-  check_words(error([&](const CoupledPairs& s) { Belt(of_two(s), {0, 0.1}); }), {"link 'link'", "radius 1 0", "above zero"});
-  check_words(error([&](const CoupledPairs& s) { Belt(of_two(s), {0.1, -2}); }), {"link 'link'", "radius 2 -2", "above zero"});
-  check_words(error([&](const CoupledPairs& s) { RackAndPinion(of_two(s), 0); }), {"link 'link'", "radius 0", "not zero"});
+  check_words(error([&](const CoupledPairs& s) {
+                Belt(of_two(s), {0, 0.1});
+              }),
+              {"link 'link'", "radius 1 0", "above zero"});
+  check_words(error([&](const CoupledPairs& s) {
+                Belt(of_two(s), {0.1, -2});
+              }),
+              {"link 'link'", "radius 2 -2", "above zero"});
+  check_words(error([&](const CoupledPairs& s) { RackAndPinion(of_two(s), 0); }),
+              {"link 'link'", "radius 0", "not zero"});
   LinkBench bench;
   check_words(message_of<ModelError>([&] { RollingRack("link", bench.p(), bench.s(), 0); }),
               {"link 'link'", "radius 0", "not zero"});

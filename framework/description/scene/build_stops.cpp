@@ -1,9 +1,9 @@
 // What a link brings along: that it is unilateral, the stops of its travel, its friction.
 #include <cmath>
 
-#include "framework/mechanism/forces/joint_friction.h"
 #include "framework/description/scene/builder.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/forces/joint_friction.h"
 
 namespace lockstep {
 namespace {
@@ -62,8 +62,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Site& o
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
-  if (const Jointed* joint = out_.system.link(of.name).jointed();
-      joint != nullptr && has(joint->mask(), row_of(axis)))
+  if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && has(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "nothing says where it ends; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))

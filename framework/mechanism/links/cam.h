@@ -47,8 +47,8 @@ struct LOCKSTEP_API RollerOnCam {
     const CamProfile::Vec2 p(y.x.v, y.y.v);
     const CamProfile::Point at = profile.at(foot(p, y.memory[0]));
     const double d = at.n.dot(p - at.c), k = at.curvature / (1 + at.curvature * d);
-    return of(y.x, y.y, d - roller, at.n[0], at.n[1], k * at.t[0] * at.t[0], k * at.t[0] * at.t[1],
-              k * at.t[1] * at.t[1]);
+    return function_of(y.x, y.y, d - roller, at.n[0], at.n[1], k * at.t[0] * at.t[0], k * at.t[0] * at.t[1],
+                       k * at.t[1] * at.t[1]);
   }
   double foot(const CamProfile::Vec2& p, double ahead) const { return profile.foot(p, std::atan2(p[1], p[0]) + ahead); }
   void initialise(const std::string& link, const LockCoords<Time>&) const { profile.check(link, roller); }

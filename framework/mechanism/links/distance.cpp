@@ -2,7 +2,6 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "motionlaws/from.h"
 
 namespace lockstep {
 namespace {
@@ -14,11 +13,11 @@ double distance_at_start(const Marker& p, const Marker& s) {
 }  // namespace
 
 Distance::Distance(std::string name, Marker& p, Marker& s, double length)
-    : Distance(std::move(name), p, s, law([length](auto) { return length; })) {}
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{{}, length}) {}
 
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
-    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length)}) {
-  if (!phi().length)
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length), 0}) {
+  if (!phi().law)
     throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
 }
 
@@ -26,7 +25,7 @@ Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(
 
 RowPlan Distance::plan_rows() {
   RowPlan plan = PhiLock::plan_rows();
-  const double length = phi().length->at(0.0).y;
+  const double length = phi().length_at(0.0);
   if (!(length > 0))
     throw ModelError("link '" + name() + "': length " + brief(length) +
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");

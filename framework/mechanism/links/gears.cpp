@@ -71,9 +71,8 @@ TypeInfo Belt::info() {
 
 std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
   for (const char* key : {"radius_1", "radius_2"}) require_positive(p, key);
-  return std::make_unique<Belt>(site, Options{.radius1 = p.number("radius_1"),
-                                              .radius2 = p.number("radius_2"),
-                                              .crossed = p.boolean("crossed")});
+  return std::make_unique<Belt>(
+      site, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
 }
 
 Differential::Differential(const CoupledPairs& pairs, double ratio)

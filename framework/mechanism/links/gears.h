@@ -27,7 +27,9 @@ struct TurnsOfTwo {
   T operator()(const LockCoords<T>& y1, const LockCoords<T>& y2) const {
     return turned(y1, y2) - reference;
   }
-  void initialise(const std::string&, const LockCoords<Time>& y1, const LockCoords<Time>& y2) { reference = turned(y1, y2).v; }
+  void initialise(const std::string&, const LockCoords<Time>& y1, const LockCoords<Time>& y2) {
+    reference = turned(y1, y2).v;
+  }
 };
 
 /// phi = a theta1 + b theta2 + c theta3 - reference.
@@ -46,7 +48,8 @@ struct TurnsOfThree {
   T operator()(const LockCoords<T>& y1, const LockCoords<T>& y2, const LockCoords<T>& y3) const {
     return turned(y1, y2, y3) - reference;
   }
-  void initialise(const std::string&, const LockCoords<Time>& y1, const LockCoords<Time>& y2, const LockCoords<Time>& y3) {
+  void initialise(const std::string&, const LockCoords<Time>& y1, const LockCoords<Time>& y2,
+                  const LockCoords<Time>& y3) {
     reference = turned(y1, y2, y3).v;
   }
 };

@@ -24,7 +24,7 @@ struct LOCKSTEP_API ScrewThread {
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     const T phi = advance(y) - reference;
-    return slip ? phi - of(*slip, y.t) : phi;
+    return slip ? phi - law_at(*slip, y.t) : phi;
   }
   void initialise(const std::string&, const LockCoords<Time>& y) { reference = advance(y).v; }
   void breakpoints(double t0, double t1, std::vector<double>& out) const;

@@ -32,7 +32,7 @@ struct Quantity {
 /// A link with laws of time: of its drives, of its rows, of its markers.
 class LOCKSTEP_API Driven {
  public:
-  /// Drives, each with exactly one row: Row::drive.
+  /// Drives, each with exactly one row: LinkRow::drive.
   virtual int n_drives() const { return 0; }
   virtual Quantity drive(int) const { return {}; }  ///< name ("rz") and unit (rad, m) of drive d
   /// Instants in (t0, t1) where one of its laws jumps.
@@ -88,7 +88,7 @@ class LOCKSTEP_API Remembering {
 /// taken from gather().
 class LOCKSTEP_API Planar {
  public:
-  virtual bool setup_plane(Plane) = 0;  ///< after setup(); false: it declines
+  virtual bool setup_plane(Plane) = 0;                                   ///< after setup(); false: it declines
   virtual RowLayout planar_layout() const { return RowLayout::planar; }  ///< or pair
   /// As Lock::gather, for the rows that lie in the plane, in their order.
   virtual void gather_plane(Group, const Inputs&, RowSpan) const = 0;

@@ -18,32 +18,32 @@
 namespace lockstep {
 
 /// What one row of a link is.
-struct Row {
+struct LinkRow {
   RowKind kind = RowKind::function;
   std::string name;  ///< "x", "e1", "phi": for messages and channels; unique within the link
   int drive = -1;    ///< number of the drive that it belongs to; -1: the joint itself
 };
 
 /// What a kernel is chosen by. Links of equal dynamic type, pattern, row count and slot count make a group.
-struct Pattern {
-  unsigned laws = 0;            ///< of MarkerLock: with::Bits of the laws present, and of parallel markers
-  Mask rows{}, mask{};          ///< with the drives', without them
-  unsigned char grounded = 0;   ///< 1: P's body, 2: S's
-  friend auto operator<=>(const Pattern&, const Pattern&) = default;
+struct LinkPattern {
+  unsigned laws = 0;           ///< of MarkerLock: with::Bits of the laws present, and of parallel markers
+  Mask rows{}, mask{};         ///< with the drives', without them
+  unsigned char grounded = 0;  ///< 1: P's body, 2: S's
+  friend auto operator<=>(const LinkPattern&, const LinkPattern&) = default;
 };
 
 /// The rows of a link, as its setup finds them.
 struct RowPlan {
-  std::vector<Row> rows;                 ///< 1 to kMaxRows
-  SlotList slots;                        ///< whose columns the rows touch
-  Pattern pattern;
-  RowLayout layout = RowLayout::dense;   ///< how the jacobians are kept (rows.h)
-  double sign = 1;                       ///< triple: +1 where the first slot is that of P's body
+  std::vector<LinkRow> rows;  ///< 1 to kMaxRows
+  SlotList slots;             ///< whose columns the rows touch
+  LinkPattern pattern;
+  RowLayout layout = RowLayout::dense;  ///< how the jacobians are kept (rows.h)
+  double sign = 1;                      ///< triple: +1 where the first slot is that of P's body
 
   /// One row more, with columns on v and w. A triple becomes dense by it.
-  void add(Row row) { rows.push_back(std::move(row)), layout = RowLayout::dense; }
+  void add(LinkRow row) { rows.push_back(std::move(row)), layout = RowLayout::dense; }
   /// One row more, with columns on w alone: a triple stays one.
-  void add_turning(Row row) { rows.push_back(std::move(row)); }
+  void add_turning(LinkRow row) { rows.push_back(std::move(row)); }
 };
 
 /// Four questions make a constraint: type(), pairs(), plan_rows() and gather(). All else is a facet (facets.h), which a
@@ -99,11 +99,11 @@ class LOCKSTEP_API Lock {
   void setup();
   void place(int number, int first_state, int first_memory);  ///< called by System::setup
   int row_count() const { return static_cast<int>(plan_.rows.size()); }
-  const Row& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }
+  const LinkRow& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }
   RowKind row_kind(int k) const { return row(k).kind; }
   const std::string& row_name(int k) const { return row(k).name; }
   const SlotList& slots() const { return plan_.slots; }
-  const Pattern& pattern() const { return plan_.pattern; }
+  const LinkPattern& pattern() const { return plan_.pattern; }
   RowLayout layout() const { return plan_.layout; }
   /// Of its rows in space.
   RowShape shape() const { return {row_count(), plan_.slots.n, plan_.layout, plan_.sign, {}}; }
@@ -145,8 +145,9 @@ constexpr bool facets_are_found() {
 template <class L>
 void check_facets() {
   if constexpr (std::derived_from<L, Lock>)
-    static_assert(facets_are_found<L>(), "a link that derives from a facet (Driven, Stateful, Remembering, "
-                                         "TangentFormula, Observable) overrides its accessor to return this");
+    static_assert(facets_are_found<L>(),
+                  "a link that derives from a facet (Driven, Stateful, Remembering, "
+                  "TangentFormula, Observable) overrides its accessor to return this");
 }
 
 }  // namespace lockstep

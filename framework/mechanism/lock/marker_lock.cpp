@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "framework/foundation/support/clones.h"
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/lock/dispatch.h"
 #include "framework/mechanism/lock/marker_lock_gather.h"
 #include "framework/mechanism/lock/pair_setup.h"
 #include "framework/mechanism/model/law_fault.h"
-#include "framework/foundation/support/clones.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
@@ -107,7 +107,8 @@ RowPlan MarkerLock::plan_rows() {
   for (int k = 0; k < 6; ++k) {
     if (!has(rows_, row_bit(k))) continue;
     row_[static_cast<std::size_t>(n_rows_++)] = k;
-    const auto driven = std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return index(d.axis) == k; });
+    const auto driven =
+        std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return index(d.axis) == k; });
     plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
                          driven == drives_.end() ? -1 : static_cast<int>(driven - drives_.begin())});
   }

@@ -101,8 +101,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   MarkerFrame P_, S_;
   int side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
   int n_rows_ = 0;
-  std::array<int, 6> row_{};     // row k of the link is row row_[k] of the lock
-  unsigned laws_ = 0;            // with::Bits of the laws present
+  std::array<int, 6> row_{};  // row k of the link is row row_[k] of the lock
+  unsigned laws_ = 0;         // with::Bits of the laws present
   std::vector<double> speed_start_;
 
   /// The lock in the plane of a planar mechanism: numbers where the plane's i and j stand for x and y.

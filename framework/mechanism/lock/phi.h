@@ -44,14 +44,15 @@ struct LockCoords {
 
 /// Law of time, or of any other number, on a jet: f(t) with its exact derivatives.
 template <int N>
-inline Jet<N> of(const MotionLaw& law, const Jet<N>& t) {
+inline Jet<N> law_at(const MotionLaw& law, const Jet<N>& t) {
   const LawValue l = law.at(t.v);
   return jet_detail::chain(t, l.y, l.yd, l.ydd);
 }
 
 /// f(a, b) by the chain rule, where f is known by numbers: its value, gradient and second derivatives at (a.v, b.v).
 template <int N>
-inline Jet<N> of(const Jet<N>& a, const Jet<N>& b, double f, double fa, double fb, double faa, double fab, double fbb) {
+inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa, double fb, double faa, double fab,
+                          double fbb) {
   Jet<N> r(f, fa * a.d + fb * b.d, fa * a.h + fb * b.h + faa * a.d * a.d + 2.0 * fab * a.d * b.d + fbb * b.d * b.d);
   r.g = fa * a.g + fb * b.g;
   return r;
@@ -131,7 +132,7 @@ struct PhiTraits {
   static constexpr int kVariables = start(kPairs);
   static constexpr int kWidth = (kVariables + 1) / 2 * 2;  // of gradients: whole packs
 
-  static Row row(int k) {
+  static LinkRow row(int k) {
     if constexpr (requires { Phi::kNames[0]; })
       return {kKind, Phi::kNames[static_cast<std::size_t>(k)]};
     else

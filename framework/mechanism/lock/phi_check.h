@@ -47,32 +47,44 @@ template <class Phi>
 struct Spelling {
   static_assert(IsClass<Phi>, "a function of a joint is a class or struct that is not final");
   using B = Beside<Phi, Misspellings>;
-  static_assert(requires(B b) { b.kPair, b.kNPairs, b.kNumPairs, b.kPairCount, b.Pairs, b.kpairs; },
-                "misspelt: a function says how many pairs of markers it takes by kPairs");
-  static_assert(requires(B b) { b.kRow, b.kNRows, b.kNumRows, b.kRowCount, b.Rows, b.krows; },
-                "misspelt: a function says how many rows it returns by kRows");
-  static_assert(requires(B b) { b.kNeeds, b.kNeed, b.kRead, b.kReading, b.kCoordinates, b.Reads, b.Needs, b.kreads; },
-                "misspelt: a function says which coordinates it reads by kReads (kNeeds is its old name)");
-  static_assert(requires(B b) {
-    b.kCountTurns, b.kCountTurn, b.kCountsTurn, b.kCountingTurns, b.kCountedTurns, b.kCounts_turns, b.kCountsturns,
-        b.kCountsTruns, b.kTurnsCounted, b.kTurns, b.CountsTurns, b.counts_turns;
-  }, "misspelt: a function says that angle_z() runs on past full turns by kCountsTurns");
-  static_assert(requires(B b) { b.kKinds, b.kRowKind, b.kRowKinds, b.kType, b.Kind; },
-                "misspelt: a function says what its rows measure by kKind");
-  static_assert(requires(B b) { b.kName, b.kRowNames, b.kRowName, b.Names; },
-                "misspelt: a function names its rows by kNames");
-  static_assert(requires(B b) { b.kMemories, b.kOwnMemory, b.kNMemory, b.Memory, b.n_memory; },
-                "misspelt: a function says how many numbers it remembers by kMemory");
-  static_assert(requires(B b) { b.initialize, b.initialse, b.initalise, b.init, b.at_home, b.at_start; },
-                "misspelt: what setup() calls with the poses of the start is initialise(link, y...)");
-  static_assert(requires(B b) { b.begin, b.start_memory, b.resets; },
-                "misspelt: what writes the memory of the start is reset(z, y...)");
-  static_assert(requires(B b) { b.remember, b.remembers, b.accept, b.accepts, b.accept_steps, b.acceptStep; },
-                "misspelt: what writes the memory after an accepted step is accept_step(z, y...)");
-  static_assert(requires(B b) { b.breakpoint, b.break_points, b.breakPoints; },
-                "misspelt: what lists the jumps of its laws is breakpoints(t0, t1, out)");
-  static_assert(requires(B b) { b.blame, b.diagnosis, b.diagnostic, b.diagnoses; },
-                "misspelt: what names the law at fault is diagnose(t) (blame is its old name)");
+  static_assert(
+      requires(B b) { b.kPair, b.kNPairs, b.kNumPairs, b.kPairCount, b.Pairs, b.kpairs; },
+      "misspelt: a function says how many pairs of markers it takes by kPairs");
+  static_assert(
+      requires(B b) { b.kRow, b.kNRows, b.kNumRows, b.kRowCount, b.Rows, b.krows; },
+      "misspelt: a function says how many rows it returns by kRows");
+  static_assert(
+      requires(B b) { b.kNeeds, b.kNeed, b.kRead, b.kReading, b.kCoordinates, b.Reads, b.Needs, b.kreads; },
+      "misspelt: a function says which coordinates it reads by kReads (kNeeds is its old name)");
+  static_assert(
+      requires(B b) {
+        b.kCountTurns, b.kCountTurn, b.kCountsTurn, b.kCountingTurns, b.kCountedTurns, b.kCounts_turns, b.kCountsturns,
+            b.kCountsTruns, b.kTurnsCounted, b.kTurns, b.CountsTurns, b.counts_turns;
+      },
+      "misspelt: a function says that angle_z() runs on past full turns by kCountsTurns");
+  static_assert(
+      requires(B b) { b.kKinds, b.kRowKind, b.kRowKinds, b.kType, b.Kind; },
+      "misspelt: a function says what its rows measure by kKind");
+  static_assert(
+      requires(B b) { b.kName, b.kRowNames, b.kRowName, b.Names; }, "misspelt: a function names its rows by kNames");
+  static_assert(
+      requires(B b) { b.kMemories, b.kOwnMemory, b.kNMemory, b.Memory, b.n_memory; },
+      "misspelt: a function says how many numbers it remembers by kMemory");
+  static_assert(
+      requires(B b) { b.initialize, b.initialse, b.initalise, b.init, b.at_home, b.at_start; },
+      "misspelt: what setup() calls with the poses of the start is initialise(link, y...)");
+  static_assert(
+      requires(B b) { b.begin, b.start_memory, b.resets; },
+      "misspelt: what writes the memory of the start is reset(z, y...)");
+  static_assert(
+      requires(B b) { b.remember, b.remembers, b.accept, b.accepts, b.accept_steps, b.acceptStep; },
+      "misspelt: what writes the memory after an accepted step is accept_step(z, y...)");
+  static_assert(
+      requires(B b) { b.breakpoint, b.break_points, b.breakPoints; },
+      "misspelt: what lists the jumps of its laws is breakpoints(t0, t1, out)");
+  static_assert(
+      requires(B b) { b.blame, b.diagnosis, b.diagnostic, b.diagnoses; },
+      "misspelt: what names the law at fault is diagnose(t) (blame is its old name)");
   static constexpr bool kChecked = true;
 };
 
@@ -90,35 +102,43 @@ struct Hooks {
     }
     (std::make_index_sequence<static_cast<std::size_t>(Traits::kPairs)>{});
   }
-  static constexpr auto initialise = [](auto& phi, const auto&... y) -> decltype(phi.initialise(std::string(), y...)) {};
-  static constexpr auto reset = [](const auto& phi, const auto&... y)
-      -> decltype(phi.reset(std::span<double>(), y...)) {};
-  static constexpr auto accept_step = [](const auto& phi, const auto&... y)
-      -> decltype(phi.accept_step(std::span<double>(), y...)) {};
+  static constexpr auto initialise = [](auto& phi, const auto&... y) -> decltype(phi.initialise(std::string(), y...)) {
+  };
+  static constexpr auto reset = [](const auto& phi,
+                                   const auto&... y) -> decltype(phi.reset(std::span<double>(), y...)) {};
+  static constexpr auto accept_step = [](const auto& phi,
+                                         const auto&... y) -> decltype(phi.accept_step(std::span<double>(), y...)) {};
 
   static constexpr bool kInitialises = takes<Time>(initialise), kResets = takes<Time>(reset),
                         kAccepts = takes<Time>(accept_step);
-  static constexpr bool kHasBreakpoints =
-      requires(const Phi& phi, std::vector<double>& out) { phi.breakpoints(0.0, 1.0, out); };
+  static constexpr bool kHasBreakpoints = requires(const Phi& phi, std::vector<double>& out) {
+    phi.breakpoints(0.0, 1.0, out);
+  };
   static constexpr bool kDiagnoses = requires(const Phi& phi) {
     { phi.diagnose(0.0) } -> std::convertible_to<std::string>;
   };
-  static_assert(kInitialises || requires(F f) { f.initialise; },
-                "initialise is not void initialise(const std::string& link, const LockCoords<Time>& y), with one y for "
-                "each pair");
-  static_assert(kResets || requires(F f) { f.reset; },
-                "reset is not void reset(std::span<double> z, const LockCoords<Time>& y) const, with one y for each "
-                "pair");
-  static_assert(kAccepts || requires(F f) { f.accept_step; },
-                "accept_step is not void accept_step(std::span<double> z, const LockCoords<Time>& y) const, with one y "
-                "for each pair");
-  static_assert(kHasBreakpoints || requires(F f) { f.breakpoints; },
-                "breakpoints is not void breakpoints(double t0, double t1, std::vector<double>& out) const");
-  static_assert(kDiagnoses || requires(F f) { f.diagnose; }, "diagnose is not std::string diagnose(double t) const");
+  static_assert(
+      kInitialises || requires(F f) { f.initialise; },
+      "initialise is not void initialise(const std::string& link, const LockCoords<Time>& y), with one y for "
+      "each pair");
+  static_assert(
+      kResets || requires(F f) { f.reset; },
+      "reset is not void reset(std::span<double> z, const LockCoords<Time>& y) const, with one y for each "
+      "pair");
+  static_assert(
+      kAccepts || requires(F f) { f.accept_step; },
+      "accept_step is not void accept_step(std::span<double> z, const LockCoords<Time>& y) const, with one y "
+      "for each pair");
+  static_assert(
+      kHasBreakpoints || requires(F f) { f.breakpoints; },
+      "breakpoints is not void breakpoints(double t0, double t1, std::vector<double>& out) const");
+  static_assert(
+      kDiagnoses || requires(F f) { f.diagnose; }, "diagnose is not std::string diagnose(double t) const");
   static_assert(Traits::kMemory == 0 || (kResets && kAccepts),
                 "a function with kMemory writes it by reset(z, y...) and accept_step(z, y...)");
   static_assert(Traits::kMemory > 0 || !(kResets || kAccepts),
                 "reset and accept_step write a memory; say by kMemory how many numbers it has");
+  static constexpr bool kChecked = true;
 };
 
 // ------------------------------------------------------------------------------------------------------------- reading
@@ -133,7 +153,8 @@ concept Unread = std::same_as<T, add_translation_to_kReads> || std::same_as<T, a
 template <class Half>
 void unread() {
   if constexpr (std::same_as<Half, add_translation_to_kReads>)
-    static_assert(!Unread<Half>, "this function reads x, y or z, which its kReads leaves out; add translation to kReads");
+    static_assert(!Unread<Half>,
+                  "this function reads x, y or z, which its kReads leaves out; add translation to kReads");
   else
     static_assert(!Unread<Half>, "this function reads e0 ... e3, which its kReads leaves out; add rotation to kReads");
 }

@@ -21,10 +21,10 @@
 #include <utility>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/lock/lock.h"
 #include "framework/mechanism/lock/phi_function.h"
 #include "framework/mechanism/params/site.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
@@ -34,10 +34,15 @@ struct CoupledPairs {
   std::vector<std::pair<const Marker*, const Marker*>> pairs;
 
   explicit CoupledPairs(std::string of) : name(std::move(of)) {}
-  CoupledPairs(const Site& site) : name(site.name), pairs(site.pairs.begin(), site.pairs.end()) {}  // NOLINT: a site is one
+  CoupledPairs(const Site& site)
+      : name(site.name), pairs(site.pairs.begin(), site.pairs.end()) {}  // NOLINT: a site is one
   /// Of pair k; throw ModelError when the marker is not given.
-  const Marker& p(std::size_t k) const { return Site::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k); }
-  const Marker& s(std::size_t k) const { return Site::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k); }
+  const Marker& p(std::size_t k) const {
+    return Site::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
+  }
+  const Marker& s(std::size_t k) const {
+    return Site::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k);
+  }
 };
 
 /// The first pairs of these joints: sys.add(std::make_unique<Gear>(across("mesh", {one, two}), Gear::Settings{2.0})).

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/lock/geometric_stiffness.h"
 #include "framework/mechanism/lock/marker_frame.h"
 #include "framework/mechanism/lock/pair_setup.h"
 #include "framework/mechanism/lock/phi_check.h"
 #include "framework/mechanism/lock/relative.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
@@ -25,7 +25,7 @@ class PhiFunction {
  public:
   using Traits = PhiTraits<Phi>;
   using Hooks = phi_check::Hooks<Phi>;
-  static_assert(phi_check::Spelling<Phi>::kChecked && phi_check::Reading<Phi>::kChecked);
+  static_assert(phi_check::Spelling<Phi>::kChecked && Hooks::kChecked && phi_check::Reading<Phi>::kChecked);
   static_assert(phi_check::names_fit<Phi>(), "kNames has one name for each of the kRows rows");
   static constexpr int kPairs = Traits::kPairs, kRows = Traits::kRows;
   using Grad = Jet<Traits::kWidth>;

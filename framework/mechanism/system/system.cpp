@@ -230,7 +230,7 @@ void System::setup_links() {
     if (!merged_[l]) set_up(*links_[l]);
   }
   // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
-  using Kind = std::tuple<std::type_index, Pattern, int, int>;
+  using Kind = std::tuple<std::type_index, LinkPattern, int, int>;
   std::map<Kind, std::vector<const Lock*>> members;
   std::vector<Kind> order;
   for (std::size_t k = 0; k < links_.size(); ++k) {

@@ -4,17 +4,17 @@
 #include <cmath>
 
 #include "framework/description/registry/builtins.h"
-#include "framework/tools/batch/copy_run.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/tools/batch/copy_run.h"
 
 namespace lockstep {
 namespace {
 
 // Whether markers are parallel is a matter of numbers.
-Pattern pattern_of(const Lock& link) {
-  Pattern pattern = link.pattern();
+LinkPattern pattern_of(const Lock& link) {
+  LinkPattern pattern = link.pattern();
   pattern.laws |= with::parallel;
   return pattern;
 }

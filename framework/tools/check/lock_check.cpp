@@ -8,8 +8,8 @@
 #include <limits>
 #include <set>
 
-#include "framework/tools/check/jumps.h"
 #include "framework/foundation/support/text.h"
+#include "framework/tools/check/jumps.h"
 
 namespace lockstep {
 
@@ -56,7 +56,7 @@ bool LockCheck::description() {
       add("names", fmt::format("two rows are called '{}'", link_.row_name(k)), "plan_rows()");
     if (const int drive = link_.row(k).drive; drive < -1 || drive >= n_drives)
       add("drives", fmt::format("{} belongs to drive {}, of {} drives", row(k), drive, n_drives),
-          "plan_rows() (Row::drive) and n_drives()");
+          "plan_rows() (LinkRow::drive) and n_drives()");
   }
   if (link_.pairs().empty()) add("pairs", "names no pair of markers", "pairs()");
   std::vector<int> slots;
@@ -224,7 +224,8 @@ void LockCheck::memory() {
   if (last > 1e-9 * (1 + z.norm()) && std::abs(last - first) < 1e-3 * first)
     add("memory",
         fmt::format("accept_step() at one state, called again and again there, adds the same each time {}", here()),
-        "accept_step(): what is remembered is where the link is, as the nearest branch of an angle, and no sum over calls");
+        "accept_step(): what is remembered is where the link is, as the nearest branch of an angle, and no sum over "
+        "calls");
 }
 
 void LockCheck::jumps() {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "framework/tools/record/channel_entry.h"
 #include "framework/mechanism/system/blame.h"
+#include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
 namespace {
@@ -92,8 +92,9 @@ void add_contact(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto room = std::make_shared<RowTable>();
   add(out, "gap", link.row_kind(0) == RowKind::translation ? "m" : "",
-      "how far the one-sided link is from holding; below zero is forbidden",
-      [l, room](const Sample& s) { return l->unilateral()->sign() * row_value(*l, s.dynamics().look(s.state), *room); });
+      "how far the one-sided link is from holding; below zero is forbidden", [l, room](const Sample& s) {
+        return l->unilateral()->sign() * row_value(*l, s.dynamics().look(s.state), *room);
+      });
   add(out, "in_contact", "", "1 while the one-sided link holds, 0 while it is free",
       [l](const Sample& s) { return s.state.modes[static_cast<std::size_t>(l->number())] ? 1.0 : 0.0; });
   add(out, "impact_loss", "J", "energy lost in its impacts since the start",
@@ -125,8 +126,7 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const std::vector<Quantity> own = observable->quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} link", link.type()),
-        [l, observable, k](const Sample& s) {
+        fmt::format("quantity of a {} link", link.type()), [l, observable, k](const Sample& s) {
           return named(*l, s.state.t, [&] { return observable->quantity(k, s.values().in); });
         });
 }
