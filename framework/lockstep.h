@@ -34,7 +34,6 @@
 #include "framework/description/scene/scene.h"
 #include "framework/tools/sweep/sweep.h"
 #include "framework/foundation/support/text.h"
-#include "framework/foundation/support/user_code_error.h"
 #include "framework/version.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"

@@ -22,7 +22,7 @@ struct DistanceFunction {
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - of(*length, y.t);
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const { length->breakpoints(t0, t1, out); }
-  std::string blame(double t) const { return law_fault("the law of its length", *length, t); }
+  std::string blame(double t) const { return law_fault("the law of its length", length, t); }
 };
 
 /// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without

@@ -7,7 +7,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
 
 namespace lockstep {
@@ -52,16 +52,17 @@ namespace {
 
 void check_one_sided(const Lock& link) {
   const OneSided& o = *link.one_sided;
-  const std::string who = "link '" + link.name() + "' is one-sided ";
+  const auto refuse = [&](const std::string& problem) {
+    throw ModelError("link '" + link.name() + "' is one-sided " + problem, {.thing = thing_of(link)});
+  };
   if (link.row_count() != 1)
-    throw ModelError(who + "and has " + std::to_string(link.row_count()) +
-                     " rows; a one-sided link has exactly one: take a link of one row, such as stop, distance or "
-                     "point_on_plane, or a lock with a mask of one word");
+    refuse("and has " + std::to_string(link.row_count()) +
+           " rows; a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+           "point_on_plane, or a lock with a mask of one word");
   if (!(o.restitution >= 0 && o.restitution <= 1))
-    throw ModelError(who + "with restitution " + brief(o.restitution) + "; it must lie between 0 and 1");
+    refuse("with restitution " + brief(o.restitution) + "; it must lie between 0 and 1");
   if (!(o.rest_speed > 0) || !std::isfinite(o.rest_speed))
-    throw ModelError(who + "with rest_speed " + brief(o.rest_speed) +
-                     "; it must be above zero, or bounces would never end");
+    refuse("with rest_speed " + brief(o.rest_speed) + "; it must be above zero, or bounces would never end");
 }
 
 }  // namespace
@@ -192,12 +193,18 @@ Force& System::force(const std::string& name) const {
 
 void System::setup() {
   if (ready_) return;
+  if (std::optional<ModelError> refusal = try_setup()) throw ModelError(*refusal);
+}
+
+std::optional<ModelError> System::try_setup() {
+  ready_ = false;
   setup_slots();
   setup_links();
   setup_forces();
   setup_states();
   setup_length();
-  if (plane_) setup_plane();
+  if (plane_)
+    if (std::optional<ModelError> refusal = setup_plane()) return refusal;
   ready_ = true;
   ++revision_;
   try {
@@ -206,6 +213,7 @@ void System::setup() {
     ready_ = false;
     throw;
   }
+  return {};
 }
 
 // States that steer the step stand first, quadratures behind them.
@@ -250,8 +258,9 @@ void System::setup_links() {
     set_up(*link);
     if (link->row_count() < 1 || link->row_count() > kMaxRows)
       throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) +
-                       " rows; a link has 1 to " + std::to_string(kMaxRows) +
-                       ": give it a mask, a drive or a function");
+                           " rows; a link has 1 to " + std::to_string(kMaxRows) +
+                           ": give it a mask, a drive or a function",
+                       {.thing = thing_of(*link)});
     if (link->one_sided) check_one_sided(*link);
   }
   // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
