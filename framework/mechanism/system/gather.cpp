@@ -64,6 +64,7 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
   const RowRun* now = nullptr;
+  table.renew();
   try {
     for (const RowRun& run : table.runs) {
       now = &run;
