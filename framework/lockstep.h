@@ -41,6 +41,7 @@
 #include "framework/tools/record/recorder.h"
 #include "framework/tools/sweep/observe.h"
 #include "framework/tools/sweep/sweep.h"
+#include "framework/foundation/support/text.h"
 #include "framework/version.h"
 #include "integrators/dop853.h"
 #include "integrators/dopri5.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/dynamics/evaluate/newton_factor.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 

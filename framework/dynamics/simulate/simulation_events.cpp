@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/integrate/blame.h"
 #include "framework/dynamics/simulate/simulation_loop.h"
 #include "framework/foundation/support/error.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 

@@ -24,7 +24,7 @@ struct AppliedVector {
 
 class LOCKSTEP_API Applied : public MarkerForce {
  public:
-  /// `value_key` names AppliedVector::value in messages. Throws ForceParameterError (a ModelError).
+  /// `value_key` names AppliedVector::value in messages. Throws ParameterError (a ModelError).
   Applied(std::string name, Marker& p, Marker* s, AppliedVector vector, const char* value_key);
   ~Applied() override;
 

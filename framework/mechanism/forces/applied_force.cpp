@@ -24,10 +24,8 @@ const TypeInfo& AppliedForce::info() {
 std::unique_ptr<Force> AppliedForce::make(const Site& site, const Params& k) {
   AppliedVector v = read(k, "force");
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  return built(k, [&] {
-    if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
-    return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
-  });
+  if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
 void AppliedForce::setup() {

@@ -21,7 +21,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
     std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N, the components
     AppliedAxes axes = AppliedAxes::world;
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   AppliedForce(std::string name, Marker& p, Options options);
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
 

@@ -23,10 +23,8 @@ const TypeInfo& AppliedTorque::info() {
 std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
   AppliedVector v = read(k, "torque");
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  return built(k, [&] {
-    if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
-    return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
-  });
+  if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
 void AppliedTorque::setup() {

@@ -21,7 +21,7 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
     std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N m, the components
     AppliedAxes axes = AppliedAxes::world;
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   AppliedTorque(std::string name, Marker& p, Options options);
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
 

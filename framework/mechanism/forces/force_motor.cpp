@@ -18,9 +18,7 @@ const TypeInfo& ForceMotor::info() {
 }
 
 std::unique_ptr<Force> ForceMotor::make(const Site& site, const Params& k) {
-  return built(k, [&] {
-    return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
-  });
+  return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
 }
 
 void ForceMotor::setup() {

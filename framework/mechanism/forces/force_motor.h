@@ -19,7 +19,7 @@ class LOCKSTEP_API ForceMotor final : public MarkerForce {
   struct Options {
     LawPtr<MotionLaw> force{};  ///< N; needed
   };
-  /// Throws ForceParameterError (a ModelError) without a law.
+  /// Throws ParameterError (a ModelError) without a law.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }

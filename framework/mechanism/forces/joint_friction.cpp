@@ -53,14 +53,15 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
                      "has no free direction or axis that its reaction presses on; friction is there in joints "
                      "such as revolute, prismatic, cylindrical, point_on_plane");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
-    throw ForceParameterError(this->name(), "radius",
-                              "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
+    throw ParameterError({.kind = "force", .name = this->name()}, "radius",
+                         "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
 }
 
 void JointFriction::check_numbers() const {
   const auto must = [&](bool ok, const char* key, double value, const char* limit) {
     if (!ok || !std::isfinite(value))
-      throw ForceParameterError(name(), key, "is " + number(value) + "; must be a finite number, " + limit);
+      throw ParameterError({.kind = "force", .name = name()}, key,
+                           "is " + number(value) + "; must be a finite number, " + limit);
   };
   const Options& o = options_;
   must(o.mu >= 0, "mu", o.mu, "0 or more");
@@ -111,7 +112,7 @@ JointFriction::Options JointFriction::options(const Params& k) {
 }
 
 std::unique_ptr<Force> JointFriction::make(const Site& site, const Params& k) {
-  return built(k, [&] { return std::make_unique<JointFriction>(site.name, site.carrier(), options(k)); });
+  return std::make_unique<JointFriction>(site.name, site.carrier(), options(k));
 }
 
 void JointFriction::setup() {

@@ -39,7 +39,7 @@ class LOCKSTEP_API JointFriction final : public Force {
     double viscous_turn = 0;        ///< c_t, N m s/rad
     double load_smoothing = 1e-6;   ///< e, N
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
+  /// Throws ParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
   JointFriction(std::string name, const Lock& link, Options options);
 
   std::string_view type() const override { return info().name; }

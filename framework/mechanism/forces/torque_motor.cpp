@@ -18,9 +18,7 @@ const TypeInfo& TorqueMotor::info() {
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
-  return built(k, [&] {
-    return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
-  });
+  return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
 }
 
 void TorqueMotor::setup() {

@@ -17,7 +17,7 @@ class LOCKSTEP_API TorqueMotor final : public MarkerForce {
   struct Options {
     LawPtr<MotionLaw> torque{};  ///< N m; needed
   };
-  /// Throws ForceParameterError (a ModelError) without a law.
+  /// Throws ParameterError (a ModelError) without a law.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }

@@ -7,38 +7,44 @@
 
 namespace lockstep {
 
+namespace {
+
+[[noreturn]] void refuse(const Lock& link, const std::string& problem) {
+  throw ModelError(
+      "link '" + link.name() + "' " + problem,
+      {.thing = {.kind = "link", .name = link.name(), .type = std::string(link.type()), .origin = link.origin()}});
+}
+
+}  // namespace
+
 Lock::Lock(std::string name) : name_(std::move(name)) {}
 Lock::~Lock() = default;
 
-void Lock::set_unilateral(const Unilateral& unilateral) {
-  check(unilateral, name_);
-  unilateral_ = unilateral;
+void Lock::set_unilateral(const Unilateral& u) {
+  if (!(u.restitution >= 0 && u.restitution <= 1))
+    refuse(*this, "is one-sided with restitution " + brief(u.restitution) + "; it must lie between 0 and 1");
+  if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
+    refuse(*this, "is one-sided with rest_speed " + brief(u.rest_speed) +
+                      "; it must be above zero, or bounces would never end");
+  unilateral_ = u;
 }
 
 void Lock::setup() {
   plan_ = plan_rows();
+  const std::string rows = std::to_string(row_count()) + " rows; ";
   if (row_count() < 1 || row_count() > kMaxRows)
-    throw ModelError("link '" + name_ + "' has " + std::to_string(row_count()) + " rows; a link has 1 to " +
-                     std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
+    refuse(*this,
+           "has " + rows + "a link has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
   if (unilateral_ && row_count() != 1)
-    throw ModelError("link '" + name_ + "' is one-sided and has " + std::to_string(row_count()) +
-                     " rows; a one-sided link has exactly one: take a link of one row, such as stop, distance or "
-                     "point_on_plane, or a lock with a mask of one word");
+    refuse(*this, "is one-sided and has " + rows +
+                      "a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+                      "point_on_plane, or a lock with a mask of one word");
 }
 
 void Lock::place(int number, int first_state, int first_memory) {
   number_ = number;
   first_state_ = first_state;
   first_memory_ = first_memory;
-}
-
-void check(const Unilateral& u, const std::string& link) {
-  const std::string who = "link '" + link + "' is one-sided ";
-  if (!(u.restitution >= 0 && u.restitution <= 1))
-    throw ModelError(who + "with restitution " + brief(u.restitution) + "; it must lie between 0 and 1");
-  if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
-    throw ModelError(who + "with rest_speed " + brief(u.rest_speed) +
-                     "; it must be above zero, or bounces would never end");
 }
 
 // ------------------------------------------------------------------------------------------------------------- tangent

@@ -67,12 +67,9 @@ void MarkerLock::add_drive(Drive drive) {
 
 std::string MarkerLock::diagnose(double t) const {
   for (const Drive& d : drives_)
-    if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), *d.law, t); !f.empty())
-      return f;
-  if (move_)
-    if (std::string f = law_fault("the imposed translation law", *move_, t); !f.empty()) return f;
-  if (turn_)
-    if (std::string f = law_fault("the imposed rotation law", *turn_, t); !f.empty()) return f;
+    if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), d.law, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed translation law", move_, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed rotation law", turn_, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() ? marker_fault(*s_, t) : at_p;
 }

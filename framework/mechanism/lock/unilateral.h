@@ -1,10 +1,6 @@
 // Unilateral: what makes a link of one row push and not pull.
 #pragma once
 
-#include <string>
-
-#include "framework/foundation/support/export.h"
-
 namespace lockstep {
 
 /// C >= 0 in place of C = 0. The link is out of force until C falls to zero; then the simulation gives the impact, and
@@ -15,8 +11,5 @@ struct Unilateral {
   bool below = false;        ///< C <= 0 is free in place of C >= 0 (a rope: the distance may be less than its length)
   double sign() const { return below ? -1.0 : 1.0; }
 };
-
-/// Throws ModelError, naming the link, when a number is out of its range.
-LOCKSTEP_API void check(const Unilateral&, const std::string& link);
 
 }  // namespace lockstep

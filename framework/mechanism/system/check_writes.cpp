@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "framework/foundation/support/user_code_error.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -38,7 +37,7 @@ class Fenced {
 
 template <class Thing>
 [[noreturn]] void refuse(const Thing& thing, const std::string& did) {
-  throw UserCodeError(label(thing) + " " + did, thing.origin(), 0.0);
+  throw UserCodeError(label(thing) + " " + did, {.thing = thing_of(thing), .problem = did});
 }
 
 // The user's code on its first call; what it throws comes again at the first evaluation, with its time.

@@ -3,7 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -63,9 +63,11 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
+  const RowRun* now = nullptr;
   table.renew();
   try {
     for (const RowRun& run : table.runs) {
+      now = &run;
       const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
       const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
       if (!plane_)
@@ -76,7 +78,7 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
         for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
     }
   } catch (...) {
-    rethrow_from_rows(*this, in, table);
+    rethrow_from_group(*this, in, table, *now);
   }
 }
 
@@ -93,8 +95,9 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
     } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
-                       ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
-                       " s, and the scene is planar; take \"planar\" out");
+                           ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
+                           " s, and the scene is planar; take \"planar\" out",
+                       {.thing = thing_of(*link), .t = in.t});
     }
   }
   for (int k = 0; k < e.m; ++k) {
@@ -119,10 +122,11 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
     }
   }
   WrenchSum sum(in.motions, f);
+  const Force* now = nullptr;
   try {
-    for (const auto& force : forces_) force->apply(in, sum);
+    for (const auto& force : forces_) now = force.get(), now->apply(in, sum);
   } catch (...) {
-    rethrow_from_forces(*this, in);
+    rethrow_in(context_of(*now, in.t));
   }
   if (plane_ && !forces_.empty()) check_plane(in, f);
 }
@@ -143,7 +147,8 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
-                         " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out");
+                             " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out",
+                         {.thing = thing_of(*force), .t = in.t});
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
 
 namespace lockstep {
@@ -174,12 +174,18 @@ Force& System::force(const std::string& name) const {
 
 void System::setup() {
   if (ready_) return;
+  if (std::optional<ModelError> refusal = try_setup()) throw ModelError(*refusal);
+}
+
+std::optional<ModelError> System::try_setup() {
+  ready_ = false;
   setup_slots();
   setup_links();
   setup_forces();
   setup_states();
   setup_length();
-  if (plane_) setup_plane();
+  if (plane_)
+    if (std::optional<ModelError> refusal = setup_plane()) return refusal;
   ready_ = true;
   ++revision_;
   try {
@@ -188,6 +194,7 @@ void System::setup() {
     ready_ = false;
     throw;
   }
+  return {};
 }
 
 // States that steer the step stand first, quadratures behind them.

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "framework/mechanism/system/blame.h"
 #include "framework/tools/record/channel_entry.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 namespace {
