@@ -31,7 +31,7 @@ TEST_CASE("stiff are damped modes that limit the step although they have decayed
   const auto look = [](double h_rate, double damped, double change, int steps) {
     StiffnessWatch watch(3.3);
     for (int i = 0; i < steps; ++i)
-      watch.look(0.1, 4.0, 4.0 * 100 * h_rate * h_rate, -4.0 * 10 * damped * h_rate, change);
+      watch.add(0.1, 4.0, 4.0 * 100 * h_rate * h_rate, -4.0 * 10 * damped * h_rate, change);
     return watch.stiff();
   };
   CHECK(look(3.3, 1, 1, 15));  // at the limit of stability

@@ -13,8 +13,6 @@
 namespace lockstep::lanes {
 namespace {
 
-constexpr double kViolation = 1e-3;      // of the scene's length, before projection
-constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
 constexpr std::size_t kL = kLanes;
 
 struct Lane {
@@ -24,7 +22,7 @@ struct Lane {
   bool lands = false;  // the present try ends on the course's next place
   double advised = 0, asked = 0;
   Course course;
-  StepControl control;
+  PiControl control;
   ErrorNorm norm;
 };
 
@@ -182,7 +180,7 @@ double LaneRun::error_of(int lane) {
   return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
 }
 
-// As EmbeddedRungeKutta::estimate.
+// EmbeddedRungeKutta::estimate for eight copies.
 void LaneRun::estimate(Numbers8& error) {
   error.fill(0);
   if (fixed_) return;
@@ -204,11 +202,7 @@ void LaneRun::estimate(Numbers8& error) {
   each(error_w_, true, error);
   if (!scheme_.second) return;
   each(second_w_, false, e3);
-  for (std::size_t l = 0; l < kL; ++l) {
-    const double e5 = error[l];
-    if (e5 == 0) continue;
-    error[l] = std::isfinite(e5) && std::isfinite(e3[l]) ? e5 * (e5 / std::hypot(e5, 0.1 * e3[l])) : HUGE_VAL;
-  }
+  for (std::size_t l = 0; l < kL; ++l) error[l] = combined_error(error[l], e3[l]);
 }
 
 void LaneRun::attempt() {
@@ -234,7 +228,8 @@ void LaneRun::attempt() {
       continue;
     }
     const bool on = task_.options.stabilization.kind != Stabilization::Kind::project ||
-                    (landed[i].converged && (fixed_ || landed[i].before <= kViolation * batch_.system(l).length()));
+                    (fixed_ ? landed[i].converged
+                            : end_is_near(landed[i].converged, landed[i].before, batch_.system(l).length()));
     on ? accept(l, error[i]) : reject(l, 0.5);
   }
 }
@@ -248,7 +243,7 @@ void LaneRun::accept(int lane, double error) {
   reports_[l].t = t_[l];
   ++reports_[l].steps;
   if (!fixed_) {
-    const double next = h_[l] * the.control.accept(error, the.tried);
+    const double next = h_[l] * the.control.accept(h_[l], error, 0, the.tried);
     the.advised = h_[l] < the.asked && !the.tried ? std::max(the.asked, next) : next;
   }
   the.tried = false;
@@ -273,9 +268,7 @@ void LaneRun::reject(int lane, double factor) {
   ++reports_[l].rejected;
   lanes_[l].tried = true;
   lanes_[l].advised = factor * h_[l];
-  if (fixed_ || lanes_[l].advised < kSmallestStep * std::max(std::abs(t_[l]), lanes_[l].asked) ||
-      t_[l] + lanes_[l].advised == t_[l])
-    leave(lane);
+  if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
 }
 
 void LaneRun::leave(int lane) {
