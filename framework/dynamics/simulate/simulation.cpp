@@ -7,70 +7,56 @@
 #include <exception>
 
 #include "framework/dynamics/integrate/blame.h"
-#include "framework/dynamics/simulate/simulation_loop.h"
+#include "framework/dynamics/simulate/clock.h"
+#include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/dynamics/simulate/event_locator.h"
+#include "framework/dynamics/simulate/step_interval.h"
 #include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
 namespace {
 
-// Name of the row that is violated most, by the norm of the dynamics. Only on the way to an error.
-std::string worst_row(Dynamics& dynamics, const State& state) {
-  dynamics.gather(state);
-  const RowTable& rows = dynamics.rows();
-  VecX c = VecX::Zero(rows.n_rows);
-  int worst = 0;
-  double most = -1;
-  for (const RowEntry& e : rows.entries)
-    for (int k = 0; k < e.m; ++k) {
-      const int row = e.first_row + k;
-      c[row] = rows.block(e).C(k);
-      const double size = dynamics.norm(c);
-      c[row] = 0;
-      if (size > most) most = size, worst = row;
-    }
-  return rows.n_rows > 0 ? dynamics.system().row_name(rows, worst) : "no row";
-}
-
-void check_start(Dynamics& dynamics, const State& s, double limit) {
-  const double c = dynamics.violation(s);
-  if (!(c <= limit))
-    throw AssemblyError(
-        fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
-                    "all {}; assemble it first",
-                    s.t, c, limit, worst_row(dynamics, s)));
-  const double cv = dynamics.violation_v(s);
-  if (!(cv <= limit))
-    throw AssemblyError(
-        fmt::format("the start velocities at t = {:.9g} s violate the constraints by {:.3g} m/s (limit {:.3g} "
-                    "m/s); assemble them first",
-                    s.t, cv, limit));
+void check_options(const SimulationOptions& options, const IntegratorInfo& info) {
+  const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
+  if (bad(options.step)) throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
+  if (bad(options.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options.output));
+  if (bad(options.tolerance.relative) || bad(options.tolerance.atol_x) ||
+      options.tolerance.relative + options.tolerance.atol_x == 0)
+    throw ModelError(fmt::format("the tolerance (relative {}, absolute {} m) must be > 0", options.tolerance.relative,
+                                 options.tolerance.atol_x));
+  const std::vector<double>& times = options.output_times;
+  if (!std::is_sorted(times.begin(), times.end()) ||
+      !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
+    throw ModelError("the output times must be finite and rising; sort them");
+  if (!info.adaptive && options.step == 0)
+    throw ModelError(
+        fmt::format("{} works with a fixed step; say which: SimulationOptions::step, or --step", info.name));
 }
 
 }  // namespace
 
+struct Simulation::Parts {
+  explicit Parts(Simulation& of)
+      : clock(of.system(), *of.method_, of.options_),
+        interval(of.dynamics_, *of.method_),
+        events(of.dynamics_, interval),
+        contacts(of.dynamics_, interval, of.options_.start_limit) {}
+
+  Clock clock;
+  StepInterval interval;
+  EventLocator events;
+  ContactManager contacts;
+  StateRate crossing;    // scratch of cross_jump
+  bool started = false;  // observers are
+};
+
 Simulation::Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, SimulationOptions options)
-    : dynamics_(dynamics),
-      method_(std::move(method)),
-      options_(std::move(options)),
-      loop_(std::make_unique<Loop>(*this)) {
+    : dynamics_(dynamics), method_(std::move(method)), options_(std::move(options)) {
   if (!method_) throw ModelError("a simulation needs an integrator; take one from the registry");
-  const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
-  if (bad(options_.step))
-    throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options_.step));
-  if (bad(options_.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options_.output));
-  if (bad(options_.tolerance.relative) || bad(options_.tolerance.atol_x) ||
-      options_.tolerance.relative + options_.tolerance.atol_x == 0)
-    throw ModelError(fmt::format("the tolerance (relative {}, absolute {} m) must be > 0", options_.tolerance.relative,
-                                 options_.tolerance.atol_x));
-  const std::vector<double>& times = options_.output_times;
-  if (!std::is_sorted(times.begin(), times.end()) ||
-      !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
-    throw ModelError("the output times must be finite and rising; sort them");
-  const IntegratorInfo info = method_->info();
-  if (!info.adaptive && options_.step == 0)
-    throw ModelError(
-        fmt::format("{} works with a fixed step; say which: SimulationOptions::step, or --step", info.name));
+  check_options(options_, method_->info());
+  parts_ = std::make_unique<Parts>(*this);
   method_->set_tolerance(options_.tolerance);
   dynamics_.set_up();
   state_ = dynamics_.system().start();
@@ -87,29 +73,13 @@ void Simulation::set_state(State state) {
 
 void Simulation::add_observer(Observer& observer) {
   observers_.push_back(&observer);
-  if (begun_) observer.start(Sample(dynamics_, state_, loop_->step));
+  if (begun_) observer.start(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
 Event& Simulation::add_event(Event event) {
-  if (!event.value && !(event.at >= 0))
-    throw ModelError(
-        fmt::format("event '{}' has neither an instant (at >= 0) nor a condition (value); give one", event.name));
-  if (!(event.tolerance > 0))
-    throw ModelError(fmt::format("event '{}': its tolerance of {} s must be > 0", event.name, event.tolerance));
-  for (const std::vector<std::string>* names : {&event.activate, &event.deactivate})
-    for (const std::string& name : *names)
-      if (system().merged(system().link(name)))
-        throw ModelError(
-            fmt::format("event '{}': link '{}' is merged into one slot and cannot be switched; keep it, as in "
-                        "set_merge(true, {{&link}})",
-                        event.name, name));
-  events_.push_back(std::move(event));
-  if (begun_) {
-    loop_->watched.push_back({});
-    loop_->watched.back().over = !events_.back().value && events_.back().at < state_.t;
-    loop_->watch();
-  }
-  return events_.back();
+  Event& added = parts_->events.add(std::move(event));
+  if (begun_) parts_->events.join(state_);
+  return added;
 }
 
 const SimulationReport& Simulation::run_until(double t) {
@@ -119,120 +89,211 @@ const SimulationReport& Simulation::run_until(double t) {
   report_.stopped = false;
   report_.stopped_by.clear();
   try {
-    loop_->t_end = t;
-    loop_->start();
-    while (!report_.stopped && state_.t < t) loop_->advance(t, 0);
-    loop_->output_end();
+    parts_->clock.set_end(t);
+    start();
+    while (!report_.stopped && state_.t < t) advance(t, 0);
+    output_end();
   } catch (const SolveError& e) {
-    loop_->finish(true);
+    finish(Errors::dropped);
     throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
   } catch (...) {
-    loop_->finish(true);
+    finish(Errors::dropped);
     throw;
   }
-  loop_->finish(false);
+  finish(Errors::thrown);
   return report_;
 }
 
 StepReport Simulation::step(double h) {
   if (!std::isfinite(h) || h < 0)
     throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
-  loop_->t_end = std::numeric_limits<double>::infinity();
+  constexpr double kOpen = std::numeric_limits<double>::infinity();
+  parts_->clock.set_end(kOpen);
   report_.stopped = false;
   report_.stopped_by.clear();
-  loop_->start();
-  if (!report_.stopped) loop_->advance(std::numeric_limits<double>::infinity(), h);
-  return loop_->step;
+  start();
+  if (!report_.stopped) advance(kOpen, h);
+  return parts_->interval.report();
 }
 
-void Simulation::Loop::start() {
-  if (sim.begun_) return;
-  sim.system().check_size(sim.state_);
-  check_start(sim.dynamics_, sim.state_, sim.options_.start_limit);
-  sim.dynamics_.accept(sim.state_);  // what is remembered shall know the speeds of the start too
-  adaptive = sim.method_->info().adaptive;
-  from = scratch = sim.state_;
-  step = {};
-  sim.report_ = {};
-  t_start = sim.state_.t;
-  next_output = 0;
-  breakpoints_to = -std::numeric_limits<double>::infinity();
-  last_output = -std::numeric_limits<double>::infinity();
-  watched.assign(sim.events_.size(), {});
-  for (std::size_t i = 0; i < watched.size(); ++i)
-    watched[i].over = !sim.events_[i].value && sim.events_[i].at < t_start;
-  contacts.lay_out(sim.system(), sim.dynamics_.options().stabilization);
-  if (!contacts.empty()) begin_contacts(), settle_contacts();
-  sim.begun_ = true;
+void Simulation::start() {
+  if (begun_) return;
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  system().check_size(state_);
+  check_start(dynamics_, state_, options_.start_limit);
+  dynamics_.accept(state_);  // memory includes the speeds of the start
+  interval.start(state_);
+  report_ = {};
+  clock.start(state_.t);
+  events.start(state_.t);
+  contacts.start(state_);
+  if (!contacts.empty()) settle_contacts();
+  begun_ = true;
   started = true;
-  const Sample sample(sim.dynamics_, sim.state_, step);
-  for (Observer* o : sim.observers_) o->start(sample);
-  skip_outputs_before(t_start);
-  if (output_due_at_end()) put_out(sample);
+  const Sample sample(dynamics_, state_, interval.report());
+  for (Observer* o : observers_) o->start(sample);
+  if (clock.output_due(state_.t)) output(sample);
   begin_method();
-  const bool changed = fire_due();
+  const bool changed = fire_events();
   if (contacts.empty()) return;
   if (changed) settle_contacts();
-  note_contacts(true);
+  contacts.note(state_, true);
 }
 
-void Simulation::Loop::advance(double limit, double largest) {
-  refresh_breakpoints(limit, largest);
-  const Target target = next_target(limit);
-  const double wanted = step_towards(target, largest);
-  from = sim.state_;
-  if (!has_dense) before.clear(), sim.method_->save(before);
-  step = named(*sim.method_, from.t, [&] { return sim.method_->step(sim.dynamics_, sim.state_, wanted); });
-  bool landed = step.h >= wanted && sim.state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
-  if (landed) sim.state_.t = target.reach;
-  take_advice(wanted);
-  const bool touched = !contacts.empty() && locate_contacts();
-  const bool met = !sim.events_.empty() && locate_events();
-  if ((met || touched) && sim.state_.t < target.reach) landed = false;
-  if (landed && target.jump) cross_to(target.t);
-  sim.dynamics_.accept(sim.state_);
-  ++sim.report_.steps;
-  sim.report_.rejected += step.rejected;
-  if (step.manifold) ++sim.report_.manifold_steps;
-  if (step.stiff) sim.report_.stiff_since = std::min(sim.report_.stiff_since, sim.state_.t);
-  sim.report_.largest_violation = std::max(sim.report_.largest_violation, step.violation_after);
-  outputs_inside(from.t, sim.state_.t);
+void Simulation::advance(double limit, double largest) {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t0 = state_.t;
+  const Clock::Target target =
+      clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
+  const double wanted = clock.step_towards(t0, target, largest);
+  interval.make(state_, wanted);
+  const StepReport& step = interval.report();
+  bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
+  if (landed) state_.t = target.reach;
+  clock.count_step(wanted, step);
+  const bool touched = !contacts.empty() && contacts.locate(state_);
+  const bool met = !events.empty() && events.locate(state_);
+  if ((met || touched) && state_.t < target.reach) landed = false;
+  const bool jump = landed && target.jump;
+  if (jump) cross_jump(target.t);
+  dynamics_.accept(state_);
+  ++report_.steps;
+  report_.rejected += step.rejected;
+  if (step.manifold) ++report_.manifold_steps;
+  if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
+  report_.largest_violation = std::max(report_.largest_violation, step.violation_after);
+  output_inside();
   observe_end();
-  if (landed && target.jump) make_consistent("the jump of a law");
-  if (landed || met || touched) anchor = sim.state_.t, n_from_anchor = 0;
-  const bool changed = !sim.events_.empty() && fire_due();
-  const bool moved = changed || met || touched || (landed && target.jump);
+  if (jump) make_consistent("the jump of a law");
+  if (landed || met || touched) clock.set_anchor(state_.t);
+  const bool changed = !events.empty() && fire_events();
+  const bool moved = changed || met || touched || jump;
   if (!contacts.empty()) {
     if (moved) settle_contacts();
-    note_contacts(moved);
+    contacts.note(state_, moved);
   }
   if (!moved) return;
-  const Sample sample(sim.dynamics_, sim.state_, step);
-  for (Observer* o : sim.observers_) o->jumped(sample);
+  const Sample sample(dynamics_, state_, step);
+  for (Observer* o : observers_) o->jumped(sample);
 }
 
-void Simulation::Loop::observe_end() {
-  const Sample sample(sim.dynamics_, sim.state_, step);
-  for (Observer* o : sim.observers_) o->step(sample);
-  if (output_due_at_end()) put_out(sample);
-  if (sim.progress && !sim.progress(sim.state_)) {
-    sim.report_.stopped = true;
-    sim.report_.stopped_by = "the caller";
+// The last part of a step to a jump, by the rates on its left side; the error is the square of that part.
+void Simulation::cross_jump(double t) {
+  const double h = t - state_.t;
+  if (h > 0) {
+    StateRate& rate = parts_->crossing;
+    dynamics_.rate(state_, rate);
+    state_.q += h * rate.q;
+    state_.v += h * rate.v;
+    state_.s += h * rate.s;
+    dynamics_.normalize(state_);
+  }
+  state_.t = t;
+}
+
+void Simulation::begin_method() {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t = state_.t, horizon = clock.horizon(t);
+  interval.begin(state_);
+  double guess = 0;
+  if (clock.adaptive() && horizon > 0)
+    guess = named(*method_, t, [&] { return method_->first_step(dynamics_, state_, horizon); });
+  clock.begin(t, guess);
+  events.watch(state_);
+}
+
+// Events by time and those whose condition was met, at the present state; whether any changed it.
+bool Simulation::fire_events() {
+  EventLocator& events = parts_->events;
+  bool changed = false, rewound = false;
+  std::string cause;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const EventLocator::Due due = events.take(i, state_.t);
+    if (due == EventLocator::Due::no) continue;
+    rewound = rewound || due == EventLocator::Due::by_condition;
+    const Event& e = events[i];
+    if (e.stop) report_.stopped = true, report_.stopped_by = e.name;
+    if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
+    apply(e);
+    changed = true;
+    cause += (cause.empty() ? "event '" : ", '") + e.name + "'";
+  }
+  if (changed) make_consistent(cause);
+  if (changed || rewound) begin_method();
+  return changed;
+}
+
+void Simulation::apply(const Event& e) {
+  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
+    const Lock& link = system().link(name);
+    state_.modes[static_cast<std::size_t>(link.number())] = on && !link.one_sided;
+    if (link.one_sided) state_.z[link.impact_memory() + 1] = on ? 1.0 : 0.0;
+  };
+  for (const std::string& name : e.activate) put(name, true);
+  for (const std::string& name : e.deactivate) put(name, false);
+  if (e.change) e.change(state_);
+  if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
+    throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
+                         state_.t);
+  dynamics_.normalize(state_);
+  engage_links(dynamics_, state_, e.activate);
+  check_links(dynamics_, state_, e.activate, "event '" + e.name + "'", options_.start_limit);
+  parts_->contacts.check_sides(state_, e.activate,
+                               "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
+}
+
+void Simulation::settle_contacts() {
+  const ContactManager::Settled settled = parts_->contacts.settle(state_);
+  if (settled.impact) ++report_.impacts;
+  if (!settled.resting.empty()) make_consistent(settled.resting);
+  if (settled.impact) dynamics_.accept(state_);  // counted turns go on at the new speeds
+  if (settled.restart) begin_method();
+}
+
+void Simulation::make_consistent(const std::string& cause) {
+  lockstep::make_consistent(dynamics_, state_, cause, options_.start_limit);
+  if (!parts_->events.empty()) parts_->events.watch(state_);
+}
+
+void Simulation::observe_end() {
+  const Sample sample(dynamics_, state_, parts_->interval.report());
+  for (Observer* o : observers_) o->step(sample);
+  if (parts_->clock.output_due(state_.t)) output(sample);
+  if (progress && !progress(state_)) {
+    report_.stopped = true;
+    report_.stopped_by = "the caller";
   }
 }
 
-void Simulation::Loop::finish(bool quietly) {
-  if (!started) return;
+void Simulation::output_inside() {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t0 = interval.from().t;
+  for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
+    if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
+}
+
+void Simulation::output(const Sample& sample) {
+  parts_->clock.note_output(sample.state.t);
+  for (Observer* o : observers_) o->output(sample);
+}
+
+void Simulation::output_end() {
+  if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
+}
+
+// What observers throw is dropped where another error is under way.
+void Simulation::finish(Errors of_observers) {
+  if (!parts_->started) return;
   std::exception_ptr first;
-  const Sample sample(sim.dynamics_, sim.state_, step);
-  for (Observer* o : sim.observers_) {
+  const Sample sample(dynamics_, state_, parts_->interval.report());
+  for (Observer* o : observers_) {
     try {
       o->finish(sample);
     } catch (...) {
       if (!first) first = std::current_exception();
     }
   }
-  if (first && !quietly) std::rethrow_exception(first);
+  if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
 }
 
 }  // namespace lockstep

@@ -1,7 +1,6 @@
-// Simulation: the step loop. Steps, lands on breakpoints, events and output times, accepts, lets observers look.
+// Simulation: the step loop. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -22,7 +21,7 @@ struct SimulationOptions {
 struct SimulationReport {
   long steps = 0, rejected = 0;
   double largest_violation = 0;                                  ///< |C| after accepted steps, m
-  long impacts = 0;                                              ///< instants at which one-sided links were hit
+  long impacts = 0;                                              ///< instants at which unilateral links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
   double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
   bool stopped = false;                                          ///< by an event or by stop()
@@ -58,15 +57,31 @@ class LOCKSTEP_API Simulation {
   const SimulationReport& report() const { return report_; }
 
  private:
-  struct Loop;
+  struct Parts;
+  /// First call of a run: start checked, method begun, observers started, events of this very instant.
+  void start();
+  /// One accepted step, not past `limit`, and all that depends on it.
+  void advance(double limit, double largest);
+  void begin_method();
+  void cross_jump(double t);
+  bool fire_events();
+  void apply(const Event&);
+  void settle_contacts();
+  void make_consistent(const std::string& cause);
+  void observe_end();
+  void output_inside();
+  void output(const Sample&);
+  void output_end();
+  enum class Errors { thrown, dropped };
+  void finish(Errors of_observers);
+
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
   SimulationOptions options_;
   State state_;
   std::vector<Observer*> observers_;
-  std::deque<Event> events_;  // a deque: the references handed out stay good
   SimulationReport report_;
-  std::unique_ptr<Loop> loop_;
+  std::unique_ptr<Parts> parts_;
   bool begun_ = false;
 };
 
