@@ -1,4 +1,4 @@
-// Error norm and step size control (numerics page, section 7), and the limits that every adaptive step keeps.
+// Error norm and step size control (framework/docs/solvers.md, section 7), and the limits that every adaptive step keeps.
 #pragma once
 
 #include "framework/dynamics/integrate/integrator.h"
