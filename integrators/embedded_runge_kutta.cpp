@@ -151,7 +151,7 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
   if (!dynamics_ || !scheme_.error) return false;
   copy_motion(start_, out);
   out.z = start_.z;
-  out.modes = start_.modes;
+  out.modes = start_.modes, out.watched = start_.watched;
   if (h_ == 0) return t == start_.t;
   if (!dense_ready_) prepare_dense();
   const double theta = (t - start_.t) / h_;

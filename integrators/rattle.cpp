@@ -78,12 +78,12 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
   const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
-  if (system.n_steering_states() > 0) {
+  if (system.n_error_controlled_states() > 0) {
     std::string who;
     for (const auto& link : system.links())
       if (link->n_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
     for (const auto& auxiliary : system.auxiliaries())
-      if (auxiliary->steers() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+      if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
     throw ModelError(
         fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
   }

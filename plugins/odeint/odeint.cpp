@@ -58,7 +58,7 @@ class CashKarp final : public Integrator {
     rate_ = error_ = {state.q, state.v, state.s};  // for their sizes
     y_.resize(static_cast<std::size_t>(state.q.size() + state.v.size() + state.s.size()));
     y_end_ = y_;
-    norm_.set_states(dynamics.system().n_steering_states());
+    norm_.set_states(dynamics.system().n_error_controlled_states());
   }
 
   StepReport step(Dynamics& dynamics, State& state, double h) override {

@@ -13,8 +13,8 @@ namespace lockstep::test {
 
 /// Steps and margin at which a measured order shows.
 struct OrderProbe {
-  double T = 1;   ///< s
-  int n = 50;     ///< steps, and twice as many
+  double T = 1;  ///< s
+  int n = 50;    ///< steps, and twice as many
   double margin = 0.15;
 };
 

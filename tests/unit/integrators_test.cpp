@@ -77,13 +77,17 @@ const std::vector<IntegratorCase>& all() {
 
 template <class Check>
 void each(Check&& check) {
-  for (const IntegratorCase& c : all()) DYNAMIC_SECTION(c.name) { check(c); }
+  for (const IntegratorCase& c : all()) DYNAMIC_SECTION(c.name) {
+      check(c);
+    }
 }
 
 template <class Check>
 void each_adaptive(Check&& check) {
   for (const IntegratorCase& c : all())
-    if (c.adaptive) DYNAMIC_SECTION(c.name) { check(c); }
+    if (c.adaptive) DYNAMIC_SECTION(c.name) {
+        check(c);
+      }
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ AdaptiveStepper::~AdaptiveStepper() = default;
 void AdaptiveStepper::begin(Dynamics& dynamics, const State& state) {
   start_ = end_ = landed_ = state;
   f0_ = f1_ = sized_like(state);
-  norm_.set_states(dynamics.system().n_steering_states());
+  norm_.set_states(dynamics.system().n_error_controlled_states());
   norm_.scale(state, 1.0);
   if (control_) control_->begin();
 }

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/text.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/foundation/support/user_code_error.h"
+#include "framework/mechanism/model/law_fault.h"
 #include "framework/mechanism/system/blame.h"
 
 namespace lockstep {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/mechanism/model/state.h"
 #include "framework/foundation/support/snapshot.h"
+#include "framework/mechanism/model/state.h"
 
 namespace lockstep {
 

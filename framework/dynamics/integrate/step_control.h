@@ -18,7 +18,7 @@ class LOCKSTEP_API ErrorNorm {
  public:
   void set(const Tolerance& tolerance) { tolerance_ = tolerance; }
   const Tolerance& tolerance() const { return tolerance_; }
-  /// The first n of State::s count (System::n_steering_states).
+  /// The first n of State::s count (System::n_error_controlled_states).
   void set_states(int n) { n_s_ = n; }
   /// Scales for the step of h from y0, with the rates `k0` there, to y1 (quaternions not yet normalised).
   void scale(const State& y0, const StateRate& k0, double h, const State& y1);

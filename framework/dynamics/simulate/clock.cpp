@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/support/error.h"
 
 namespace lockstep {
@@ -15,15 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what is nearer is merged
 
 }  // namespace
-
-double step_within(double left, double h, double rounding) {
-  if (h >= left - rounding) return left;
-  return 2 * h > left ? 0.5 * left : h;
-}
-
-double advised_after(double before, double asked, double made, double next) {
-  return asked < before && made >= asked ? std::max(before, next) : next;
-}
 
 void Clock::start(double t) {
   adaptive_ = method_.info().adaptive;

@@ -8,13 +8,6 @@
 
 namespace lockstep {
 
-/// The next step on the way `left` when h is advised: all of it, or half of it rather than leave a sliver; what is
-/// within `rounding` counts as all.
-double step_within(double left, double h, double rounding);
-/// The step to advise after one of `made` was asked for as `asked`, shorter than `before` was advised, and `next` came
-/// out of it: a step cut short says nothing against the longer one.
-double advised_after(double before, double asked, double made, double next);
-
 class Clock {
  public:
   Clock(const System& system, const Integrator& method, const SimulationOptions& options)

@@ -52,8 +52,7 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
     if (link.n_states() == 0) continue;
     dynamics.gather(state);
     named(link, state.t, [&] {
-      link.engage(dynamics.inputs(),
-                  {state.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+      link.engage(dynamics.inputs(), {state.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
     });
   }
 }

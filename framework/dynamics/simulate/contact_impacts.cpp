@@ -121,8 +121,7 @@ void ContactManager::take_impact(State& state) {
   }
   const Evaluated impulses{dynamics_.inputs(), kick_, impulse_, rows};
   for (const auto& auxiliary : dynamics_.system().auxiliaries())
-    auxiliary->impact(impulses,
-                      {state.s.data() + auxiliary->first(), static_cast<std::size_t>(auxiliary->size())});
+    auxiliary->impact(impulses, {state.s.data() + auxiliary->first(), static_cast<std::size_t>(auxiliary->size())});
   state.v += kick_;
   const Inputs& in = dynamics_.look(state);
   for (std::size_t k = 0; k < touching_.size(); ++k) hits_[k] = contacts_.gap(touching_[k], in);

@@ -165,8 +165,7 @@ double ContactManager::locate_hit(const State& end) {
   for (std::size_t i = 0; i < n; ++i) samples_.push_back(contacts_[i].gap);
   sample(end);
   bool near = false;
-  for (std::size_t i = 0; i < n; ++i)
-    near = near || (free(i, end) && nears(i, samples_[i], samples_[n + i], t1 - t0));
+  for (std::size_t i = 0; i < n; ++i) near = near || (free(i, end) && nears(i, samples_[i], samples_[n + i], t1 - t0));
   if (near && interval_.has_dense()) {
     times.pop_back(), samples_.resize(n);
     for (int k = 1; k < kParts; ++k) sample(interval_.at(t0 + (t1 - t0) * k / kParts));

@@ -48,7 +48,7 @@ class Contacts {
 
   bool in_force(std::size_t i, const State& s) const { return s.modes[static_cast<std::size_t>(number(i))]; }
   /// Whether no event has switched it off.
-  bool watched(std::size_t i, const State& s) const { return s.z[all_[i].link->impact_memory() + 1] > 0.5; }
+  bool watched(std::size_t i, const State& s) const { return s.watched[static_cast<std::size_t>(number(i))]; }
   void put(std::size_t i, bool in_force, State& s) const { s.modes[static_cast<std::size_t>(number(i))] = in_force; }
   int number(std::size_t i) const { return all_[i].link->number(); }
 

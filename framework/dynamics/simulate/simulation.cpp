@@ -20,7 +20,8 @@ namespace {
 
 void check_options(const SimulationOptions& options, const IntegratorInfo& info) {
   const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
-  if (bad(options.step)) throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
+  if (bad(options.step))
+    throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
   if (bad(options.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options.output));
   if (bad(options.tolerance.relative) || bad(options.tolerance.atol_x) ||
       options.tolerance.relative + options.tolerance.atol_x == 0)
@@ -143,8 +144,7 @@ void Simulation::start() {
 void Simulation::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   const double t0 = state_.t;
-  const Clock::Target target =
-      clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
+  const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
   const double wanted = clock.step_towards(t0, target, largest);
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
@@ -226,8 +226,9 @@ bool Simulation::fire_events() {
 void Simulation::apply(const Event& e) {
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
     const Lock& link = system().link(name);
-    state_.modes[static_cast<std::size_t>(link.number())] = on && !link.one_sided;
-    if (link.one_sided) state_.z[link.impact_memory() + 1] = on ? 1.0 : 0.0;
+    const auto number = static_cast<std::size_t>(link.number());
+    state_.modes[number] = on && !link.one_sided;
+    state_.watched[number] = on && link.one_sided;
   };
   for (const std::string& name : e.activate) put(name, true);
   for (const std::string& name : e.deactivate) put(name, false);

@@ -104,8 +104,7 @@ class LOCKSTEP_API Lock {
   int number() const { return number_; }  ///< in the system; index of its bit in State::modes
   int first_state() const { return first_state_; }
   int first_memory() const { return first_memory_; }
-  /// Of a one-sided link: two numbers more in State::z, kept by the simulation. J lost in its impacts; 1 while it is
-  /// watched, 0 while an event has switched it off.
+  /// Of a one-sided link: one more number in State::z, kept by the simulation: J lost in its impacts.
   int impact_memory() const { return first_memory_ + n_memory(); }
   void place(int number, int first_state, int first_memory);  ///< called by System::setup
 
