@@ -1,9 +1,8 @@
-// Explicit Runge-Kutta: the stages of one step, for every method that brings a tableau.
+// Stages: those of one step of an explicit Runge-Kutta method, for every method that brings a tableau.
 //
 //   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y1 = y + h sum_i b_i k_i,  y = (q, v, s)
 //
-// In the stages quaternions go by their plain rates e' = e (0, w)/2; the end of the step is put back on the unit
-// sphere.
+// In the stages quaternions follow their plain rates e' = e (0, w)/2; the end of the step is normalised.
 #pragma once
 
 #include <array>

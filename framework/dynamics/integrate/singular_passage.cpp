@@ -32,7 +32,7 @@ double time_to_turn(const State& y, double angle) {
 }  // namespace
 
 void SingularPassage::begin(const State& state) {
-  near_ = looked_aside_ = false;
+  near_ = probed_ = false;
   both_sides_.begin(state);
   rate_ = sized_like(state);
 }
@@ -42,12 +42,12 @@ void SingularPassage::start_step() {
   shifts_ = 0, limit_ = 1, best_ = {0, kCross};
 }
 
-// A start in a singular position looks like any with redundant rows until one has looked aside.
+// A start in a singular position looks like any with redundant rows until one has probed both sides.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
-  const bool starts = !looked_aside_ && stages.conditioning(0).pivot < kRedundant;
-  looked_aside_ = true;
+  const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
+  probed_ = true;
   if (!starts && !ill_conditioned(stages, 0)) return true;
   const bool found = both_sides_.find(dynamics, y, rate_);
   if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;

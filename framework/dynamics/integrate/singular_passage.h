@@ -59,7 +59,7 @@ class LOCKSTEP_API SingularPassage {
   StateRate rate_;
   StagesOn on_ = StagesOn::plain;
   bool near_ = false;             // automatic: the next step begins with its stages on the constraints
-  bool looked_aside_ = false;     // at the beginning of the run, for a singular position there
+  bool probed_ = false;           // whether the start of the run was probed for a singular position
   bool from_both_sides_ = false;  // the first stage's rates are SingularRate's
   int shifts_ = 0;                // of the present step,
   double limit_ = 1;
