@@ -8,7 +8,7 @@
 
 namespace lockstep {
 
-class Clock {
+class LOCKSTEP_API Clock {
  public:
   Clock(const System& system, const Integrator& method, const SimulationOptions& options)
       : system_(system), method_(method), options_(options) {}
