@@ -10,7 +10,7 @@
 #include "framework/tools/check/check_law.h"
 #include "framework/tools/check/check_lock.h"
 #include "framework/tools/batch/copies.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/mechanism/forces/applied_force.h"
 #include "framework/mechanism/forces/applied_torque.h"
 #include "framework/mechanism/forces/bushing.h"

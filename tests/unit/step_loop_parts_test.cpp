@@ -60,7 +60,7 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   system.add_particle("stone", 1, {0, 0, 0});
   system.setup();
   Rk4 method;
-  const SimulationOptions options{.step = 0.25, .output = 0.5};
+  const StepLoopOptions options{.step = 0.25, .output = 0.5};
   Clock clock(system, method, options);
   clock.set_end(1.7);
   clock.start(0);

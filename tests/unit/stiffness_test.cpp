@@ -20,7 +20,7 @@ SimulationReport pulled(const char* method, double stiffness, double damping, do
   sys.add<SpringDamper>("spring", P, anchor,
                         SpringDamper::Options{.stiffness = stiffness, .damping = damping, .free_length = 1});
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  Simulation run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
+  StepLoop run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
                  {.tolerance = {tolerance, 1e-2 * tolerance}});
   return run.run_until(0.5);
 }

@@ -4,13 +4,13 @@
 #include <limits>
 #include <vector>
 
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 
 namespace lockstep {
 
 class LOCKSTEP_API Clock {
  public:
-  Clock(const System& system, const Integrator& method, const SimulationOptions& options)
+  Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
       : system_(system), method_(method), options_(options) {}
 
   struct Target {
@@ -58,7 +58,7 @@ class LOCKSTEP_API Clock {
 
   const System& system_;
   const Integrator& method_;
-  const SimulationOptions& options_;
+  const StepLoopOptions& options_;
   bool adaptive_ = false;
   double t_start_ = 0, t_end_ = 0;
   double advised_ = 0;  // the method's next step

@@ -1,4 +1,4 @@
-// Contacts: the one-sided links of a system, and how far each is from holding. Internal to Simulation.
+// Contacts: the unilateral links of a system, and how far each is from holding. Internal to the step loop.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// The row of a one-sided link, counted so that it is free above zero: c = +-C and its rate.
+/// The row of a unilateral link, counted so that it is free above zero: c = +-C and its rate.
 struct Gap {
   double c = 0, cd = 0;
 };

@@ -30,7 +30,7 @@ Outcome try_run(const Course& course, const Recipe& recipe, double limit, const 
   const double begin = clocks.cpu(), clock_begin = clocks.clock();
   try {
     Dynamics dynamics(*subject.system, recipe.solver->make(), recipe.dynamics);
-    Simulation sim(dynamics, recipe.method->make(),
+    StepLoop sim(dynamics, recipe.method->make(),
                    {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(course, kind)});
     sim.set_state(subject.start);
     for (Observer* o : subject.observers) sim.add_observer(*o);

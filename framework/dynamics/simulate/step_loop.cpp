@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -18,7 +18,7 @@ namespace lockstep {
 
 namespace {
 
-void check_options(const SimulationOptions& options, const IntegratorInfo& info) {
+void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
   const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
   if (bad(options.step))
     throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
@@ -33,13 +33,13 @@ void check_options(const SimulationOptions& options, const IntegratorInfo& info)
     throw ModelError("the output times must be finite and rising; sort them");
   if (!info.adaptive && options.step == 0)
     throw ModelError(
-        fmt::format("{} works with a fixed step; say which: SimulationOptions::step, or --step", info.name));
+        fmt::format("{} works with a fixed step; say which: StepLoopOptions::step, or --step", info.name));
 }
 
 }  // namespace
 
-struct Simulation::Parts {
-  explicit Parts(Simulation& of)
+struct StepLoop::Parts {
+  explicit Parts(StepLoop& of)
       : clock(of.system(), *of.method_, of.options_),
         interval(of.dynamics_, *of.method_),
         events(of.dynamics_, interval),
@@ -53,9 +53,9 @@ struct Simulation::Parts {
   bool started = false;  // observers are
 };
 
-Simulation::Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, SimulationOptions options)
+StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options)
     : dynamics_(dynamics), method_(std::move(method)), options_(std::move(options)) {
-  if (!method_) throw ModelError("a simulation needs an integrator; take one from the registry");
+  if (!method_) throw ModelError("a step loop needs an integrator; take one from the registry");
   check_options(options_, method_->info());
   parts_ = std::make_unique<Parts>(*this);
   method_->set_tolerance(options_.tolerance);
@@ -63,27 +63,27 @@ Simulation::Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, S
   state_ = dynamics_.system().start();
 }
 
-Simulation::~Simulation() = default;
+StepLoop::~StepLoop() = default;
 
-void Simulation::set_state(State state) {
+void StepLoop::set_state(State state) {
   system().check_size(state);
   check_start(dynamics_, state, options_.start_limit);
   state_ = std::move(state);
   begun_ = false;
 }
 
-void Simulation::add_observer(Observer& observer) {
+void StepLoop::add_observer(Observer& observer) {
   observers_.push_back(&observer);
   if (begun_) observer.start(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
-Event& Simulation::add_event(Event event) {
+Event& StepLoop::add_event(Event event) {
   Event& added = parts_->events.add(std::move(event));
   if (begun_) parts_->events.join(state_);
   return added;
 }
 
-const SimulationReport& Simulation::run_until(double t) {
+const SimulationReport& StepLoop::run_until(double t) {
   if (!std::isfinite(t) || t < state_.t)
     throw ModelError(
         fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
@@ -105,7 +105,7 @@ const SimulationReport& Simulation::run_until(double t) {
   return report_;
 }
 
-StepReport Simulation::step(double h) {
+StepReport StepLoop::step(double h) {
   if (!std::isfinite(h) || h < 0)
     throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
   constexpr double kOpen = std::numeric_limits<double>::infinity();
@@ -117,7 +117,7 @@ StepReport Simulation::step(double h) {
   return parts_->interval.report();
 }
 
-void Simulation::start() {
+void StepLoop::start() {
   if (begun_) return;
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   system().check_size(state_);
@@ -141,7 +141,7 @@ void Simulation::start() {
   contacts.note(state_, true);
 }
 
-void Simulation::advance(double limit, double largest) {
+void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
@@ -178,7 +178,7 @@ void Simulation::advance(double limit, double largest) {
 }
 
 // The last part of a step to a jump, by the rates on its left side; the error is the square of that part.
-void Simulation::cross_jump(double t) {
+void StepLoop::cross_jump(double t) {
   const double h = t - state_.t;
   if (h > 0) {
     StateRate& rate = parts_->crossing;
@@ -191,7 +191,7 @@ void Simulation::cross_jump(double t) {
   state_.t = t;
 }
 
-void Simulation::begin_method() {
+void StepLoop::begin_method() {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   const double t = state_.t, horizon = clock.horizon(t);
   interval.begin(state_);
@@ -203,7 +203,7 @@ void Simulation::begin_method() {
 }
 
 // Events by time and those whose condition was met, at the present state; whether any changed it.
-bool Simulation::fire_events() {
+bool StepLoop::fire_events() {
   EventLocator& events = parts_->events;
   bool changed = false, rewound = false;
   std::string cause;
@@ -223,7 +223,7 @@ bool Simulation::fire_events() {
   return changed;
 }
 
-void Simulation::apply(const Event& e) {
+void StepLoop::apply(const Event& e) {
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
     const Lock& link = system().link(name);
     const auto number = static_cast<std::size_t>(link.number());
@@ -243,7 +243,7 @@ void Simulation::apply(const Event& e) {
                                "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
 }
 
-void Simulation::settle_contacts() {
+void StepLoop::settle_contacts() {
   const ContactManager::Settled settled = parts_->contacts.settle(state_);
   if (settled.impact) ++report_.impacts;
   if (!settled.resting.empty()) make_consistent(settled.resting);
@@ -251,12 +251,12 @@ void Simulation::settle_contacts() {
   if (settled.restart) begin_method();
 }
 
-void Simulation::make_consistent(const std::string& cause) {
+void StepLoop::make_consistent(const std::string& cause) {
   lockstep::make_consistent(dynamics_, state_, cause, options_.start_limit);
   if (!parts_->events.empty()) parts_->events.watch(state_);
 }
 
-void Simulation::observe_end() {
+void StepLoop::observe_end() {
   const Sample sample(dynamics_, state_, parts_->interval.report());
   for (Observer* o : observers_) o->step(sample);
   if (parts_->clock.output_due(state_.t)) output(sample);
@@ -266,24 +266,24 @@ void Simulation::observe_end() {
   }
 }
 
-void Simulation::output_inside() {
+void StepLoop::output_inside() {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   const double t0 = interval.from().t;
   for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
     if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
 }
 
-void Simulation::output(const Sample& sample) {
+void StepLoop::output(const Sample& sample) {
   parts_->clock.note_output(sample.state.t);
   for (Observer* o : observers_) o->output(sample);
 }
 
-void Simulation::output_end() {
+void StepLoop::output_end() {
   if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
 // What observers throw is dropped where another error is under way.
-void Simulation::finish(Errors of_observers) {
+void StepLoop::finish(Errors of_observers) {
   if (!parts_->started) return;
   std::exception_ptr first;
   const Sample sample(dynamics_, state_, parts_->interval.report());

@@ -1,4 +1,4 @@
-// Simulation: the step loop. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
+// StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace lockstep {
 
-struct SimulationOptions {
+struct StepLoopOptions {
   double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
   Tolerance tolerance{};               ///< adaptive methods
   double output = 0;                   ///< interval of output times from the start, s, and the end; 0: every step
@@ -28,10 +28,10 @@ struct SimulationReport {
   std::string stopped_by;
 };
 
-class LOCKSTEP_API Simulation {
+class LOCKSTEP_API StepLoop {
  public:
-  Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, SimulationOptions options = {});
-  ~Simulation();
+  StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options = {});
+  ~StepLoop();
 
   /// Where to start (a new run: observers are started again, the report is cleared); default: the system's start.
   /// Throws AssemblyError when it violates the constraints too much.
@@ -77,7 +77,7 @@ class LOCKSTEP_API Simulation {
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
-  SimulationOptions options_;
+  StepLoopOptions options_;
   State state_;
   std::vector<Observer*> observers_;
   SimulationReport report_;
