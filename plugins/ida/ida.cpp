@@ -13,6 +13,7 @@
 #include <exception>
 #include <limits>
 
+#include "framework/dynamics/integrate/runge_kutta.h"
 #include "framework/dynamics/integrate/step_control.h"
 #include "framework/description/registry/plugin.h"
 #include "ida_memory.h"
@@ -254,14 +255,9 @@ class Ida final : public Integrator {
   /// Unit quaternions, then onto the constraints where the dynamics says so; the move goes into the shift. False: that
   /// was too far away.
   bool land(StepReport& report) {
-    if (dynamics_->options().stabilization.kind != Stabilization::Kind::project) {
-      dynamics_->normalize(end_);
-      report.violation = report.violation_after = dynamics_->violation(end_);
-    } else {
-      const ProjectReport landed = dynamics_->project(end_);
-      report.violation = landed.before, report.violation_after = landed.after;
-      if (!landed.converged || landed.before > 1e-3 * dynamics_->system().length()) return false;
-    }
+    const ProjectReport landed = project_end(*dynamics_, end_);
+    report.violation = landed.before, report.violation_after = landed.after;
+    if (!end_is_near(*dynamics_, landed)) return false;
     flatten(end_, y_);
     shift_ = y_ - numbers(memory_->u);
     return true;

@@ -70,12 +70,9 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
   copy_motion(end_, landed_);
   const ProjectReport landed = project_end(dynamics, landed_);
   report.violation = landed.before, report.violation_after = landed.after;
-  if (fixed()) {
-    if (!landed.converged) throw end_not_projected(landed, info().name, start_.t, h);
-    return true;
-  }
-  const bool projected = dynamics.options().stabilization.kind == Stabilization::Kind::project;
-  return !projected || end_is_near(landed.converged, landed.before, dynamics.system().length());
+  const bool near = end_is_near(dynamics, landed, fixed());
+  if (!near && fixed()) throw end_not_projected(landed, info().name, start_.t, h);
+  return near;
 }
 
 ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }

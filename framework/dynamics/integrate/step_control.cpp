@@ -108,6 +108,11 @@ bool step_stalled(double t, double h) { return h < 1e-10 * std::max(std::abs(t),
 
 bool end_is_near(bool converged, double violation, double length) { return converged && violation <= 1e-3 * length; }
 
+bool end_is_near(const Dynamics& dynamics, const ProjectReport& end, bool fixed) {
+  if (dynamics.options().stabilization.kind != Stabilization::Kind::project) return true;
+  return fixed ? end.converged : end_is_near(end.converged, end.before, dynamics.system().length());
+}
+
 double guess_first_step(Dynamics& dynamics, const State& y0, int order, double largest, ErrorNorm& norm, StateRate& f0,
                         StateRate& f1, State& y1) {
   const double length = dynamics.system().length();

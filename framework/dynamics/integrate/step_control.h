@@ -68,9 +68,12 @@ class LOCKSTEP_API PiControl final : public StepControl {
 LOCKSTEP_API bool step_vanished(double t, double h, double asked);
 /// True when steps only shrink towards a point where nothing can be evaluated: report that failure, not the small step.
 LOCKSTEP_API bool step_stalled(double t, double h);
-/// Whether the end of a step was near enough to the constraints before its projection: within 1e-3 of the scene's
-/// length. What is farther off is an error of the step that no estimate saw.
+/// Whether the end of a step was near enough to the constraints before its projection: within 1e-3 of `length`, the
+/// scene's. What is farther off is an error of the step that no estimate saw.
 LOCKSTEP_API bool end_is_near(bool converged, double violation, double length);
+/// The same of the end that project_end() treated; always where positions are not projected. `fixed`: it must only have
+/// converged.
+LOCKSTEP_API bool end_is_near(const Dynamics&, const ProjectReport&, bool fixed = false);
 
 /// First step by Hairer, Norsett & Wanner 1993, II.4: as long as an Euler step and the change of the rates allow. `f0`,
 /// `f1` and `y1` are scratch; nothing beyond `largest` is evaluated.
