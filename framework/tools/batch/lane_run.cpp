@@ -6,6 +6,7 @@
 
 #include "framework/dynamics/integrate/runge_kutta.h"
 #include "framework/dynamics/integrate/step_control.h"
+#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/foundation/support/error.h"
 #include "framework/tools/batch/copy_run.h"
