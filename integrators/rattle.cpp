@@ -35,7 +35,7 @@ constexpr int kRounds = 50;  // of the multipliers; a handful is usual
 
 const RattleScheme& scheme_of(int order) { return kSchemes[order == 4 ? 1 : 0]; }
 
-// Numbers that are no motion in particular.
+// Arbitrary velocities.
 VecX any_velocities(Eigen::Index n, double sign) {
   VecX v(n);
   for (Eigen::Index i = 0; i < n; ++i) v[i] = sign * (0.3 + 0.7 * std::cos(1.7 * static_cast<double>(i)));
@@ -78,12 +78,12 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
   const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
-  if (system.n_steering_states() > 0) {
+  if (system.n_error_controlled_states() > 0) {
     std::string who;
     for (const auto& link : system.links())
-      if (link->n_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
+      if (link->n_own_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
     for (const auto& auxiliary : system.auxiliaries())
-      if (auxiliary->steers() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+      if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
     throw ModelError(
         fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
   }
@@ -114,11 +114,11 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
 StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   const bool quadratures = state.s.size() > 0;
   if (quadratures) dynamics.rate(state, rate0_);
-  if (!matrix_stands(dynamics, state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
+  if (!matrix_is_current(dynamics, state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
     ready_ = false;
     copy_motion(state, next_);
     if (state.z.size() > 0) next_.z = state.z;
-    look(dynamics);
+    evaluate_constraints(dynamics);
     kick(dynamics, 2.0);
   }
   copy_motion(state, now_);
@@ -138,8 +138,8 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   return report;
 }
 
-// Observers may have evaluated other states meanwhile, an event may have changed this one.
-bool Rattle::matrix_stands(Dynamics& dynamics, const State& state) const {
+// False when observers have evaluated other states meanwhile, or an event has changed this one.
+bool Rattle::matrix_is_current(Dynamics& dynamics, const State& state) const {
   return ready_ && factors_ == dynamics.work().factors && state.t == now_.t && state.q == now_.q && state.v == now_.v;
 }
 
@@ -149,7 +149,7 @@ void Rattle::substep(Dynamics& dynamics, double h) {
   const double left = find_multipliers(dynamics, h, now_.t + h);
   if (!(left <= dynamics.options().stabilization.tolerance)) {
     ready_ = false;
-    blame(h, left);
+    fail(h, left);
   }
   kick(dynamics, h);
   next_.v += 0.5 * h * guess_;
@@ -164,7 +164,7 @@ double Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
   for (int round = 0;; ++round) {
     drift(h);
     next_.t = t;
-    look(dynamics);
+    evaluate_constraints(dynamics);
     const double left = dynamics.norm(C_);
     const double floor = 1e-14 * dynamics.system().length() + 4 * ulp * next_.q.lpNorm<Eigen::Infinity>();
     const bool rests = round > 1 && left > 0.5 * before && left <= 100 * floor;
@@ -193,13 +193,13 @@ void Rattle::drift(double h) {
 }
 
 // C and J v + Ct at next_.
-void Rattle::look(Dynamics& dynamics) {
+void Rattle::evaluate_constraints(Dynamics& dynamics) {
   dynamics.gather(next_);
   dynamics.residuals(C_, Cd_);
   ++dynamics.work().evaluations;
 }
 
-// The second kick at next_, which was looked at last: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
+// The second kick at next_, which was evaluated last: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
 void Rattle::kick(Dynamics& dynamics, double h) {
   f_ = dynamics.force();
   for (const Turning& body : turning_) {  // the drift has -w x J w in it
@@ -213,7 +213,7 @@ void Rattle::kick(Dynamics& dynamics, double h) {
   factors_ = dynamics.work().factors;
 }
 
-void Rattle::blame(double h, double left) const {
+void Rattle::fail(double h, double left) const {
   throw StepError(
       fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s were not found ({:.3g} m of the "
                   "constraints remain); take a smaller step (--step), or, where the mechanism passes a singular "

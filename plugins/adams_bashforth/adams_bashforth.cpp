@@ -53,7 +53,7 @@ class AdamsBashforth final : public Integrator {
       add_up(h, end_);
     else
       runge_kutta(dynamics, h);
-    end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes;
+    end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes, end_.watched = state.watched;
     StepReport report;
     report.h = h;
     land(dynamics, report);

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
@@ -41,8 +41,8 @@ std::string heading(const Loaded& loaded) {
   return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
 }
 
-SimulationOptions options_of(const RunSettings& run) {
-  SimulationOptions options;
+StepLoopOptions options_of(const RunSettings& run) {
+  StepLoopOptions options;
   options.step = run.step;
   options.tolerance = run.tolerance;
   options.output = run.output;
@@ -73,7 +73,7 @@ struct Ended {
   bool interrupted = false;
 };
 
-Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
+Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
   Ended ended;
   Interrupt interrupt;
   Progress progress(until, quiet);
@@ -95,7 +95,7 @@ Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
-void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
+void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
@@ -182,7 +182,7 @@ int run_command(const Words& w) {
     if (!w.quiet && worth_saying(report)) fmt::print("  {}\n", assembly_text(report));
   }
 
-  Simulation sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
+  StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
   sim.add_observer(*recorder);
   if (summary) sim.add_observer(*summary);
   for (Event& event : events) sim.add_event(std::move(event));

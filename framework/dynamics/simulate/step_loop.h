@@ -1,7 +1,6 @@
-// Simulation: the step loop. Steps, lands on breakpoints, events and output times, accepts, lets observers look.
+// StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -11,7 +10,7 @@
 
 namespace lockstep {
 
-struct SimulationOptions {
+struct StepLoopOptions {
   double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
   Tolerance tolerance{};               ///< adaptive methods
   double output = 0;                   ///< interval of output times from the start, s, and the end; 0: every step
@@ -22,17 +21,17 @@ struct SimulationOptions {
 struct SimulationReport {
   long steps = 0, rejected = 0;
   double largest_violation = 0;                                  ///< |C| after accepted steps, m
-  long impacts = 0;                                              ///< instants at which one-sided links were hit
+  long impacts = 0;                                              ///< instants at which unilateral links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
   double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
   bool stopped = false;                                          ///< by an event or by stop()
   std::string stopped_by;
 };
 
-class LOCKSTEP_API Simulation {
+class LOCKSTEP_API StepLoop {
  public:
-  Simulation(Dynamics& dynamics, std::unique_ptr<Integrator> method, SimulationOptions options = {});
-  ~Simulation();
+  StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options = {});
+  ~StepLoop();
 
   /// Where to start (a new run: observers are started again, the report is cleared); default: the system's start.
   /// Throws AssemblyError when it violates the constraints too much.
@@ -58,15 +57,31 @@ class LOCKSTEP_API Simulation {
   const SimulationReport& report() const { return report_; }
 
  private:
-  struct Loop;
+  struct Parts;
+  /// First call of a run: start checked, method begun, observers started, events of this very instant.
+  void start();
+  /// One accepted step, not past `limit`, and all that depends on it.
+  void advance(double limit, double largest);
+  void begin_method();
+  void cross_jump(double t);
+  bool fire_events();
+  void apply(const Event&);
+  void settle_contacts();
+  void make_consistent(const std::string& cause);
+  void observe_end();
+  void output_inside();
+  void output(const Sample&);
+  void output_end();
+  enum class Errors { thrown, dropped };
+  void finish(Errors of_observers);
+
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
-  SimulationOptions options_;
+  StepLoopOptions options_;
   State state_;
   std::vector<Observer*> observers_;
-  std::deque<Event> events_;  // a deque: the references handed out stay good
   SimulationReport report_;
-  std::unique_ptr<Loop> loop_;
+  std::unique_ptr<Parts> parts_;
   bool begun_ = false;
 };
 
