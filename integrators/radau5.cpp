@@ -55,7 +55,7 @@ bool creeps(double t, double h) { return h < 1e-10 * std::max(std::abs(t), 1e-3)
 TypeInfo Radau5::type_info() {
   return {"radau5",
           "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
-          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+          {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
 }
 
 std::unique_ptr<Integrator> Radau5::make(const Params& params) {

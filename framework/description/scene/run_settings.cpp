@@ -144,8 +144,7 @@ std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Regist
     refuse(run.integrator.where, "run.integrator",
            "unknown integrator \"" + run.integrator.type + "\"" +
                suggestion(run.integrator.type, registry.integrators.names()));
-  const TypeInfo& info = registry.integrators.find(run.integrator.type)->info;
-  const Params keys(run.integrator.keys, info, "run.integrator", &registry);
+  const Params keys = Params::unchecked(run.integrator.keys);
   auto method = placed(run.integrator.where, [&] {
     return registry.integrators.make(run.integrator.type, keys, &registry, "run.integrator");
   });
@@ -161,8 +160,7 @@ std::unique_ptr<LinearSolver> make_solver(const RunSettings& run, const Registry
   if (registry.solvers.find(run.solver.type) == nullptr)
     refuse(run.solver.where, "run.solver",
            "unknown solver \"" + run.solver.type + "\"" + suggestion(run.solver.type, registry.solvers.names()));
-  const TypeInfo& info = registry.solvers.find(run.solver.type)->info;
-  const Params keys(run.solver.keys, info, "run.solver", &registry);
+  const Params keys = Params::unchecked(run.solver.keys);
   return placed(run.solver.where,
                 [&] { return registry.solvers.make(run.solver.type, keys, &registry, "run.solver"); });
 }

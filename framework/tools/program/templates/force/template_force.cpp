@@ -44,7 +44,7 @@ class TemplateForce final : public MarkerForce {
   static TypeInfo info() {
     return {"template_force",
             "P and S attract each other with the inverse square of their distance",
-            {{"strength", Form::number, Unit::any, "", "force times distance squared, N m^2"}}};
+            {{"strength", Form::number, Unit::any, kRequired, "force times distance squared, N m^2"}}};
   }
 
   static std::unique_ptr<Force> make(const Site& site, const Params& p) {

@@ -32,9 +32,9 @@ class TemplateLaw final : public MotionLaw {
   static TypeInfo info() {
     return {"template_law",
             "goes to a new value and settles there: rise (1 - (1 + u) exp(-u)), u = (t - start)/time > 0",
-            {{"rise", Form::number, Unit::any, "", "value in the end"},
-             {"time", Form::number, Unit::time, "", "from start to the largest speed, above zero"},
-             {"start", Form::number, Unit::time, "0", "instant at which it begins"}}};
+            {{"rise", Form::number, Unit::any, kRequired, "value in the end"},
+             {"time", Form::number, Unit::time, kRequired, "from start to the largest speed, above zero"},
+             {"start", Form::number, Unit::time, 0, "instant at which it begins"}}};
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {
