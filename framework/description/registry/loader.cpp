@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -106,6 +107,7 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   } catch (const Error& error) {
     throw PluginError(who + error.what());
   }
+  log_info(who + "loaded from " + file);
   return file;
 }
 

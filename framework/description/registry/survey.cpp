@@ -4,6 +4,7 @@
 
 #include "framework/description/registry/loader.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -38,6 +39,7 @@ void look_at(PluginCandidate& c, const Registry& base) {
     c.state = PluginCandidate::State::loaded;
   } catch (const std::exception& error) {
     c.why = what_of(error);
+    log_info("plugin '" + c.name + "' refused: " + c.why);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "framework/dynamics/integrate/blame.h"
 #include "framework/dynamics/simulate/simulation_loop.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 
 namespace lockstep {
 
@@ -233,6 +234,11 @@ void Simulation::Loop::finish(bool quietly) {
     }
   }
   if (first && !quietly) std::rethrow_exception(first);
+}
+
+void Simulation::warn(const std::string& text) {
+  report_.warnings.push_back(text);
+  log_warning(text);
 }
 
 }  // namespace lockstep

@@ -27,6 +27,7 @@ struct SimulationReport {
   double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
   bool stopped = false;                                          ///< by an event or by stop()
   std::string stopped_by;
+  std::vector<std::string> warnings{};  ///< in the order in which they came
 };
 
 class LOCKSTEP_API Simulation {
@@ -56,6 +57,8 @@ class LOCKSTEP_API Simulation {
   /// One accepted step of at most h (0: the method's or the option's own).
   StepReport step(double h = 0);
   const SimulationReport& report() const { return report_; }
+  /// Puts a warning into the report and says it by the logger (support/log.h).
+  void warn(const std::string& text);
 
  private:
   struct Loop;

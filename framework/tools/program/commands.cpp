@@ -164,9 +164,9 @@ CLI::App& add_advise(CLI::App& app, Words& w) {
 CLI::App& add_new_plugin(CLI::App& app, Words& w) {
   CLI::App& verb = *app.add_subcommand(
       "new-plugin", "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once");
-  verb.add_option("kind", w.kind, "link, law, force or integrator")
+  verb.add_option("kind", w.kind, "link, coupling, law, force or integrator")
       ->required()
-      ->check(CLI::IsMember({"link", "law", "force", "integrator"}))
+      ->check(CLI::IsMember({"link", "coupling", "law", "force", "integrator"}))
       ->type_name("KIND");
   verb.add_option("name", w.name, "what scenes call it, and the folder: small letters, digits and _")
       ->required()

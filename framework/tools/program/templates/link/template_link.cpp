@@ -31,8 +31,7 @@ class TemplateLink final : public PhiLock<TemplateLinkFunction> {
       : PhiLock(std::move(name), p, s, Mask::y, phi) {}
   std::string_view type() const override { return "template_link"; }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
-  /// given).
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
   static TypeInfo info() {
     return {
         "template_link",
