@@ -50,10 +50,10 @@ TypeInfo GeneralizedAlpha::type_info() {
           {{"rho_infinity",
             Form::number,
             Unit::none,
-            "0.8",
+            0.8,
             "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
             {}},
-           {"adaptive", Form::boolean, Unit::none, "false", "chooses its steps by the tolerance", {}}}};
+           {"adaptive", Form::boolean, Unit::none, false, "chooses its steps by the tolerance", {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {

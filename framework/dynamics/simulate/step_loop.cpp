@@ -12,6 +12,7 @@
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 
 namespace lockstep {
 
@@ -294,6 +295,11 @@ void StepLoop::finish(Errors of_observers) {
     }
   }
   if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+}
+
+void StepLoop::warn(const std::string& text) {
+  report_.warnings.push_back(text);
+  log_warning(text);
 }
 
 }  // namespace lockstep

@@ -13,7 +13,7 @@ TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options
 const TypeInfo& TorqueMotor::info() {
   static const TypeInfo info{"torque_motor",
                              "torque by a law about z of S on P's body, the opposite on S's body",
-                             {{"torque", Form::law, Unit::torque, "", "law of the torque on p's body about z of s"}}};
+                             {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
   return info;
 }
 

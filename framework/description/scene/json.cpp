@@ -1,64 +1,37 @@
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 
 #include <charconv>
-#include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
-#include "framework/mechanism/params/read.h"
 #include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
 
+using ParseError = nlohmann::detail::exception;
+constexpr int kOutOfRange = 406;  // nlohmann's number of a number that no double holds
+
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// Follows the parser through the text, token by token, and knows line and column of where it is.
-class Cursor {
- public:
-  explicit Cursor(const std::string& text) : text_(text) {
-    if (text_.starts_with("\xEF\xBB\xBF")) at_ = counted_ = 3;  // a byte order mark
-  }
-  std::size_t at() const { return at_; }
+// What the parser reads through: it takes one character after the other and `read` counts them.
+struct Counting {
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+  const char* at;
+  std::size_t* read;
 
-  // To the start of the next token; commas and colons are none.
-  std::size_t next() {
-    while (at_ < text_.size() && (is_space(text_[at_]) || text_[at_] == ',' || text_[at_] == ':')) ++at_;
-    return at_;
+  const char& operator*() const { return *at; }
+  Counting& operator++() {
+    ++at, ++*read;
+    return *this;
   }
-  void skip(std::size_t n) { at_ += n; }
-  void skip_text() {
-    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_)
-      if (text_[at_] == '\\') ++at_;
-    ++at_;
-  }
-  // A number, read as written: whatever the locale, its decimal sign is the point.
-  void read_number(double& x) {
-    const char* begin = text_.data() + at_;
-    const char* end = begin;
-    while (end < text_.data() + text_.size() &&
-           std::string_view("+-.eE0123456789").find(*end) != std::string_view::npos)
-      ++end;
-    at_ += static_cast<std::size_t>(end - begin);
-    std::from_chars(begin, end, x);
-  }
-  // Line and column of a byte at or behind the last one asked for.
-  void locate(std::size_t byte, int& line, int& column) {
-    for (; counted_ < byte && counted_ < text_.size(); ++counted_) {
-      const auto c = static_cast<unsigned char>(text_[counted_]);
-      if (c == '\n')
-        ++line_, column_ = 1;
-      else if ((c & 0xC0) != 0x80)  // a byte that continues a character counts nothing
-        ++column_;
-    }
-    line = line_, column = column_;
-  }
-
- private:
-  const std::string& text_;
-  std::size_t at_ = 0, counted_ = 0;
-  int line_ = 1, column_ = 1;
+  bool operator==(const Counting& other) const { return at == other.at; }
 };
 
 bool begins_with_word(std::string_view text, std::string_view word) {
@@ -69,22 +42,26 @@ bool begins_with_word(std::string_view text, std::string_view word) {
   return true;
 }
 
-// Takes nlohmann's events and builds the tree. Each event is one token; the cursor steps along.
+// Takes nlohmann's events and builds the tree. Each event is one token that ends where the parser has read to, and the
+// next one begins behind it and the spaces, commas and colons there.
 class Builder {
  public:
   Builder(const std::string& text, const std::string& file)
-      : text_(text), file_(std::make_shared<const std::string>(file)), cursor_(text) {}
+      : text_(text), file_(std::make_shared<const std::string>(file)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) end_ = counted_ = 3;  // a byte order mark
+  }
 
-  bool null() { return scalar(Value(), 4); }
-  bool boolean(bool b) { return scalar(Value(b), b ? 4 : 5); }
+  bool parse() {
+    const char* begin = text_.data();
+    return nlohmann::json::sax_parse(Counting{begin, &read_}, Counting{begin + text_.size(), &read_}, this);
+  }
+
+  bool null() { return put(Value(), here()); }
+  bool boolean(bool b) { return put(Value(b), here()); }
   bool number_integer(std::int64_t) { return number_as_written(); }
   bool number_unsigned(std::uint64_t) { return number_as_written(); }
   bool number_float(double, const std::string&) { return number_as_written(); }
-  bool string(std::string& s) {
-    const Where where = here();
-    cursor_.skip_text();
-    return put(Value(std::move(s)), where);
-  }
+  bool string(std::string& s) { return put(Value(std::move(s)), here()); }
   bool binary(nlohmann::json::binary_t&) { return false; }  // no such thing in JSON text
   bool start_object(std::size_t) { return open(Value(Value::Object{})); }
   bool start_array(std::size_t) { return open(Value(Value::List{})); }
@@ -93,7 +70,6 @@ class Builder {
 
   bool key(std::string& name) {
     const Where where = here();
-    cursor_.skip_text();
     const auto [first, fresh] = open_.back().keys.try_emplace(name, where);
     if (!fresh) {
       refuse(where, "",
@@ -101,45 +77,59 @@ class Builder {
                  "; remove one of the two");
     }
     open_.back().key = {name, Value(), where};
-    return true;
+    return done(Last::key);
   }
 
-  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) {
+  bool parse_error(std::size_t position, const std::string&, const ParseError& error) {
     // The bad token begins behind the last good one and at most one comma or colon, and not behind the parser's
     // position.
-    const std::size_t last = cursor_.at();
-    std::size_t byte = behind_spaces(last);
+    std::size_t byte = behind_spaces(end_);
     if (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
-    byte = std::max(last, std::min(byte, std::max<std::size_t>(position, 1) - 1));
-    refuse(at(byte), "", syntax_problem(last, byte, error.what()));
+    byte = std::max(end_, std::min(byte, std::max<std::size_t>(position, 1) - 1));
+    refuse(at(byte), "", syntax_problem(byte, error));
   }
 
   Value take() { return std::move(root_); }
 
  private:
+  enum class Last { nothing, opening, key, value };
   struct Level {
     Value value;
     Value::Member key;
     std::unordered_map<std::string, Where> keys;
   };
 
+  // Line and column of a byte at or behind the last one asked for.
   Where at(std::size_t byte) {
-    Where where{file_, 1, 1};
-    cursor_.locate(byte, where.line, where.column);
-    return where;
+    for (; counted_ < byte && counted_ < text_.size(); ++counted_) {
+      const auto c = static_cast<unsigned char>(text_[counted_]);
+      if (c == '\n')
+        ++line_, column_ = 1;
+      else if ((c & 0xC0) != 0x80)  // a byte that continues a character counts nothing
+        ++column_;
+    }
+    return {file_, line_, column_};
   }
-  Where here() { return at(cursor_.next()); }
+  std::size_t begin() const {
+    std::size_t byte = end_;
+    while (byte < text_.size() && (is_space(text_[byte]) || text_[byte] == ',' || text_[byte] == ':')) ++byte;
+    return byte;
+  }
+  Where here() { return at(begin()); }
+  bool done(Last last) {
+    last_ = last;
+    end_ = read_;
+    return true;
+  }
 
-  bool scalar(Value v, std::size_t length) {
-    const Where where = here();
-    cursor_.skip(length);
-    return put(std::move(v), where);
-  }
+  // As written, whatever the locale. The parser knows the end of a number only by the character behind it.
   bool number_as_written() {
-    const Where where = here();
+    const std::size_t from = begin();
     double x = 0;  // stays when the number is too small for a double; one too large never comes here
-    cursor_.read_number(x);
-    return put(Value(x), where);
+    const auto [end, error] = std::from_chars(text_.data() + from, text_.data() + text_.size(), x);
+    put(Value(x), at(from));
+    end_ = static_cast<std::size_t>(end - text_.data());
+    return true;
   }
   bool put(Value v, const Where& where) {
     v.where = where;
@@ -151,7 +141,7 @@ class Builder {
       open_.back().key.value = std::move(v);
       open_.back().value.object()->push_back(std::move(open_.back().key));
     }
-    return true;
+    return done(Last::value);
   }
   bool open(Value v) {
     v.where = here();
@@ -159,17 +149,14 @@ class Builder {
       refuse(v.where, "",
              "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
                  "; the limit keeps readers safe, flatten this one");
-    cursor_.skip(1);
     open_.push_back({std::move(v), {}, {}});
-    return true;
+    return done(Last::opening);
   }
   bool close() {
-    cursor_.next();
-    cursor_.skip(1);
-    Value done = std::move(open_.back().value);
+    Value whole = std::move(open_.back().value);
     open_.pop_back();
-    const Where where = done.where;
-    return put(std::move(done), where);
+    const Where where = whole.where;
+    return put(std::move(whole), where);
   }
 
   std::size_t behind_spaces(std::size_t byte) const {
@@ -177,18 +164,21 @@ class Builder {
     return byte;
   }
   // Plain words for what the parser found at `byte`, behind the last good token.
-  std::string syntax_problem(std::size_t last, std::size_t byte, std::string what) const;
+  std::string syntax_problem(std::size_t byte, const ParseError&) const;
 
   const std::string& text_;
   std::shared_ptr<const std::string> file_;
-  Cursor cursor_;
+  std::size_t read_ = 0, end_ = 0;  // by the parser; behind the last good token
+  Last last_ = Last::nothing;
+  std::size_t counted_ = 0;
+  int line_ = 1, column_ = 1;
   std::vector<Level> open_;
   Value root_;
 };
 
-std::string Builder::syntax_problem(std::size_t last, std::size_t byte, std::string what) const {
+std::string Builder::syntax_problem(std::size_t byte, const ParseError& error) const {
   const std::string_view rest = std::string_view(text_).substr(byte);
-  if (what.find("number overflow") != std::string::npos)
+  if (error.id == kOutOfRange)
     return "the number " +
            text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
            " is beyond the range of numbers (1e308); write a smaller one";
@@ -204,17 +194,21 @@ std::string Builder::syntax_problem(std::size_t last, std::size_t byte, std::str
   if (rest.front() == '\'') return "texts stand in double quotes; write \"...\"";
   if (rest.front() == '+' || rest.front() == '.')
     return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
-  const bool comma = text_.substr(last, byte - last).find(',') != std::string::npos;
+  const std::string_view between = std::string_view(text_).substr(end_, byte - end_);
+  const bool comma = between.find(',') != std::string_view::npos, colon = between.find(':') != std::string_view::npos;
   if (comma && (rest.front() == '}' || rest.front() == ']'))
     return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
-  if (open_.empty() && last > 0) return "something stands behind the end of the description; remove it";
-  if (what.find("object key") != std::string::npos) return "expected a key in double quotes";
-  if (what.find("expected ':'") != std::string::npos) return "a colon is missing between the key and its value";
-  if (what.find("expected ']'") != std::string::npos || what.find("expected '}'") != std::string::npos)
-    return "a comma is missing before this, or a closing bracket";
-  if (const std::size_t from = what.find("column "); from != std::string::npos)
-    if (const std::size_t colon = what.find(": ", from); colon != std::string::npos) what = what.substr(colon + 2);
-  return "no valid JSON: " + what;
+  if (open_.empty() && last_ != Last::nothing)
+    return "something stands behind the end of the description; remove it";
+  if (!open_.empty()) {
+    const bool object = open_.back().value.object() != nullptr;
+    if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
+    if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
+    if (object && last_ != Last::key) return "expected a key in double quotes";
+  }
+  const std::string_view what = error.what();  // "[...] parse error at line 1, column 2: ...": the place is ours
+  const std::size_t words = what.find(": ");
+  return "no valid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
 }
 
 }  // namespace
@@ -227,7 +221,7 @@ Value read_json(const std::string& text, const std::string& file_name) {
                "; put large tables into CSV files");
   }
   Builder builder(text, file_name);
-  nlohmann::json::sax_parse(text, &builder);
+  builder.parse();
   return builder.take();
 }
 
