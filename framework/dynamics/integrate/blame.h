@@ -1,7 +1,6 @@
 // Who is to blame for what came out of an evaluation or a step.
 #pragma once
 
-#include "framework/dynamics/evaluate/advice.h"
 #include "framework/dynamics/integrate/integrator.h"
 
 namespace lockstep {

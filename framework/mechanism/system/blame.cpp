@@ -1,5 +1,7 @@
 #include "framework/mechanism/system/blame.h"
 
+#include <cmath>
+
 #include "framework/mechanism/forces/marker_force.h"
 #include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/text.h"
@@ -64,6 +66,15 @@ template <class Thing>
   }
 }
 
+std::string at_time(double t) { return "t = " + number(t) + " s: "; }
+
+// What went wrong with a law of this thing, and the next move.
+template <class Thing>
+std::string law_words(const Thing& thing, double t, const std::string& otherwise) {
+  const std::string law = law_at_fault(thing, t);
+  return law.empty() ? otherwise : ": " + law + "; look at its parameters";
+}
+
 }  // namespace
 
 std::string label(const Lock& link) { return label_of("link", link); }
@@ -109,6 +120,55 @@ void rethrow_from_forces(const System& system, const Inputs& in) {
   WrenchSum sum(in.motions, f);
   for (const auto& force : system.forces()) named(*force, in.t, [&] { force->apply(in, sum); });
   rethrow_nameless("force", in.t);
+}
+
+void check_finite(const System& system, const Inputs& in, const RowTable& rows, const VecX& f) {
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const Motion& O = in.slot(k);
+    if (!O.x.allFinite() || !O.A.allFinite() || !O.v.allFinite() || !O.w.allFinite())
+      throw NonFiniteError(at_time(in.t) + "body '" + system.body_of_slot(k).name +
+                               "' has a position or velocity that is not finite; " + kShorterStep,
+                           in.t);
+  }
+  for (const RowEntry& e : rows.entries) {
+    const RowBlock block = rows.block(e);
+    double sum = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
+    if (std::isfinite(sum)) continue;
+    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    throw NonFiniteError(
+        at_time(in.t) + label(link) + " made a number that is not finite" +
+            law_words(link, in.t, std::string("; look at its function and at the pose it is in, or ") + kShorterStep),
+        in.t);
+  }
+  if (f.allFinite()) return;
+  VecX one = VecX::Zero(f.size());
+  for (const auto& force : system.forces()) {
+    WrenchSum sum(in.motions, one);
+    force->apply(in, sum);
+    if (!one.allFinite())
+      throw NonFiniteError(at_time(in.t) + label(*force) + " is not finite" +
+                               law_words(*force, in.t, "; look at its law and parameters"),
+                           in.t);
+  }
+  throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep, in.t);
+}
+
+/// Names whose rate of State::s is not finite.
+void diagnose_rates(const System& system, double t, const VecX& sd) {
+  const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
+  for (const auto& link : system.links())
+    if (bad(link->first_state(), link->n_states()))
+      throw NonFiniteError(at_time(t) + label(*link) + ": the rate of its driven speed is not finite" +
+                               law_words(*link, t, "; look at its parameters"),
+                           t);
+  for (const auto& auxiliary : system.auxiliaries())
+    if (bad(auxiliary->first(), auxiliary->size()))
+      throw NonFiniteError(at_time(t) + "the integrated state '" + auxiliary->name() +
+                               "' has a rate that is not finite; look at what feeds it",
+                           t);
+  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them",
+                       t);
 }
 
 }  // namespace lockstep

@@ -41,6 +41,16 @@ auto named(const Thing& thing, double t, Act&& act) -> decltype(act()) {
 [[noreturn]] void rethrow_from_rows(const System&, const Inputs&, const RowTable&);
 [[noreturn]] void rethrow_from_forces(const System&, const Inputs&);
 
+/// The next move where a step was too long for what it met.
+inline constexpr const char* kShorterStep =
+    "make the step smaller, or take a method that chooses it (dopri5; radau5 where springs or dampers are stiff)";
+
+/// Throws NonFiniteError naming the body, link, force or law that made a number that is not finite: in the motions, the
+/// rows, or the forces `f` (6 per slot).
+LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
+/// The same of the rates `sd` of State::s, one of which is not finite.
+[[noreturn]] LOCKSTEP_API void diagnose_rates(const System&, double t, const VecX& sd);
+
 /// Setup of a thing of a plugin: its ModelError keeps its type and gets the label in front.
 template <class Thing>
 void set_up(Thing& thing) {
