@@ -1,4 +1,4 @@
-// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections (numerics page,
+// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections (framework/docs/solvers.md,
 // sections 4, 5).
 //
 //   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)

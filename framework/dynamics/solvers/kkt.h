@@ -50,7 +50,7 @@ struct LOCKSTEP_API Kkt {
   std::vector<SlotMass> masses;  ///< with KktPattern::rows
 
   /// s_j of every row: mean of the diagonal of J M^-1 J^T over the link's force rows, over its moment rows, of a single
-  /// row for a function (numerics page, section 5). Reactions of redundant rows then depend on no frame.
+  /// row for a function (framework/docs/solvers.md, section 5). Reactions of redundant rows then depend on no frame.
   void update_scales();
 };
 

@@ -1,4 +1,4 @@
-// SchurSolver: S = J M^-1 J^T over the graph of the links, block by block (numerics page, sections 2 and 5).
+// SchurSolver: S = J M^-1 J^T over the graph of the links, block by block (framework/docs/solvers.md, sections 2 and 5).
 #pragma once
 
 #include <memory>

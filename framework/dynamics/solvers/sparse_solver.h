@@ -1,4 +1,4 @@
-// "sparse": Eigen's LDL^T on the scalars of the quasi-definite matrix, with proximal corrections (numerics page,
+// "sparse": Eigen's LDL^T on the scalars of the quasi-definite matrix, with proximal corrections (framework/docs/solvers.md,
 // sections 4, 5).
 //
 //   K = | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
