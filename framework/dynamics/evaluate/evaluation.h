@@ -45,7 +45,7 @@ class LOCKSTEP_API Evaluation {
   void residuals(VecX& C, VecX& Cd) const;
   /// Jh v + Ct at other velocities than the state's: the positions are those gathered. v: 6 per slot.
   void velocity_residual(const VecX& v, VecX& Cd) const;
-  /// The largest |c| as a length (numerics page): metres, radians times System::length(), half turns times twice that.
+  /// The largest |c| as a length (framework/docs/solvers.md): metres, radians times System::length(), half turns times twice that.
   /// NaN if one is.
   double norm(const VecX& c) const;
 
