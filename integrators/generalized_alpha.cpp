@@ -210,7 +210,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   ++dynamics.work().evaluations;
   const double gh = gamma_ * h * kappa_, bh2 = beta_ * h * h * kappa_, length = dynamics.system().length();
   if (anew) {
-    matrix_.gather(dynamics, lambda1_);
+    matrix_.gather(dynamics.evaluation(), lambda1_);
     matrix_.factor(1, gh, bh2);
     ++dynamics.work().factors;
   }

@@ -130,10 +130,10 @@ void NewtonMatrix::Work::update_scales() {
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
 NewtonMatrix::~NewtonMatrix() = default;
 
-void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
+void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   Work& w = *work_;
-  const System& system = dynamics.system();
-  const RowTable& rows = dynamics.rows();
+  const System& system = e.system();
+  const RowTable& rows = e.rows();
   if (w.system != &system || w.description != system.revision() || !w.same_links(rows)) {
     w.system = &system;
     w.description = system.revision();
@@ -143,20 +143,20 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
   w.copy_rows(rows);
   w.update_scales();
   w.tangents.clear();
-  const Inputs& in = dynamics.inputs();
+  const Inputs& in = e.inputs();
   w.add_inertia(in);
-  for (const RowEntry& e : rows.entries) {
+  for (const RowEntry& entry : rows.entries) {
     std::array<double, kMaxRows> own{};  // of all rows of the link, those left out in a plane being zero
-    for (int k = 0; k < e.m; ++k)
-      own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
-    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    for (int k = 0; k < entry.m; ++k)
+      own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = lambda[entry.first_row + k];
+    const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];
     named(link, in.t, [&] {
       add_tangent(link, in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
     });
   }
   for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
   const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
-  for (const Force* force : dynamics.reacting())
+  for (const Force* force : e.reacting())
     named(*force, in.t, [&] { force->react_tangent(in, reactions, w.tangents); });
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }

@@ -1,4 +1,4 @@
-#include "framework/dynamics/evaluate/matrix.h"
+#include "framework/dynamics/evaluate/kkt_assembler.h"
 
 #include <Eigen/Cholesky>
 
@@ -14,7 +14,7 @@ Mat3 inverse_of(const Mat3& J) { return J.llt().solve(Mat3::Identity()); }
 
 }  // namespace
 
-void Matrix::lay_out_direct(const RowTable& rows) {
+void KktAssembler::lay_out_direct(const RowTable& rows) {
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
@@ -30,13 +30,13 @@ void Matrix::lay_out_direct(const RowTable& rows) {
 }
 
 // Which of the six velocities each unknown of a slot is.
-std::array<int, 6> Matrix::velocities() const {
+std::array<int, 6> KktAssembler::velocities() const {
   const Plane plane = system_.plane();
   if (plane) return {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
   return {0, 1, 2, 3, 4, 5};
 }
 
-void Matrix::lay_out(const RowTable& rows, bool direct) {
+void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (direct && formulation_ == Formulation::quaternion)
     throw ModelError(
         "formulation quaternion keeps seven coordinates a body, and this solver reads rows of six velocities; take "
@@ -80,7 +80,7 @@ void Matrix::lay_out(const RowTable& rows, bool direct) {
   for (int k = 0; k < n; ++k) write_mass(k, Motion{});
 }
 
-void Matrix::write_mass(int slot, const Motion& O) {
+void KktAssembler::write_mass(int slot, const Motion& O) {
   const auto k = static_cast<std::size_t>(slot);
   const int width = kkt_.pattern.width[k];
   const Slot& b = system_.slot(slot);
@@ -105,8 +105,12 @@ void Matrix::write_mass(int slot, const Motion& O) {
   }
 }
 
-void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
-  if (direct()) return;
+void KktAssembler::read(const RowTable& rows) {
+  if (direct()) kkt_.pattern.rows = &rows;
+}
+
+void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions) {
+  if (direct()) return read(rows);
   const KktPattern& p = kkt_.pattern;
   if (formulation_ == Formulation::quaternion)
     for (int k = 0; k < system_.n_slots(); ++k)
@@ -147,7 +151,7 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
   kkt_.update_scales();
 }
 
-void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f,
+void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f,
                   VecX& c) const {
   const KktPattern& p = kkt_.pattern;
   f.resize(p.n);
@@ -180,7 +184,7 @@ void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motion
   }
 }
 
-void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6,
+void KktAssembler::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6,
                     VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
