@@ -21,7 +21,6 @@ class LOCKSTEP_API Matrix {
   /// copied then, and load and unload are not needed.
   void lay_out(const RowTable& rows, bool direct);
   bool direct() const { return kkt_.pattern.rows != nullptr; }
-  void set_rows_moved(bool moved) { kkt_.rows_moved = moved; }
   /// Numbers: jacobians, and the mass blocks where they move.
   void update(const RowTable& rows, std::span<const Motion> motions);
   const Kkt& kkt() const { return kkt_; }
@@ -38,7 +37,6 @@ class LOCKSTEP_API Matrix {
  private:
   void lay_out_direct(const RowTable& rows);
   void write_mass(int slot, const Motion& O);
-  std::array<int, 6> velocities() const;
 
   const System& system_;
   Formulation formulation_;

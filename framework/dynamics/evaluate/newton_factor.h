@@ -16,8 +16,7 @@ namespace lockstep {
 /// What the factors are made of: the mechanism's shape and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
-  std::vector<double> mass;                    // of each slot
-  std::vector<Mat3> inertia, inverse_inertia;  // of each slot
+  std::vector<SlotMass> mass;                  // of each slot
   std::vector<int> width, first;               // of each slot: unknowns and the first of them
   std::vector<RowEntry> entries;               // as laid out
   std::vector<double> J;                       // 6 a slot and row, entry after entry

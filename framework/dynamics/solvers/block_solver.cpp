@@ -13,8 +13,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kSmallPivot = 1e-6;  // counted as redundant or singular
-
 BlockGraph graph_of(const KktPattern& pattern) {
   BlockGraph graph;
   graph.n_slots = static_cast<int>(pattern.width.size());
@@ -24,28 +22,35 @@ BlockGraph graph_of(const KktPattern& pattern) {
     const int node = static_cast<int>(graph.width.size());
     graph.width.push_back(link.m);
     graph.first.push_back(pattern.n + link.first_row);
-    for (int i = 0; i < link.n_slots; ++i) graph.edges.emplace_back(link.slot[static_cast<std::size_t>(i)], node);
+    for (int i = 0; i < link.n_slots; ++i) graph.edges.emplace_back(link.slot[i], node);
   }
   return graph;
 }
 
 }  // namespace
 
-struct BlockSolver::Work {
+class BlockFactorization final : public Factorization {
+ public:
+  explicit BlockFactorization(const KktPattern&);
+  void compute(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport&) override;
+
+ private:
   BlockPlan plan;
   BlockFactor<double> factor;
   std::vector<BlockPlan::Place> mass, jacobian, proximal;  // of slots; of links and their slots; of links
   VecX rhs, pivots;
   std::vector<double> relative, scratch;  // pivots of the rows against their scales
   StopRule rule;
-  int n_small = 0, n_small_usual = 0;
+  PivotWatch watch;
   double smallest_pivot = 0.0;
 
   void fill(const Kkt&);
   void measure_pivots(const Kkt&);
 };
 
-void BlockSolver::Work::fill(const Kkt& kkt) {
+void BlockFactorization::fill(const Kkt& kkt) {
   const KktPattern& pattern = kkt.pattern;
   factor.clear();
   const BlockPlan::Place* place = mass.data();
@@ -70,19 +75,16 @@ void BlockSolver::Work::fill(const Kkt& kkt) {
   }
 }
 
-void BlockSolver::Work::measure_pivots(const Kkt& kkt) {
+void BlockFactorization::measure_pivots(const Kkt& kkt) {
   smallest_pivot = std::numeric_limits<double>::infinity();
-  n_small = 0;
+  int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = relative[static_cast<std::size_t>(j)] = pivots[kkt.pattern.n + j] / kkt.E[j];
+    const double pivot = relative[j] = pivots[kkt.pattern.n + j] / kkt.E[j];
     smallest_pivot = std::min(smallest_pivot, pivot);
     if (pivot < kSmallPivot) ++n_small;
   }
-  n_small_usual = std::min(n_small_usual, n_small);
+  watch.count(n_small);
 }
-
-BlockSolver::BlockSolver() : work_(std::make_unique<Work>()) {}
-BlockSolver::~BlockSolver() = default;
 
 TypeInfo BlockSolver::info() {
   return {
@@ -90,62 +92,60 @@ TypeInfo BlockSolver::info() {
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 
-void BlockSolver::analyse(const KktPattern& pattern) {
-  Work& w = *work_;
-  w.plan.lay_out(graph_of(pattern), true);
-  w.factor.lay_out(w.plan);
-  w.mass.clear(), w.jacobian.clear(), w.proximal.clear();
+BlockFactorization::BlockFactorization(const KktPattern& pattern) {
+  plan.lay_out(graph_of(pattern), true);
+  factor.lay_out(plan);
   const int n_slots = static_cast<int>(pattern.width.size());
-  for (int k = 0; k < n_slots; ++k) w.mass.push_back(w.plan.find(k, k));
+  for (int k = 0; k < n_slots; ++k) mass.push_back(plan.find(k, k));
   int node = n_slots;
   for (const KktLink& link : pattern.links) {
     for (int i = 0; i < link.n_slots; ++i)
-      w.jacobian.push_back(w.plan.find(node, link.slot[static_cast<std::size_t>(i)]));
-    w.proximal.push_back(w.plan.find(node, node));
+      jacobian.push_back(plan.find(node, link.slot[i]));
+    proximal.push_back(plan.find(node, node));
     ++node;
   }
-  for (VecX* v : {&w.rhs, &w.pivots}) v->setZero(pattern.n + pattern.m);
-  w.relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
-  w.scratch = w.relative;
-  w.rule.analyse(pattern);
-  w.n_small_usual = pattern.m;
+  for (VecX* v : {&rhs, &pivots}) v->setZero(pattern.n + pattern.m);
+  relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
+  scratch = relative;
+  rule.analyse(pattern);
+  watch.begin(pattern.m);
 }
 
-void BlockSolver::factor(const Kkt& kkt) {
-  Work& w = *work_;
-  w.fill(kkt);
-  if (!w.factor.factor_symmetric(w.plan, w.pivots.data()))
+void BlockFactorization::compute(const Kkt& kkt) {
+  fill(kkt);
+  if (!factor.factor_symmetric(plan, pivots.data()))
     throw SolveError("solver block: a pivot is zero; give every body a mass and an inertia above zero");
-  w.measure_pivots(kkt);
+  measure_pivots(kkt);
 }
 
-SolveReport BlockSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  Work& w = *work_;
+SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  w.rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    w.rhs.head(n) = w.rule.force_residual();
-    w.rhs.tail(m) = w.rule.row_residual();
-    w.factor.solve(w.plan, w.rhs.data());
-    x += w.rhs.head(n);
-    l += w.rhs.tail(m);
+  rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
+    rhs.head(n) = rule.force_residual();
+    rhs.tail(m) = rule.row_residual();
+    factor.solve(plan, rhs.data());
+    x += rhs.head(n);
+    l += rhs.tail(m);
   });
-  report.smallest_pivot = w.smallest_pivot;
-  // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
-  report.contradictory = w.rule.largest() > kContradiction && w.rule.stalled() && w.n_small <= w.n_small_usual;
+  report.smallest_pivot = smallest_pivot;
+  report.contradictory = watch.contradictory(rule.largest(), rule.largest_before());
   return report;
 }
 
-void BlockSolver::complete(SolveReport& report) const {
-  Work& w = *work_;
-  const auto n_usual = w.n_small_usual;
-  if (n_usual >= static_cast<int>(w.relative.size())) return;
-  std::copy(w.relative.begin(), w.relative.end(), w.scratch.begin());
-  const auto place = w.scratch.begin() + n_usual;
-  std::nth_element(w.scratch.begin(), place, w.scratch.end());
-  report.detector = *place;
+void BlockFactorization::complete(SolveReport& report) {
+  scratch = relative;
+  report.detector = watch.singularity_indicator(scratch);
 }
 
-long BlockSolver::multiplications() const { return work_->plan.multiplications; }
+long BlockSolver::multiplications(const KktPattern& pattern) {
+  BlockPlan plan;
+  plan.lay_out(graph_of(pattern), true);
+  return plan.multiplications;
+}
+
+std::unique_ptr<Factorization> BlockSolver::analyse(const KktPattern& pattern) const {
+  return std::make_unique<BlockFactorization>(pattern);
+}
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-// The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (numerics page, sections 2 and 5): the
+// The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections 2 and 5): the
 // numeric half, one text for one matrix and for several matrices at once, one per vector lane. Letters:
 //
 //   Y = J M^-1,   D the inverse of a pivot's block,   L = A D below it

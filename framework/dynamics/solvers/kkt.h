@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "framework/mechanism/model/slot_mass.h"
 #include "framework/mechanism/rows/rows.h"
 #include "framework/foundation/support/export.h"
 
@@ -18,13 +19,6 @@ struct KktLink {
   std::array<int, kMaxSlots> slot{};
   std::array<RowKind, kMaxRows> kind{};
   std::size_t J = 0;  ///< offset of its first jacobian in Kkt::J: m x width of slot 0, then of slot 1 ...
-};
-
-/// Mass and inertia (slot axes) of a slot; a particle does not turn.
-struct SlotMass {
-  double m = 0;
-  Mat3 J = Mat3::Zero();
-  bool particle = false;
 };
 
 /// Shape of the matrix; changes only when the set of active links does.
@@ -48,10 +42,9 @@ struct LOCKSTEP_API Kkt {
   std::vector<double> J;
   VecX E;                        ///< one a row: scale s_j of the proximal term (E itself is eps times it)
   std::vector<SlotMass> masses;  ///< with KktPattern::rows
-  bool rows_moved = false;       ///< the rows were gathered anew since factor(): an iteration with one matrix
 
   /// s_j of every row: mean of the diagonal of J M^-1 J^T over the link's force rows, over its moment rows, of a single
-  /// row for a function (numerics page, section 5). Reactions of redundant rows then depend on no frame.
+  /// row for a function (framework/docs/solvers.md, section 5). Reactions of redundant rows then depend on no frame.
   void update_scales();
 };
 
