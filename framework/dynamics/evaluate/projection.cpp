@@ -1,44 +1,31 @@
 // Projection of a state onto the constraints: least move in the mass metric, positions first, then velocities.
 #include <algorithm>
-#include <cmath>
 
 #include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/evaluate/projection_rule.h"
 
 namespace lockstep {
-namespace {
-constexpr int kRounds = 6;  // positions; quadratic with a fresh factor, so three are usual
-}
-
 /// (S + E) z = C, d = M^-1 Jh^T z, q <- q (-) d, which is the solution of M d + Jh^T z = 0, Jh d = -C. One factor
 /// serves all rounds while it is good enough (chord). Stops at the goal, not below round-off of the largest position.
 void Dynamics::project_position(State& state, double goal, ProjectReport& report) {
-  const double ulp = std::numeric_limits<double>::epsilon();
   double x_max = 0;
   for (int k = 0; k < system_.n_slots(); ++k)
     x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
-  const double tolerance = options_.stabilization.tolerance;
-  goal = std::max(goal, 1e-14 * system_.length() + 4 * ulp * x_max);
-  double before = 0;
-  for (int round = 0;; ++round) {
+  PositionRounds rounds(goal, options_.stabilization.tolerance, system_.length(), x_max);
+  for (;;) {
     gather(state);
     residuals(C_, Cd_);
-    const double now = norm(C_);
-    if (round == 0) report.before = now;
-    report.after = now;
-    report.rounds = round;
-    factored_ = round > 0 && now <= 0.1 * before;
-    if (now <= goal) return;
-    // no further progress, but within the tolerance: the round-off of this mechanism
-    if (round > 1 && now > 0.5 * before && now <= tolerance) return;
-    if (round == kRounds || !std::isfinite(now)) {
-      report.converged = now <= tolerance;
-      return;
-    }
-    before = now;
+    const bool ends = rounds.ends(norm(C_));
+    if (rounds.round() == 0) report.before = rounds.residual();
+    factored_ = rounds.chord();
+    if (ends) break;
     C_ = -C_;
     solve(zero_, C_, d_, lambda_);
     move(state, d_);
   }
+  report.after = rounds.residual();
+  report.rounds = rounds.round();
+  report.converged = rounds.converged();
 }
 
 ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
@@ -63,9 +50,8 @@ double Dynamics::project_velocity(State& state) {
 
 /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), from residuals gathered at this state; the same factor for all rounds.
 double Dynamics::velocity_rounds(State& state, double goal) {
-  const double ulp = std::numeric_limits<double>::epsilon();
-  goal = std::max(goal, 8 * ulp * state.v.lpNorm<Eigen::Infinity>());
-  for (int round = 0; round < 3; ++round) {
+  goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
+  for (int round = 0; round < kVelocityRounds; ++round) {
     if (norm(Cd_) <= goal) break;
     Cd_ = -Cd_;
     solve(zero_, Cd_, d_, lambda_);

@@ -3,18 +3,17 @@
 //
 //   Y = J M^-1,   D the inverse of a pivot's block,   L = A D below it
 //
-// A four-bar between bodies b0, b1, b2 and the ground, joints j1 .. j4. A node of S is a joint; two are coupled where
-// they share a moving body, and every elimination couples the pivot's later neighbours with one another:
+// A loop of four moving bodies, joints j1 .. j4. A node of S is a joint, and each is coupled with the next by the body that
+// they share:
 //
-//        b1                    j2 - j3            S   j1 j2 j3 j4         factor   j1 j2 j3 j4
-//     j2 ---- j3               |     |            j1   x                  j1        D
-//   b0 |      | b2             j1   j4            j2   x  x               j2        L  D
-//     j1      j4                                  j3      x  x            j3        .  L  D
-//    ---------------           links on b0: 1 2   j4         x  x         j4        .  .  L  D
-//        ground                b1: 2 3, b2: 3 4   an open chain: no fill
+//   j1 -- b1 -- j2          S   j1  j2  j3  j4          factor   j1  j2  j3  j4
+//   |           |           j1   x                      j1        D
+//   b4          b2          j2   x   x                  j2        L   D
+//   |           |           j3       x   x              j3            L   D
+//   j4 -- b3 -- j3          j4   x       x   x          j4        L  fill L   D
 //
-//   With one more body between j1 and j4 in the place of the ground, S has the block (j4, j1) as well, and the first
-//   pivot fills (j4, j2), the second (j4, j3): a loop costs one column of blocks.
+// j1 goes first, and its later neighbours j2 and j4 become coupled. A loop of n joints makes n - 3 such blocks; a tree, and a
+// loop that the ground closes, make none.
 //
 // Pivot k, later neighbours s >= t:   L_s = A_s D_k,   A_st -= A_s L_t^T   (target (s, t) of the plan; s = t: D_s)
 // Solution:   forward  x_s -= L_s x_k,   backward  x_k <- D_k x_k - sum_s L_s^T x_s
@@ -85,14 +84,19 @@ LOCKSTEP_KERNEL T larger(const T& a, const T& b) {
 
 // ------------------------------------------------------------------------------------------------- masses
 
-/// a = M^-1 f of one slot, I its inverse mass; M f with the mass itself.
+/// J^-1 t of one slot, I its inverse mass; J w with the mass itself.
+template <class K, class X>
+LOCKSTEP_KERNEL void inertia_times(const double* I, const typename K::Number* t, typename K::Number* out) {
+  for (int i = 0; i < X::nw; ++i) {
+    out[i] = K::number(I, X::I[i][0]) * t[0];
+    for (int k = 1; k < X::nw; ++k) out[i] += K::number(I, X::I[i][k]) * t[k];
+  }
+}
+/// a = M^-1 f; f = M a with the mass itself.
 template <class K, class X>
 LOCKSTEP_KERNEL void mass_times(const double* I, const typename K::Number* f, typename K::Number* a) {
   for (int i = 0; i < X::nv; ++i) a[i] = K::number(I, 0) * f[i];
-  for (int i = 0; i < X::nw; ++i) {
-    a[X::nv + i] = K::number(I, X::I[i][0]) * f[X::nv];
-    for (int k = 1; k < X::nw; ++k) a[X::nv + i] += K::number(I, X::I[i][k]) * f[X::nv + k];
-  }
+  inertia_times<K, X>(I, f + X::nv, a + X::nv);
 }
 template <class K, class X>
 LOCKSTEP_KERNEL typename K::Number power(const typename K::Number* f, const typename K::Number* a) {
@@ -114,7 +118,7 @@ LOCKSTEP_KERNEL typename K::Number largest_energy(const Plan& plan, const Number
 /// The largest value of the rows of each kind.
 template <class K>
 LOCKSTEP_KERNEL void largest_by_kind(const Plan& plan, const double* values, typename K::Number* largest) {
-  for (int k = 0; k < 3; ++k) largest[k] = {};
+  for (int k = 0; k < 3; ++k) largest[k] = typename K::Number{};
   for (const Node& node : plan.nodes)
     for (int k = 0; node.link >= 0 && k < node.m; ++k) {
       auto& most = largest[static_cast<int>(node.kinds.of(k))];
@@ -189,7 +193,8 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
     if (kTurned && i < X::nv) D.add_to_diagonal(i, linear);
     diagonal[i] = D.number(i, i);
   }
-  if (node.on_hub) add_hub_diagonal<K, X, M, kTurned>(plan, node, z, diagonal);
+  if constexpr (K::kPacked)
+    if (node.on_hub) add_hub_diagonal<K, X, M, kTurned>(plan, node, z, diagonal);
   if (z.eps > 0) add_proximal<K, M>(node, z, diagonal, D);
   for (int i = 0; i < M; ++i) K::put(z.diagonal, node.x + i, diagonal[i]);
   D.store(K::at(z.A, node.D));

@@ -7,18 +7,22 @@ namespace lockstep::schur {
 
 #define LOCKSTEP_KERNEL [[gnu::always_inline]] inline
 
-/// Calls f<M, kTurned>(node) for every link, with its rows as constants.
+/// Calls f<M, kTurned>(node) for a link, with its rows as constants.
+template <class K, class X, class F>
+LOCKSTEP_KERNEL void with_rows(const Node& node, F&& f) {
+  if (node.turned)
+    for_size<X::nv, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) {
+      f.template operator()<m, true>(node);
+    });
+  else
+    for_size<1, K::kMostDense>(node.m, [&](auto m) __attribute__((always_inline)) {
+      f.template operator()<m, false>(node);
+    });
+}
 template <class K, class X, class F>
 LOCKSTEP_KERNEL void for_each_link(const Plan& plan, F&& f) {
-  for (const Node& node : plan.nodes) {
-    if (node.link < 0) continue;
-    const auto turned = [&](auto m) __attribute__((always_inline)) { f.template operator()<m, true>(node); };
-    const auto dense = [&](auto m) __attribute__((always_inline)) { f.template operator()<m, false>(node); };
-    if (node.turned)
-      for_size<X::nv, K::kMostTurned>(node.m, turned);
-    else
-      for_size<1, K::kMostDense>(node.m, dense);
-  }
+  for (const Node& node : plan.nodes)
+    if (node.link >= 0) with_rows<K, X>(node, f);
 }
 
 // -- hubs
@@ -71,7 +75,7 @@ template <class K, class X, int M>
 LOCKSTEP_KERNEL void fill_below(const Plan& plan, const Node& node, const Later& later, const Numbers& z) {
   double* block = K::at(z.A, later.block);
   const auto clear = [&] {
-    for (int k = 0; k < K::stride(later.m) * M; ++k) K::put(block, k, {});
+    for (int k = 0; k < K::stride(later.m) * M; ++k) K::put(block, k, typename K::Number{});
   };
   bool first = true;  // the block is to be written
   if (later.n_terms == 0) clear();

@@ -33,11 +33,11 @@ struct PackedBlocks {
   LOCKSTEP_KERNEL void put(double* p, std::ptrdiff_t i, double v) { p[i] = v; }
   template <class Slab>
   LOCKSTEP_KERNEL Slab load(const double* p) {
-    return *reinterpret_cast<const Slab*>(p);
+    return *reinterpret_cast<const Pack<rows<Slab>(0)>*>(p);
   }
   template <class Slab>
   LOCKSTEP_KERNEL void store(double* p, const Slab& v) {
-    *reinterpret_cast<Slab*>(p) = v;
+    *reinterpret_cast<Pack<rows<Slab>(0)>*>(p) = v;
   }
   /// The first nv numbers at p, zeros behind them.
   template <class Slab, int nv>
