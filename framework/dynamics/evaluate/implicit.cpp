@@ -33,7 +33,7 @@ void NewtonMatrix::Work::lay_out(const RowTable& rows) {
   width.clear(), first.clear(), mass.clear();
   n = 0;
   const Plane plane = system->plane();
-  velocity = velocities(plane);
+  velocity = unknown_velocities(plane);
   for (int k = 0; k < system->n_slots(); ++k) {
     mass.emplace_back(system->slot(k), plane);
     width.push_back(mass.back().width());
@@ -102,8 +102,7 @@ void NewtonMatrix::Work::update_scales() {
     const Eigen::Map<const Vec3> v(r), w(r + 3);
     s[row] += v.squaredNorm() / mass[slot].m() + w.dot(mass[slot].inverse_J() * w);
   });
-  for (const RowEntry& e : entries)
-    average_scales(s.data() + e.first_row, e.m, [&](int k) { return e.kind[k]; });
+  for (const RowEntry& e : entries) average_scales(s.data() + e.first_row, e.m, KindBits(e.kind, e.m));
 }
 
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}

@@ -19,7 +19,10 @@ void Matrix::lay_out_direct(const RowTable& rows) {
   p.width.assign(static_cast<std::size_t>(n), 6);
   kkt_.masses.clear();
   p.plane = system_.plane();
-  for (int k = 0; k < n; ++k) kkt_.masses.emplace_back(system_.slot(k), p.plane);
+  for (int k = 0; k < n; ++k) {
+    const Slot& s = system_.slot(k);
+    kkt_.masses.push_back({s.mass, s.J, s.freedoms == Freedoms::particle});
+  }
 }
 
 void Matrix::lay_out(const RowTable& rows, bool direct) {
@@ -35,9 +38,9 @@ void Matrix::lay_out(const RowTable& rows, bool direct) {
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
-  kkt_.masses.clear();
+  masses_.clear();
   for (int k = 0; k < n; ++k) {
-    const SlotMass& mass = kkt_.masses.emplace_back(system_.slot(k), system_.plane());
+    const BodyMass& mass = masses_.emplace_back(system_.slot(k), system_.plane());
     const int width = formulation_ == Formulation::quaternion && mass.width() == 6 ? 7 : mass.width();
     p.width.push_back(width);
     p.first.push_back(p.n);
@@ -69,7 +72,7 @@ void Matrix::lay_out(const RowTable& rows, bool direct) {
 
 void Matrix::write_mass(int slot, const Motion& O) {
   const int width = kkt_.pattern.width[slot];
-  const SlotMass& mass = kkt_.masses[slot];
+  const BodyMass& mass = masses_[slot];
   double *M = kkt_.M.data() + kkt_.pattern.M[slot], *inverse = kkt_.Minv.data() + kkt_.pattern.M[slot];
   if (width != 7) return mass.write_blocks(M, inverse);
   // (2.7) with k = the mean of the three eigenvalues 4 J of G^T J G
@@ -90,7 +93,7 @@ void Matrix::update(const RowTable& rows, std::span<const Motion> motions) {
     for (int k = 0; k < system_.n_slots(); ++k)
       if (p.width[static_cast<std::size_t>(k)] == 7) write_mass(k, motions[static_cast<std::size_t>(k + 1)]);
 
-  const std::array<int, 6> columns = velocities(system_.plane());
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int l = 0; l < static_cast<int>(p.links.size()); ++l) {
     const KktLink& link = p.links[static_cast<std::size_t>(l)];
     double* out = kkt_.J.data() + link.J;
@@ -132,7 +135,7 @@ void Matrix::load(const VecX& f6, const VecX& c6, std::span<const Motion> motion
   c.resize(p.m);
   c.head(c6.size()) = c6;
   int norm_row = static_cast<int>(c6.size());
-  const std::array<int, 6> columns = velocities(system_.plane());
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
     if (width <= 6) {
@@ -162,7 +165,7 @@ void Matrix::unload(const VecX& a, const VecX& lambda, std::span<const Motion> m
                     VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
-  const std::array<int, 6> columns = velocities(system_.plane());
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
     if (width <= 6) {

@@ -9,6 +9,7 @@
 
 #include "framework/dynamics/evaluate/stabilization.h"
 #include "framework/dynamics/solvers/kkt.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -41,6 +42,7 @@ class LOCKSTEP_API Matrix {
   const System& system_;
   Formulation formulation_;
   Kkt kkt_;
+  std::vector<BodyMass> masses_;  // of slots, where the matrix is filled here
   int n_links_ = 0;  // of the table; unit-length rows stand behind them
 };
 

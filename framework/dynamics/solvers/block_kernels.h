@@ -35,7 +35,7 @@ inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
   }
 }
 
-// Triangles stand in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
+// Triangles are kept in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
 // reciprocals.
 
 /// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.

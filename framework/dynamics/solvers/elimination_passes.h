@@ -1,7 +1,7 @@
-// The passes of the elimination over all nodes of a plan (elimination.h), for any storage K and geometry X.
+// The passes of the elimination over all nodes of a plan (elimination.h, elimination_rows.h), for any storage K and geometry X.
 #pragma once
 
-#include "framework/dynamics/solvers/elimination.h"
+#include "framework/dynamics/solvers/elimination_rows.h"
 
 namespace lockstep::schur {
 

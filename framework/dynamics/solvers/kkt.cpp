@@ -9,7 +9,7 @@ void Kkt::update_scales() {
   E.resize(pattern.m);
   row_diagonal(*this, E);  // S_jj = (J M^-1 J^T)_jj
   for (const KktLink& link : pattern.links)
-    average_scales(E.data() + link.first_row, link.m, [&](int k) { return kind_of(link, k); });
+    average_scales(E.data() + link.first_row, link.m, link.link < 0 ? KindBits() : KindBits(link.kind, link.m));
 }
 
 }  // namespace lockstep

@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "framework/mechanism/model/slot_mass.h"
 #include "framework/mechanism/rows/rows.h"
 #include "framework/foundation/support/export.h"
 
@@ -19,6 +18,13 @@ struct KktLink {
   std::array<int, kMaxSlots> slot{};
   std::array<RowKind, kMaxRows> kind{};
   std::size_t J = 0;  ///< offset of its first jacobian in Kkt::J: m x width of slot 0, then of slot 1 ...
+};
+
+/// Mass and inertia (slot axes) of a slot; a particle does not turn.
+struct SlotMass {
+  double m = 0;
+  Mat3 J = Mat3::Zero();
+  bool particle = false;
 };
 
 /// Shape of the matrix; changes only when the set of active links does.

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/rows/rows.h"
 #include "framework/foundation/support/export.h"
 
@@ -39,22 +40,6 @@ struct Later {
 /// One share of such a block in S: both nodes touch one slot. A hub is its own slot: then its side is -1.
 struct Term {
   int pivot_side = 0, later_side = 0;
-};
-
-/// Bits of the rows of a link by kind; the others are functions.
-struct KindBits {
-  unsigned translations = 0, rotations = 0;
-  KindBits() = default;
-  template <class Kinds>
-  KindBits(const Kinds& kind, int m) {
-    for (int k = 0; k < m; ++k) {
-      translations |= kind[k] == RowKind::translation ? 1u << k : 0u;
-      rotations |= kind[k] == RowKind::rotation ? 1u << k : 0u;
-    }
-  }
-  RowKind of(int k) const {
-    return translations >> k & 1u ? RowKind::translation : rotations >> k & 1u ? RowKind::rotation : RowKind::function;
-  }
 };
 
 struct Node {

@@ -6,6 +6,7 @@
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/foundation/support/aligned.h"
+#include "framework/mechanism/model/body_mass.h"
 
 namespace lockstep {
 
@@ -71,7 +72,7 @@ void SchurFactorization::for_each_row(Visit&& visit) const {
 SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
       plane_(pattern.plane),
-      velocity_(velocities(pattern.plane)) {
+      velocity_(unknown_velocities(pattern.plane)) {
   size(pattern);
   watch_.begin(pattern.m);
 }
@@ -97,7 +98,10 @@ void SchurFactorization::size(const KktPattern& pattern) {
 
 void SchurFactorization::read_masses(const Kkt& kkt) {
   const int stride = plane_ ? schur::Planar::mass : schur::Spatial::mass;
-  for (int k = 0; k < plan_.n_slots; ++k) kkt.masses[k].write_packed(&mass_[stride * k], &inverse_[stride * k]);
+  for (int k = 0; k < plan_.n_slots; ++k) {
+    const SlotMass& slot = kkt.masses[k];
+    BodyMass(slot.m, slot.J, slot.particle, plane_).write_packed(&mass_[stride * k], &inverse_[stride * k]);
+  }
   for (const int h : plan_.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
     double* M = &mass_[stride * plan_.nodes[h].hub_slot];
     for (int i = 0; i < (plane_ ? 1 : 3); ++i)

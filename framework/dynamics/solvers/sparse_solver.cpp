@@ -95,7 +95,7 @@ void SparseFactorization::shape(const KktPattern& pattern) {
   for_each_number(pattern, place, [&](int row, int column) { positions.push_back(position(row, column)); });
 }
 
-// Where K(row, column) stands among K's values.
+// Where K(row, column) is stored among K's values.
 Eigen::Index SparseFactorization::position(int row, int column) const {
   const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column];
   const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column + 1];

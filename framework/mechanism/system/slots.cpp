@@ -3,7 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/model/slot_mass.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -35,7 +35,7 @@ void System::setup_slots() {
   }
   for (Slot& slot : slots_) {
     fill_slot(slot);
-    n_velocities_ += SlotMass(slot, plane_).width();
+    n_velocities_ += BodyMass(slot, plane_).width();
   }
 }
 

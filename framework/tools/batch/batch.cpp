@@ -5,6 +5,7 @@
 
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/lock/marker_lock_gather.h"
+#include "framework/mechanism/model/body_mass.h"
 
 namespace lockstep::lanes {
 namespace {
@@ -63,7 +64,7 @@ void Batch::fill_masses() {
     put_numbers(gravity_, 0, l, system.gravity());
     for (int k = 0; k < plan_.n_slots; ++k) {
       double mass[schur::Spatial::mass] = {}, inverse[schur::Spatial::mass] = {};
-      SlotMass(system.slot(k), {}).write_packed(mass, inverse);
+      BodyMass(system.slot(k), {}).write_packed(mass, inverse);
       for (std::size_t i = 0; i < schur::Spatial::mass; ++i) {
         put_number(mass_, schur::Spatial::mass * k + i, l, mass[i]);
         put_number(inverse_, schur::Spatial::mass * k + i, l, inverse[i]);

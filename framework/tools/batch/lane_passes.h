@@ -17,7 +17,7 @@ struct Passes {
   Pass solve = nullptr;             ///< x <- (S + E)^-1 x
   Pass apply = nullptr;             ///< a -= Y^T x
   Pass residual = nullptr;          ///< r = J a - c
-  /// J v + Ct; v: 6 a slot.
+  /// J v + Ct; v: 6 per slot.
   void (*velocity_residual)(const Plan&, const Numbers&, const double* v, double* Cd) = nullptr;
   /// Largest scale of each RowKind; 3 packs.
   void (*largest_scales)(const Plan&, const Numbers&, double* out) = nullptr;

@@ -1,11 +1,11 @@
-#include "framework/mechanism/model/slot_mass.h"
+#include "framework/mechanism/model/body_mass.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace lockstep {
 
-SlotMass::SlotMass(double m, const Mat3& J, bool particle, Plane plane) : m_(m), particle_(particle), plane_(plane) {
+BodyMass::BodyMass(double m, const Mat3& J, bool particle, Plane plane) : m_(m), particle_(particle), plane_(plane) {
   if (particle) return;
   J_ = J;
   if (plane)
@@ -14,7 +14,7 @@ SlotMass::SlotMass(double m, const Mat3& J, bool particle, Plane plane) : m_(m),
     inverse_J_ = J.llt().solve(Mat3::Identity());
 }
 
-void SlotMass::write_blocks(double* M, double* inverse) const {
+void BodyMass::write_blocks(double* M, double* inverse) const {
   const int n = width(), n_linear = plane_ ? 2 : 3;
   for (double* block : {M, inverse}) std::fill_n(block, n * n, 0.0);
   for (int i = 0; i < n_linear; ++i) M[(n + 1) * i] = m_, inverse[(n + 1) * i] = 1.0 / m_;
@@ -25,7 +25,7 @@ void SlotMass::write_blocks(double* M, double* inverse) const {
     }
 }
 
-void SlotMass::write_packed(double* M, double* inverse) const {
+void BodyMass::write_packed(double* M, double* inverse) const {
   *M++ = m_, *inverse++ = 1.0 / m_;
   if (plane_) {
     *M = J_(plane_.n, plane_.n), *inverse = inverse_J_(plane_.n, plane_.n);

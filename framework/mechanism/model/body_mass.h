@@ -1,4 +1,4 @@
-// SlotMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v alone of a particle; in a
+// BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v alone of a particle; in a
 // plane the two or three velocities of it.
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace lockstep {
 
-class LOCKSTEP_API SlotMass {
+class LOCKSTEP_API BodyMass {
  public:
-  SlotMass() = default;
-  SlotMass(double m, const Mat3& J, bool particle, Plane plane = {});
-  SlotMass(const Slot& slot, Plane plane) : SlotMass(slot.mass, slot.J, slot.freedoms == Freedoms::particle, plane) {}
+  BodyMass() = default;
+  BodyMass(double m, const Mat3& J, bool particle, Plane plane = {});
+  BodyMass(const Slot& slot, Plane plane) : BodyMass(slot.mass, slot.J, slot.freedoms == Freedoms::particle, plane) {}
 
   double m() const { return m_; }
   /// Inertia in slot axes, and its inverse: zero of a particle, which does not turn.
@@ -39,7 +39,7 @@ class LOCKSTEP_API SlotMass {
 };
 
 /// Which of the six velocities of a slot its unknowns are.
-inline std::array<int, 6> velocities(Plane plane) {
+inline std::array<int, 6> unknown_velocities(Plane plane) {
   if (plane) return {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
   return {0, 1, 2, 3, 4, 5};
 }
