@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/mechanism/forces/force.h"
+#include "framework/mechanism/forces/formula.h"
 #include "framework/mechanism/lock/marker_lock.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
@@ -62,12 +63,15 @@ class LOCKSTEP_API JointFriction final : public Force {
   static std::unique_ptr<Force> make(const Site&, const Params&);
 
  private:
-  struct Rubbing;
-  struct Slope;
+  struct Pressing;
   void check_numbers() const;
-  Slope coefficient(double speed) const;
+  template <class T>
+  T coefficient(const T& square_of_speed) const;
   double size(double square) const;
-  Rubbing rubbing(const Inputs&, const Reactions&) const;
+  Pressing pressing(const Inputs&, const Reactions&) const;
+  template <class T, class Load>
+  void act(const Pressing&, const Ends<T>&, Load&) const;
+  ForceAccount account(const Inputs&, const Reactions&) const;
 
   const Lock* link_;
   const Marker *p_, *s_;
