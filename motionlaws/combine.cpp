@@ -101,19 +101,19 @@ const TypeInfo& ShiftedLaw::info() {
 }
 
 LawPtr<MotionLaw> SumLaw::make(const Params& p) {
-  return built(p, [&] { return sum(p.laws("laws")); });
+  return sum(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ProductLaw::make(const Params& p) {
-  return built(p, [&] { return product(p.laws("laws")); });
+  return product(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ScaledLaw::make(const Params& p) {
-  return built(p, [&] { return scale(p.law("law"), p.number("factor"), p.number("offset")); });
+  return scale(p.law("law"), p.number("factor"), p.number("offset"));
 }
 
 LawPtr<MotionLaw> ShiftedLaw::make(const Params& p) {
-  return built(p, [&] { return shift(p.law("law"), p.number("delay")); });
+  return shift(p.law("law"), p.number("delay"));
 }
 
 }  // namespace lockstep

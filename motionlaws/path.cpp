@@ -60,9 +60,7 @@ LawPtr<TranslationLaw> PathLaw::make(const Params& p) {
   Columns table = points_of(p, 3, p.text("t_column"), {p.text("x_column"), p.text("y_column"), p.text("z_column")});
   const PathEndValues ends{p.vector3("start_velocity"), p.vector3("end_velocity"), p.vector3("start_acceleration"),
                            p.vector3("end_acceleration")};
-  return built(p, [&]() -> LawPtr<TranslationLaw> {
-    return std::make_shared<const PathLaw>(SplineCurve("path", std::move(table.t), table.y, k, rates_of(ends)));
-  });
+  return std::make_shared<const PathLaw>(SplineCurve("path", std::move(table.t), table.y, k, rates_of(ends)));
 }
 
 }  // namespace lockstep

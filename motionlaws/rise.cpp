@@ -78,15 +78,15 @@ const TypeInfo& HarmonicRise::info() {
 }
 
 LawPtr<MotionLaw> Poly345::make(const Params& p) {
-  return built(p, [&] { return poly345(rise_settings(p)); });
+  return poly345(rise_settings(p));
 }
 
 LawPtr<MotionLaw> Cycloid::make(const Params& p) {
-  return built(p, [&] { return cycloid(rise_settings(p)); });
+  return cycloid(rise_settings(p));
 }
 
 LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {
-  return built(p, [&] { return harmonic_rise(rise_settings(p)); });
+  return harmonic_rise(rise_settings(p));
 }
 
 }  // namespace lockstep

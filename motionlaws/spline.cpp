@@ -58,9 +58,7 @@ LawPtr<MotionLaw> Spline::make(const Params& p) {
   Columns table = points_of(p, 1, p.text("t_column"), {p.text("y_column")});
   const SplineEndRates rates = rates_of(
       {p.number("start_rate"), p.number("end_rate"), p.number("start_acceleration"), p.number("end_acceleration")});
-  return built(p, [&]() -> LawPtr<MotionLaw> {
-    return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
-  });
+  return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
 }
 
 }  // namespace lockstep

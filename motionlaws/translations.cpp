@@ -68,15 +68,15 @@ const TypeInfo& AlongLaw::info() {
 }
 
 LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
-  return built(p, [&] { return constant_translation(p.vector3("value")); });
+  return constant_translation(p.vector3("value"));
 }
 
 LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {
-  return built(p, [&] { return components(p.law("x"), p.law("y"), p.law("z")); });
+  return components(p.law("x"), p.law("y"), p.law("z"));
 }
 
 LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
-  return built(p, [&] { return along(p.vector3("axis"), p.law("law"), p.vector3("origin")); });
+  return along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
 }
 
 }  // namespace lockstep

@@ -9,7 +9,7 @@ using namespace lockstep;
 /// No derivative is written here: lockstep evaluates phi on jets.
 struct CamProfile {
   double base, lift, lobes;
-  static constexpr Needs kNeeds = Needs::translation;     // the turn of P does not matter
+  static constexpr Reads kReads = Reads::translation;     // the turn of P does not matter
   static constexpr RowKind kKind = RowKind::translation;  // phi is a length
 
   template <class T>

@@ -1,12 +1,10 @@
 #include "framework/description/registry/registry.h"
 
-#include <exception>
-#include <typeinfo>
+#include <algorithm>
 
 #include "framework/mechanism/params/read.h"
-#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/error_context.h"
 #include "framework/foundation/support/text.h"
-#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -14,32 +12,6 @@ namespace {
 std::string origin_words(const std::string& origin) {
   if (origin.empty()) return {};
   return origin == "built in" ? " (built in)" : " (plugin " + origin + ")";
-}
-
-// In a catch block around a maker, which is the user's code: our errors keep their type and their place, and say which
-// plugin they come from; what is none becomes one.
-[[noreturn]] void rethrow_from_maker(const std::string& owner, const std::string& what, const std::string& origin) {
-  const std::exception_ptr thrown = std::current_exception();
-  const std::string from = " [" + what + origin_words(origin) + "]";
-  const bool of_a_plugin = !origin.empty() && origin != "built in";
-  try {
-    throw;
-  } catch (const SceneError& error) {
-    if (!of_a_plugin) throw;
-    throw SceneError(error.what() + from, error.file, error.line, error.column);
-  } catch (const ModelError& error) {
-    // a force's complaint about a key is a class of its own, by which the key's place is found
-    if (!of_a_plugin || typeid(error) != typeid(ModelError)) throw;
-    throw ModelError(error.what() + from);
-  } catch (const PluginError&) {
-    throw;
-  } catch (const FileError&) {
-    throw;
-  } catch (...) {
-    if (origin == "built in") throw;
-    std::throw_with_nested(
-        PluginError(owner + "the maker of " + what + origin_words(origin) + " threw: " + thrown_words(thrown)));
-  }
 }
 
 // What follows "type", or a constant: anything but an object is the value of the law "constant".
@@ -86,18 +58,29 @@ Product Shelf<Product, Args...>::make(const std::string& name, Args... args, con
   if (entry == nullptr)
     refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
   const Params checked = params.checked(entry->info, owner, laws);
-  const std::string what = kind_ + " '" + name + "'", whose = owner.empty() ? "" : owner + ": ";
-  Product product;
-  try {
-    product = entry->make(args..., checked);
-  } catch (...) {
-    rethrow_from_maker(whose, what, entry->origin);
+  const auto context = [&] {
+    return ErrorContext{.thing = {.kind = kind_, .type = name, .origin = entry->origin},
+                        .refuses = true,
+                        .label = kind_ + " '" + name + "'" + origin_words(entry->origin),
+                        .before = (owner.empty() ? "" : owner + ": ") + "the maker of "};
+  };
+  Product product = in_context(context, [&]() -> Product {
+    try {
+      return entry->make(args..., checked);
+    } catch (const ParameterError& error) {  // what it builds on may have keys that this type has not
+      const Keys& keys = entry->info.keys;
+      const bool its_own = std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == error.key; });
+      if (its_own) checked.refuse(error.key, error.problem);
+      throw;
+    }
+  });
+  if (!product) {
+    const ErrorContext whose = context();
+    throw PluginError(whose.before + whose.label + " returned nothing; it has to return what it made, or throw",
+                      {.thing = whose.thing});
   }
-  if (!product)
-    throw PluginError(whose + "the maker of " + what + origin_words(entry->origin) +
-                      " returned nothing; it has to return what it made, or throw");
-  if constexpr (requires { product->set_name(name, entry->origin); })
-    product->set_name(name, entry->origin);
+  if constexpr (requires { labelled(product, LawLabel{}); })
+    return labelled(product, {name, entry->origin});
   else if constexpr (requires { product->set_origin(entry->origin); })
     product->set_origin(entry->origin);
   return product;

@@ -35,7 +35,7 @@ decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
-    refuse(where, context, error.what());
+    refuse(where, context, error.what(), error);
   }
 }
 template <class F>
@@ -61,7 +61,7 @@ class Builder {
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);
   void laws(const Params& common, Lock& link);
-  void one_sided(const Params& link, Lock&);
+  void unilateral(const Params& link, Lock&);
   void brought_along(const Params& link, const Site&, Lock&);
   void stops(const Value& object, const std::string& owner, const Site&);
   void start_speeds(const Params& common, const Lock& link);
@@ -71,8 +71,7 @@ class Builder {
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;
   void set_merge(const std::string& how);
-  void set_plane(const std::string& normal);
-  void set_up();
+  void set_up(const std::string& normal);
 
   // Notes the name of a new thing; refuses names that are taken, empty or that channels could not tell apart.
   std::string claim(const Params& object, const std::string& kind);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/evaluate/advice.h"
 #include "framework/dynamics/evaluate/matrix.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, DynamicsOptions options)
@@ -66,7 +66,7 @@ const Inputs& Dynamics::look(const State& state) {
 
 void Dynamics::gather(const State& state) {
   gather_unchecked(state);
-  check_gathered(state);
+  check_finite(system_, in_, rows_, f_);
 }
 
 void Dynamics::gather_unchecked(const State& state) {
@@ -144,7 +144,7 @@ void Dynamics::rate(const State& state, StateRate& out) {
   out.v = a_;
   if (state.s.size() > 0) {
     system_.state_rates(*values_, out.s);
-    if (!out.s.allFinite()) blame_rates(state, out.s);
+    if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
 }
 
@@ -212,10 +212,10 @@ void Dynamics::accept(State& state) {
 void Dynamics::check_solved(const State& state) const {
   const auto when = [&] { return "t = " + number(state.t) + " s: "; };
   if (!a_.allFinite() || !lambda_.allFinite()) {
-    check_gathered(state);  // names who made it
+    check_finite(system_, in_, rows_, f_);  // names who made it
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
                              std::string(solver_->name()) +
-                             "' failed on this pose (try `dense`), or the motion has blown up: " + kShorter,
+                             "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,
                          state.t);
   }
   if (solve_report_.contradictory)

@@ -101,9 +101,7 @@ class LOCKSTEP_API Dynamics {
   void refactor();
   const SolveReport& solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
   void find_reactions(const State&);
-  [[noreturn]] void blame_reactions(const State&, double left);
-  void check_gathered(const State&) const;
-  [[noreturn]] void blame_rates(const State&, const VecX& sd) const;
+  [[noreturn]] void diagnose_reactions(const State&, double left);
   void check_solved(const State&) const;
   void project_position(State&, double goal, ProjectReport&);
   double velocity_rounds(State&, double goal);

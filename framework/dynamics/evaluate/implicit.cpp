@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/dynamics/evaluate/newton_factor.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -150,7 +150,9 @@ void NewtonMatrix::gather(const Dynamics& dynamics, const VecX& lambda) {
     for (int k = 0; k < e.m; ++k)
       own[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] = lambda[e.first_row + k];
     const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-    named(link, in.t, [&] { link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents); });
+    named(link, in.t, [&] {
+      add_tangent(link, in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
+    });
   }
   for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
   const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});

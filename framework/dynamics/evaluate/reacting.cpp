@@ -5,7 +5,7 @@
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -49,12 +49,12 @@ void Dynamics::find_reactions(const State& state) {
   for (int n = 1;; ++n) {
     change_ = -added_;
     react(lambda_, change_);
-    if (!change_.allFinite()) blame_reactions(state, 1);
+    if (!change_.allFinite()) diagnose_reactions(state, 1);
     const double left = size_of(change_, length), size = std::max(size_of(added_, length), left);
     if (left <= kSettled * size + kRoundOff * applied && n > 1) return;
     if (left == 0) return;
     if (n > 2 && left > 0.5 * before && left <= kStalled * size) return;
-    if (n > kMostSolutions) blame_reactions(state, left / size);
+    if (n > kMostSolutions) diagnose_reactions(state, left / size);
     before = left;
     loaded_ = added_ + change_;
     if (n > 1) {
@@ -72,7 +72,7 @@ void Dynamics::find_reactions(const State& state) {
 }
 
 // Names the force whose share still changes most between two solutions.
-void Dynamics::blame_reactions(const State& state, double left) {
+void Dynamics::diagnose_reactions(const State& state, double left) {
   check_solved(state);
   const auto share = [&](const Force& force) {
     VecX one = VecX::Zero(f_.size());

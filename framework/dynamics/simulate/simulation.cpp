@@ -6,7 +6,6 @@
 #include <cmath>
 #include <exception>
 
-#include "framework/dynamics/integrate/blame.h"
 #include "framework/dynamics/simulate/simulation_loop.h"
 #include "framework/foundation/support/error.h"
 

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/integrate/blame.h"
 #include "framework/dynamics/simulate/simulation_loop.h"
 #include "framework/foundation/support/error.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -155,8 +154,8 @@ bool Simulation::Loop::fire_due() {
 void Simulation::Loop::act(const Event& e) {
   const auto put = [&](const std::string& name, bool on) {  // a one-sided link comes into force when it is touched
     const Lock& link = sim.system().link(name);
-    sim.state_.modes[static_cast<std::size_t>(link.number())] = on && !link.one_sided;
-    if (link.one_sided) sim.state_.z[link.impact_memory() + 1] = on ? 1.0 : 0.0;
+    sim.state_.modes[static_cast<std::size_t>(link.number())] = on && !link.unilateral();
+    if (link.unilateral()) sim.state_.z[link.impact_memory() + 1] = on ? 1.0 : 0.0;
   };
   for (const std::string& name : e.activate) put(name, true);
   for (const std::string& name : e.deactivate) put(name, false);
@@ -176,11 +175,12 @@ void Simulation::Loop::act(const Event& e) {
 void Simulation::Loop::engage(const std::vector<std::string>& links) {
   for (const std::string& name : links) {
     const Lock& link = sim.system().link(name);
-    if (link.n_states() == 0) continue;
+    const int n = link.n_own_states();
+    if (n == 0) continue;
     sim.dynamics_.gather(sim.state_);
     named(link, sim.state_.t, [&] {
-      link.engage(sim.dynamics_.inputs(),
-                  {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+      link.stateful()->engage(sim.dynamics_.inputs(),
+                              {sim.state_.s.data() + link.first_state(), static_cast<std::size_t>(n)});
     });
   }
 }

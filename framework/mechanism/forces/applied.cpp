@@ -111,10 +111,8 @@ const TypeInfo& AppliedForce::info() {
 std::unique_ptr<Force> AppliedForce::make(const Site& site, const Params& k) {
   AppliedVector v = read(Effort::force, k);
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  return built(k, [&] {
-    if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
-    return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
-  });
+  if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
 namespace {
@@ -137,10 +135,8 @@ const TypeInfo& AppliedTorque::info() {
 std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
   AppliedVector v = read(Effort::torque, k);
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  return built(k, [&] {
-    if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
-    return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
-  });
+  if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
 template class FormulaForce<Applied>;

@@ -28,7 +28,7 @@ extern template class LOCKSTEP_API FormulaForce<Applied>;
 /// What both applied loads are: the effort of a vector on P's body; with S, the opposite on S's body.
 class LOCKSTEP_API Applied : public FormulaForce<Applied> {
  public:
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedVector vector);
   ~Applied() override;
   /// force_on_p_world_x, .._y, .._z (of a torque: torque_..), power
@@ -64,7 +64,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
     std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N, the components
     AppliedAxes axes = AppliedAxes::world;
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   AppliedForce(std::string name, Marker& p, Options options);
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
@@ -86,7 +86,7 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
     std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N m, the components
     AppliedAxes axes = AppliedAxes::world;
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   AppliedTorque(std::string name, Marker& p, Options options);
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }

@@ -28,7 +28,7 @@ const TypeInfo& Bushing::info() {
 std::unique_ptr<Force> Bushing::make(const Site& site, const Params& k) {
   const Options o{k.vector3("stiffness"), k.vector3("damping"), k.vector3("torsion_stiffness"),
                   k.vector3("torsion_damping")};
-  return built(k, [&] { return std::make_unique<Bushing>(site.name, p_of(site, k), s_of(site, k), o); });
+  return std::make_unique<Bushing>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
 void Bushing::setup() {

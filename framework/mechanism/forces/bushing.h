@@ -30,7 +30,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
     Vec3 torsion_stiffness = Vec3::Zero();  ///< Kt, N m/rad, about the axes of S
     Vec3 torsion_damping = Vec3::Zero();    ///< Ct, N m s/rad
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   Bushing(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }

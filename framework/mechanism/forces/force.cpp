@@ -8,6 +8,7 @@ Force::Force(std::string name) : name_(std::move(name)) {}
 Force::~Force() = default;
 
 void Force::breakpoints(double, double, std::vector<double>&) const {}
+std::string Force::diagnose(double) const { return {}; }
 std::vector<Quantity> Force::quantities() const { return {}; }
 double Force::quantity(int, const Inputs&) const { return 0; }
 double Force::reacting_quantity(int k, const Inputs& in, const Reactions&) const { return quantity(k, in); }

@@ -29,6 +29,8 @@ class LOCKSTEP_API Force {
   // -- description
   virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Which of its laws throws or is not finite at time t, in words; "" when none is. As Lock::diagnose.
+  virtual std::string diagnose(double t) const;
   virtual std::vector<Quantity> quantities() const;  ///< "length" m, "force" N, ... for the recorder
   virtual double quantity(int k, const Inputs&) const;
 

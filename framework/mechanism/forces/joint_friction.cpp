@@ -1,6 +1,7 @@
 #include "framework/mechanism/forces/joint_friction.h"
 
 #include <cmath>
+#include <tuple>
 
 #include "framework/mechanism/forces/marker_force.h"
 #include "framework/mechanism/forces/formula.h"
@@ -17,16 +18,16 @@ struct JointFriction::Pressing {
 
 JointFriction::JointFriction(std::string name, const Lock& link, Options options)
     : Force(std::move(name)), link_(&link), options_(options) {
-  const auto* lock = dynamic_cast<const MarkerLock*>(&link);
+  const Jointed* joint = link.jointed();
   const std::string who =
       "force '" + this->name() + "': link '" + link.name() + "' (" + std::string(link.type()) + ") ";
-  if (lock == nullptr)
+  if (joint == nullptr)
     throw ModelError(who +
                      "is no lock of two markers; friction is there in joints such as revolute, prismatic, "
                      "cylindrical, point_on_plane");
-  p_ = &lock->p(), s_ = &lock->s();
+  std::tie(p_, s_) = link.pairs().front();
   check_numbers();
-  const Mask mask = lock->mask();
+  const Mask mask = joint->mask();
   Vec3 held = Vec3::Zero();
   int n_free_turns = 0;
   for (int k = 0; k < 3; ++k) {
@@ -44,14 +45,15 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
                      "has no free direction or axis that its reaction presses on; friction is there in joints "
                      "such as revolute, prismatic, cylindrical, point_on_plane");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
-    throw ForceParameterError(this->name(), "radius",
-                              "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
+    throw ParameterError({.kind = "force", .name = this->name()}, "radius",
+                         "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
 }
 
 void JointFriction::check_numbers() const {
   const auto must = [&](bool ok, const char* key, double value, const char* limit) {
     if (!ok || !std::isfinite(value))
-      throw ForceParameterError(name(), key, "is " + number(value) + "; must be a finite number, " + limit);
+      throw ParameterError({.kind = "force", .name = name()}, key,
+                           "is " + number(value) + "; must be a finite number, " + limit);
   };
   const Options& o = options_;
   must(o.mu >= 0, "mu", o.mu, "0 or more");
@@ -102,7 +104,7 @@ JointFriction::Options JointFriction::options(const Params& k) {
 }
 
 std::unique_ptr<Force> JointFriction::make(const Site& site, const Params& k) {
-  return built(k, [&] { return std::make_unique<JointFriction>(site.name, site.carrier(), options(k)); });
+  return std::make_unique<JointFriction>(site.name, site.carrier(), options(k));
 }
 
 void JointFriction::setup() {
@@ -110,7 +112,7 @@ void JointFriction::setup() {
     if (m->slide || m->spin)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
                        "' moves on its body by a law, and friction is not there for that; drive the link instead");
-  if (const auto* lock = dynamic_cast<const MarkerLock*>(link_); lock != nullptr && lock->turned())
+  if (link_->jointed()->turned())
     throw ModelError("force '" + name() + "': link '" + link_->name() +
                      "' has a law \"turn\", which turns its free axis away from z of S, and friction is not there for "
                      "that; turn the marker instead, or drive the link");

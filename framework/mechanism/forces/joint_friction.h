@@ -7,7 +7,6 @@
 
 #include "framework/mechanism/forces/force.h"
 #include "framework/mechanism/forces/formula.h"
-#include "framework/mechanism/lock/marker_lock.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
 
@@ -40,7 +39,7 @@ class LOCKSTEP_API JointFriction final : public Force {
     double viscous_turn = 0;        ///< c_t, N m s/rad
     double load_smoothing = 1e-6;   ///< e, N
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
+  /// Throws ParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
   JointFriction(std::string name, const Lock& link, Options options);
 
   std::string_view type() const override { return info().name; }

@@ -40,9 +40,7 @@ const TypeInfo& ForceMotor::info() {
 }
 
 std::unique_ptr<Force> ForceMotor::make(const Site& site, const Params& k) {
-  return built(k, [&] {
-    return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
-  });
+  return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
 }
 
 TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
@@ -56,9 +54,7 @@ const TypeInfo& TorqueMotor::info() {
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
-  return built(k, [&] {
-    return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
-  });
+  return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
 }
 
 template class FormulaForce<Motor>;

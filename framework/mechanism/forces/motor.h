@@ -14,7 +14,7 @@ extern template class LOCKSTEP_API FormulaForce<Motor>;
 /// What both motors are: the effort f = law(t) along z of S. Free to move: only the effort is given.
 class LOCKSTEP_API Motor : public FormulaForce<Motor> {
  public:
-  /// Throws ForceParameterError (a ModelError) without a law.
+  /// Throws ParameterError (a ModelError) without a law.
   Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law);
   ~Motor() override;
   std::vector<Quantity> quantities() const override;  ///< force or torque, rate, power
@@ -38,7 +38,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
   struct Options {
     LawPtr<MotionLaw> force{};  ///< N; needed
   };
-  /// Throws ForceParameterError (a ModelError) without a law.
+  /// Throws ParameterError (a ModelError) without a law.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();
@@ -56,7 +56,7 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
   struct Options {
     LawPtr<MotionLaw> torque{};  ///< N m; needed
   };
-  /// Throws ForceParameterError (a ModelError) without a law.
+  /// Throws ParameterError (a ModelError) without a law.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();

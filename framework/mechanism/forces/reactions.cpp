@@ -3,16 +3,12 @@
 namespace lockstep {
 namespace {
 
-bool belongs(int drive_row, int part) {
-  return part == Reactions::kJoint ? drive_row < 0 : part == Reactions::kDrives ? drive_row >= 0 : drive_row == part;
-}
-
 // (2.1) generalised force on the link's i-th slot: -J_i^T lambda; its moment carried to the point.
 LinkWrench on_slot(const Lock& link, const RowBlock& block, const RowEntry& e, const double* lambda, int i, int part,
                    const Motion& O, const Vec3& point) {
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
-    if (!belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part)) continue;
+    if (!Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part)) continue;
     const auto r = block.J(i, k);
     F -= lambda[k] * Vec3(r[0], r[1], r[2]);
     m -= lambda[k] * Vec3(r[3], r[4], r[5]);

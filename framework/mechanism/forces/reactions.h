@@ -4,10 +4,10 @@
 #include <array>
 #include <span>
 
-#include "framework/mechanism/rows/auxiliary.h"
-#include "framework/mechanism/rows/rows.h"
 #include "framework/mechanism/lock/lock.h"
 #include "framework/mechanism/lock/marker_frame.h"
+#include "framework/mechanism/rows/auxiliary.h"
+#include "framework/mechanism/rows/rows.h"
 
 namespace lockstep {
 
@@ -36,6 +36,9 @@ class LOCKSTEP_API Reactions {
 
   /// Rows of a link that count: the joint's own, those of all its drives, or those of drive number 0, 1, ...
   enum Part : int { kJoint = -2, kDrives = -1 };
+  static bool belongs(const LinkRow& row, int part) {
+    return part == kJoint ? row.drive < 0 : part == kDrives ? row.drive >= 0 : row.drive == part;
+  }
   /// What the link does to the body of one of its markers, about the origin of that marker; world axes. Zero while it
   /// is not in force. The rows must be those gathered at `in`.
   LinkWrench on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part = kJoint) const;

@@ -29,8 +29,7 @@ const TypeInfo& SpringDamper::info() {
 std::unique_ptr<Force> SpringDamper::make(const Site& site, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_length"), k.number("preload"), {}};
   if (k.has("force")) o.force = k.law("force");
-  return built(k,
-               [&] { return std::make_unique<SpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
+  return std::make_unique<SpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o));
 }
 
 void SpringDamper::setup() {

@@ -31,7 +31,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
     double preload = 0;         ///< T0, N: force at l0, positive = pulls
     LawPtr<MotionLaw> force{};  ///< N, added to the force: a linear actuator
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   SpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }

@@ -30,8 +30,7 @@ const TypeInfo& TorsionSpringDamper::info() {
 std::unique_ptr<Force> TorsionSpringDamper::make(const Site& site, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_angle"), k.number("preload"), {}};
   if (k.has("torque")) o.torque = k.law("torque");
-  return built(
-      k, [&] { return std::make_unique<TorsionSpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o)); });
+  return std::make_unique<TorsionSpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o));
 }
 
 void TorsionSpringDamper::setup() {

@@ -32,7 +32,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
     double preload = 0;          ///< T0, N m: torque at th0
     LawPtr<MotionLaw> torque{};  ///< N m, added to the torque
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }

@@ -79,7 +79,7 @@ void CamProfile::check(const std::string& link, double roller) const {
                      " after a turn; let the law repeat after 2 pi");
 }
 
-void RollerOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const CamProfile::Vec2 p(y.x.v, y.y.v);  // the nearest point of the profile
   double best = std::numeric_limits<double>::infinity();
   const double psi = std::atan2(p[1], p[0]);
@@ -88,12 +88,12 @@ void RollerOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = foot(p, z[0]) - psi;
 }
 
-void RollerOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void RollerOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const CamProfile::Vec2 p(y.x.v, y.y.v);
   z[0] = foot(p, y.memory[0]) - std::atan2(p[1], p[0]);
 }
 
-void FaceOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void FaceOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
   const CamProfile::Vec2 n(std::cos(alpha), std::sin(alpha));
   double best = -std::numeric_limits<double>::infinity();  // the foremost point of the profile
@@ -102,7 +102,7 @@ void FaceOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = profile.facing(alpha, alpha + z[0]) - alpha;
 }
 
-void FaceOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
   z[0] = profile.facing(alpha, alpha + y.memory[0]) - alpha;
 }

@@ -72,7 +72,7 @@ double CurvePoint::nearest(const Vec3& rho, double s) const {
   return kNaN;
 }
 
-void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) const {
+void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) const {
   const std::string who = "link '" + link + "': ";
   double s = kNaN;
   try {
@@ -86,14 +86,14 @@ void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) con
                      " is nearest to P at the start; let \"near\" say where on the path P begins");
 }
 
-void CurvePoint::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void CurvePoint::reset(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_), z[1] = z[2] = 0;
   Eigen::Map<Vec3>(z.data() + 3) = normal(z[0], Vec3::Zero());
 }
 
 // The nearest point, not the one in the plane of the last tangent: off the curve the latter would move when asked
 // again.
-void CurvePoint::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const Vec3 rho(y.x.v, y.y.v, y.z.v), rate(y.x.d, y.y.d, y.z.d);
   const double s = nearest(rho, expected(y));
   const TranslationValue c = path_->at(s);
@@ -120,9 +120,9 @@ std::unique_ptr<Lock> PointOnCurve::make(const Site& site, const Params& p) {
   return std::make_unique<PointOnCurve>(site.name, site.p(), site.s(), p.translation_law("path"), p.number("near"));
 }
 
-PathFollower::PathFollower(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path,
-                           LawPtr<RotationLaw> turn, double near)
-    : PhiLock(std::move(name), p, s, Mask::none, OnPath{CurvePoint(std::move(path), near), std::move(turn)}) {
+PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
+    : PhiLock(std::move(name), p, s, Mask::none,
+              OnPath{CurvePoint(std::move(options.path), options.near), std::move(options.turn)}) {
   if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
   if (!phi().turn) throw ModelError("link '" + this->name() + "': no turn of the axes along its path was given");
 }
@@ -139,8 +139,9 @@ TypeInfo PathFollower::info() {
 }
 
 std::unique_ptr<Lock> PathFollower::make(const Site& site, const Params& p) {
-  return std::make_unique<PathFollower>(site.name, site.p(), site.s(), p.translation_law("path"),
-                                        p.rotation_law("turning"), p.number("near"));
+  return std::make_unique<PathFollower>(
+      site.name, site.p(), site.s(),
+      Options{.path = p.translation_law("path"), .turn = p.rotation_law("turning"), .near = p.number("near")});
 }
 
 }  // namespace lockstep

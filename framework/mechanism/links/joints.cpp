@@ -1,7 +1,5 @@
 #include "framework/mechanism/links/joints.h"
 
-#include "framework/foundation/support/error.h"
-
 namespace lockstep {
 
 TypeInfo GenericLock::info() {
@@ -12,14 +10,7 @@ TypeInfo GenericLock::info() {
 }
 
 std::unique_ptr<Lock> GenericLock::make(const Site& site, const Params& params) {
-  Mask mask = Mask::none;
-  try {
-    mask = mask_from(params.text("mask"));
-  } catch (const ModelError& e) {
-    const std::string problem = e.what();  // "mask: unknown row ...": the key is named by refuse already
-    params.refuse("mask", problem.substr(problem.find(": ") + 2));
-  }
-  return std::make_unique<GenericLock>(site.name, site.p(), site.s(), mask);
+  return std::make_unique<GenericLock>(site.name, site.p(), site.s(), mask_from(params.text("mask")));
 }
 
 }  // namespace lockstep

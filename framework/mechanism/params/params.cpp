@@ -323,7 +323,7 @@ const Value& Params::value(std::string_view key) const {
 
 void Params::refuse(std::string_view key, const std::string& problem) const {
   const Value* given = object_.find(key);
-  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem);
+  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem, {.key = std::string(key)});
 }
 
 }  // namespace lockstep

@@ -16,8 +16,9 @@ void System::setup_slots() {
     Body& b = bodies_[k];
     if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
       throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
-                       brief(b.start.w.norm()) +
-                       " rad/s; a particle does not turn: leave it out, or give the body an inertia");
+                           brief(b.start.w.norm()) +
+                           " rad/s; a particle does not turn: leave it out, or give the body an inertia",
+                       {.thing = {.kind = "body", .name = b.name}});
     if (b.fixed) {
       b.slot = kGround;
       b.in_slot = b.home;
@@ -102,7 +103,7 @@ void System::setup_merge() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
+    if (!link.is_weld() || !link.active_at_start() || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
         std::find(read.begin(), read.end(), &link) != read.end())
       continue;
     const auto [p, s] = link.pairs().front();

@@ -187,8 +187,8 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
     rates_of_one_.setZero();
     for (const int k : plan_.link) {
       const Lock& link = *systems_[static_cast<std::size_t>(l)]->links()[static_cast<std::size_t>(k)];
-      if (link.n_states() > 0)
-        link.state_rates(in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+      if (const int n = link.n_own_states(); n > 0)
+        link.stateful()->state_rates(in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(n)});
     }
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i)
       rate[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + static_cast<std::size_t>(l)] = rates_of_one_[i];

@@ -24,7 +24,7 @@ const char* law_word(const Marker& m) { return m.slide ? "slides" : "spins"; }
 
 RowTable rows_of(const System& system) {
   std::vector<bool> modes;
-  for (const auto& link : system.links()) modes.push_back(link->active_at_start);
+  for (const auto& link : system.links()) modes.push_back(link->active_at_start());
   RowTable table;
   system.lay_out(modes, table);
   return table;
@@ -54,7 +54,7 @@ std::string unsuited(const System& system) {
     if (!force->reads().empty())
       return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
   for (const auto& link : system.links())
-    if (link->one_sided) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
+    if (link->unilateral()) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
     if (const std::string why = unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]); !why.empty())
@@ -71,18 +71,16 @@ std::string unsuited(const System& system) {
 namespace {
 
 Turn turn_of(const MarkerLock& lock) {
-  constexpr unsigned kRotationLaw = 32, kParallel = 64;  // with::qD, with::parallel, of its pattern
   if (!any(lock.rows(), Mask::e123)) return Turn::none;
-  if (lock.pattern() & kRotationLaw) return Turn::law;
-  return lock.pattern() & kParallel ? Turn::parallel : Turn::plain;
+  if (lock.laws() & with::qD) return Turn::law;
+  return lock.laws() & with::parallel ? Turn::parallel : Turn::plain;
 }
 
 Node node_of(const schur::Node& from, const RowEntry& e, const MarkerLock& lock, Plan& plan) {
-  constexpr unsigned kTranslationLaw = 16;  // with::p
   Node node;
   node.m = from.m;
   node.triple = e.layout == RowLayout::triple;
-  node.moved = lock.pattern() & kTranslationLaw;
+  node.moved = lock.laws() & with::p;
   node.turn = turn_of(lock);
   for (int k = 0, next = 0; k < 6; ++k)
     if (has(lock.rows(), row_bit(k))) node.row[static_cast<std::size_t>(next++)] = k;

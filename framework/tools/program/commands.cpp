@@ -10,7 +10,6 @@
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/foundation/support/user_code_error.h"
 #include "framework/version.h"
 
 namespace lockstep {
@@ -176,32 +175,23 @@ CLI::App& add_new_plugin(CLI::App& app, Words& w) {
   return verb;
 }
 
-int exit_code_of(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const UsageError&) {
-    return kExitUsage;
-  } catch (const SceneError&) {
-    return kExitScene;
-  } catch (const ModelError&) {
-    return kExitScene;
-  } catch (const PluginError&) {
-    return kExitPlugin;
-  } catch (const UserCodeError&) {
-    return kExitPlugin;
-  } catch (const AssemblyError&) {
-    return kExitAssembly;
-  } catch (const StepError&) {
-    return kExitStep;
-  } catch (const SolveError&) {
-    return kExitStep;
-  } catch (const NonFiniteError&) {
-    return kExitNonFinite;
-  } catch (const FileError&) {
-    return kExitFile;
-  } catch (...) {
-    return kExitFailure;
+int exit_code_of(const Error& error) {
+  using Kind = Error::Kind;
+  switch (error.kind()) {
+    case Kind::usage: return kExitUsage;
+    case Kind::scene:
+    case Kind::model: return kExitScene;
+    case Kind::plugin:
+    case Kind::user_code: return kExitPlugin;
+    case Kind::assembly: return kExitAssembly;
+    case Kind::step:
+    case Kind::solve: return kExitStep;
+    case Kind::non_finite: return kExitNonFinite;
+    case Kind::file: return kExitFile;
+    case Kind::interrupted: return kExitInterrupted;
+    case Kind::other: break;
   }
+  return kExitFailure;
 }
 
 // What is wrong with the words, the closest that exists, and where help is.
@@ -231,9 +221,12 @@ int say_usage(const CLI::App& app, const CLI::ParseError& error) {
 int guarded(const std::function<int()>& command) {
   try {
     return command();
+  } catch (const Error& error) {
+    fmt::print(stderr, "lockstep: {}\n", error.what());
+    return exit_code_of(error);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lockstep: {}\n", what_of(error));
-    return exit_code_of(std::current_exception());
+    return kExitFailure;
   } catch (...) {
     fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
     return kExitFailure;

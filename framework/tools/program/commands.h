@@ -27,6 +27,7 @@ enum Exit {
 class UsageError : public Error {
  public:
   using Error::Error;
+  Kind kind() const noexcept override { return Kind::usage; }
 };
 
 /// What the command line says about a scene and how to run it. Empty: not said.

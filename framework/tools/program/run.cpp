@@ -111,7 +111,7 @@ void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, 
         r.stiff_since);
   const auto& links = sim.system().links();
   const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
-    return link->one_sided && sim.state().modes[static_cast<std::size_t>(link->number())];
+    return link->unilateral() && sim.state().modes[static_cast<std::size_t>(link->number())];
   });
   if (r.impacts > 0 || resting > 0)
     fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,

@@ -11,8 +11,6 @@
 
 namespace lockstep {
 
-inline constexpr const char* kInterrupted = "interrupted";
-
 struct SceneSurvey {
   std::string title;
   Course course;

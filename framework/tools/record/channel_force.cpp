@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "framework/tools/record/channel_entry.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 

@@ -9,8 +9,6 @@ namespace {
 
 constexpr int kJoint = Reactions::kJoint, kDrives = Reactions::kDrives;
 
-bool belongs(int drive_row, int part) { return part == kDrives ? drive_row >= 0 : drive_row == part; }
-
 LinkWrench on_body_of(const Marker& at, const Lock& link, const Evaluated& v, int part) {
   return Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part);
 }
@@ -47,7 +45,7 @@ double power_of_drive(const Lock& link, const Evaluated& v, int part) {
   const RowBlock block = v.rows.block(e);
   double power = 0;
   for (int k = 0; k < e.m; ++k)
-    if (belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part))
+    if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
       power += v.lambda[e.first_row + k] * block.Ct(k);
   return power;
 }
@@ -66,11 +64,15 @@ void add_drive(const Lock& link, const std::string& name, int part, const std::s
 
 void of_reactions(const Lock& link, Entries& out) {
   if (link.pairs().empty()) return;
-  add_wrench(link, "", kJoint, link.n_drives() > 0 ? "the link, drives left out" : "the link", out);
-  if (link.n_drives() == 0) return;
-  add_drive(link, "drive", kDrives, link.n_drives() > 1 ? "all its drives" : "its drive", out);
-  for (int d = 0; d < link.n_drives(); ++d)
-    add_drive(link, "drive_" + link.drive(d).name, d, "its drive on " + link.drive(d).name, out);
+  const Driven* driven = link.driven();
+  const int n = driven ? driven->n_drives() : 0;
+  add_wrench(link, "", kJoint, n > 0 ? "the link, drives left out" : "the link", out);
+  if (n == 0) return;
+  add_drive(link, "drive", kDrives, n > 1 ? "all its drives" : "its drive", out);
+  for (int d = 0; d < n; ++d) {
+    const std::string name = driven->drive(d).name;
+    add_drive(link, "drive_" + name, d, "its drive on " + name, out);
+  }
 }
 
 double power_of_laws(const Evaluated& v) {

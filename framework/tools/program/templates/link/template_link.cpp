@@ -14,7 +14,7 @@ using namespace lockstep;
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 struct TemplateLinkFunction {
   double height, length;
-  static constexpr Needs kNeeds = Needs::translation;     // x y z alone; Needs::both where e or angle_z() occur
+  static constexpr Reads kReads = Reads::translation;     // x y z alone; Reads::both where e or angle_z() occur
   static constexpr RowKind kKind = RowKind::translation;  // phi is a length; RowKind::function for anything else
 
   template <class T>

@@ -1,4 +1,4 @@
-// Links that are functions of the relative coordinates.
+// Link 'distance'.
 #pragma once
 
 #include <cmath>
@@ -13,16 +13,20 @@ namespace lockstep {
 
 /// (7.4) |rho| - f(t). The multiplier is the axial force: positive pulls the two points together.
 struct DistanceFunction {
-  LawPtr<MotionLaw> length;
-  static constexpr Needs kNeeds = Needs::translation;
+  LawPtr<MotionLaw> law;  ///< f(t), m; null: `length`
+  double length = 0;      ///< m
+  static constexpr Reads kReads = Reads::translation;
   static constexpr RowKind kKind = RowKind::translation;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     using std::sqrt;
-    return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - of(*length, y.t);
+    return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - (law ? law_at(*law, y.t) : T(length));
   }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const { length->breakpoints(t0, t1, out); }
-  std::string blame(double t) const { return law_fault("the law of its length", *length, t); }
+  double length_at(double t) const { return law ? law->at(t).y : length; }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const {
+    if (law) law->breakpoints(t0, t1, out);
+  }
+  std::string diagnose(double t) const { return law ? law_fault("the law of its length", law, t) : ""; }
 };
 
 /// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without
@@ -31,12 +35,14 @@ class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
  public:
   Distance(std::string name, Marker& p, Marker& s, double length);
   Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length);
-  /// At the distance of the home poses.
+  /// At the distance of the start.
   Distance(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "distance"; }
-  void setup() override;
   static TypeInfo info();
   static std::unique_ptr<Lock> make(const Site&, const Params&);
+
+ protected:
+  RowPlan plan_rows() override;
 };
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
@@ -6,41 +6,33 @@
 namespace lockstep {
 namespace {
 
-class Held final : public MotionLaw {
- public:
-  explicit Held(double value) : value_(value) {}
-  LawValue at(double) const override { return {value_, 0, 0}; }
-
- private:
-  double value_;
-};
-
-double home_distance(const Marker& p, const Marker& s) {
+double distance_at_start(const Marker& p, const Marker& s) {
   return ((p.body->home * p.local).x - (s.body->home * s.local).x).norm();
 }
 
 }  // namespace
 
 Distance::Distance(std::string name, Marker& p, Marker& s, double length)
-    : Distance(std::move(name), p, s, std::make_shared<Held>(length)) {}
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{{}, length}) {}
 
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
-    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length)}) {
-  if (!phi().length)
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length), 0}) {
+  if (!phi().law)
     throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
 }
 
-Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, home_distance(p, s)) {}
+Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
 
-void Distance::setup() {
-  PhiLock::setup();
-  const double length = phi().length->at(0.0).y;
+RowPlan Distance::plan_rows() {
+  RowPlan plan = PhiLock::plan_rows();
+  const double length = phi().length_at(0.0);
   if (!(length > 0))
     throw ModelError("link '" + name() + "': length " + brief(length) +
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
-  if (home_distance(p(), s()) == 0)
+  if (distance_at_start(p(), s()) == 0)
     throw ModelError("link '" + name() + "': '" + p().name + "' and '" + s().name +
                      "' start at one point, so the distance has no direction; move one of them");
+  return plan;
 }
 
 TypeInfo Distance::info() {
