@@ -40,7 +40,7 @@ void Dynamics::prepare(const State& state) {
   f_.setZero(n), a_.setZero(n), zero_.setZero(n), d_.setZero(n);
   reacting_.clear();
   for (const auto& force : system_.forces())
-    if (!force->reads().empty()) reacting_.push_back(force.get());
+    if (force->reacting() != nullptr) reacting_.push_back(force.get());
   if (!reacting_.empty())
     for (VecX* v : {&added_, &added_before_, &change_, &change_before_, &loaded_}) v->setZero(n);
   c_.setZero(rows_.n_rows), C_.setZero(rows_.n_rows), Cd_.setZero(rows_.n_rows), lambda_.setZero(rows_.n_rows);

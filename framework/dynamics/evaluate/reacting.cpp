@@ -35,7 +35,7 @@ double dot(const VecX& a, const VecX& b, double length) {
 void Dynamics::react(const VecX& lambda, VecX& f) const {
   const Reactions reactions(rows_, {lambda.data(), static_cast<std::size_t>(lambda.size())});
   WrenchSum sum(in_.motions, f);
-  for (const Force* force : reacting_) named(*force, in_.t, [&] { force->react(in_, reactions, sum); });
+  for (const Force* force : reacting_) named(*force, in_.t, [&] { force->reacting()->react(in_, reactions, sum); });
 }
 
 // x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. One factor serves
@@ -77,7 +77,7 @@ void Dynamics::diagnose_reactions(const State& state, double left) {
   const auto share = [&](const Force& force) {
     VecX one = VecX::Zero(f_.size());
     WrenchSum sum(in_.motions, one);
-    force.react(in_, Reactions(rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}), sum);
+    force.reacting()->react(in_, Reactions(rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}), sum);
     return one;
   };
   std::vector<VecX> first;
@@ -98,7 +98,7 @@ void Dynamics::diagnose_reactions(const State& state, double left) {
       most = size, worst = i;
   const Force& force = *reacting_[worst];
   std::string links;
-  for (const Lock* link : force.reads()) links += (links.empty() ? "link '" : "', '") + link->name();
+  for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
   throw SolveError(
       "t = " + number(state.t) + " s: force '" + force.name() + "' (" + std::string(force.type()) +
       ") and the reactions of " + links + "' that it reads do not settle (after " + std::to_string(kMostSolutions) +

@@ -9,7 +9,7 @@ namespace lockstep {
 /// F derives from FormulaForce<F> and has act(ends, load). Wrench, tangent and energies come from it; of quantities() the
 /// first are those that act() shows, and one more, called "power", is what the force gives to its two bodies, W.
 template <class F>
-class FormulaForce : public MarkerForce {
+class FormulaForce : public MarkerForce, public Observable {
  public:
   using MarkerForce::MarkerForce;
 
@@ -18,6 +18,8 @@ class FormulaForce : public MarkerForce {
   double potential(const Inputs& in) const override { return account(in).potential; }
   double dissipation(const Inputs& in) const override { return account(in).dissipation; }
   double supply(const Inputs& in) const override { return account(in).supply; }
+  const Observable* observable() const override { return this; }
+  std::vector<Quantity> quantities() const override { return {}; }
   double quantity(int k, const Inputs& in) const override {
     const ForceAccount all = account(in);
     return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "framework/mechanism/forces/marker_force.h"
-#include "framework/mechanism/forces/formula.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/forces/formula.h"
+#include "framework/mechanism/forces/marker_force.h"
 
 namespace lockstep {
 
@@ -17,7 +17,7 @@ struct JointFriction::Pressing {
 };
 
 JointFriction::JointFriction(std::string name, const Lock& link, Options options)
-    : Force(std::move(name)), link_(&link), options_(options) {
+    : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link), options_(options) {
   const Jointed* joint = link.jointed();
   const std::string who =
       "force '" + this->name() + "': link '" + link.name() + "' (" + std::string(link.type()) + ") ";
@@ -181,12 +181,14 @@ void JointFriction::act(const Pressing& by, const Ends<T>& at, Load& load) const
 
 void JointFriction::react(const Inputs& in, const Reactions& reactions, WrenchSum& out) const {
   if (const Pressing by = pressing(in, reactions); by.in_force)
-    formula::apply(P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
+    formula::apply(
+        P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
 }
 
 void JointFriction::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
   if (const Pressing by = pressing(in, reactions); by.in_force)
-    formula::tangent(P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
+    formula::tangent(
+        P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
 }
 
 ForceAccount JointFriction::account(const Inputs& in, const Reactions& reactions) const {

@@ -24,7 +24,7 @@ namespace lockstep {
 ///
 /// All of it is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. The torque takes r_a
 /// for r in mu where r is zero. Refused: links that are no locks of markers, markers with laws of their own.
-class LOCKSTEP_API JointFriction final : public Force {
+class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
   struct Options {
     double mu = 0;                  ///< mu_k, not negative
@@ -52,6 +52,7 @@ class LOCKSTEP_API JointFriction final : public Force {
   void apply(const Inputs&, WrenchSum&) const override {}
   void tangent(const Inputs&, TangentSum&) const override {}
 
+  const Reacting* reacting() const override { return this; }
   std::vector<const Lock*> reads() const override { return {link_}; }
   void react(const Inputs&, const Reactions&, WrenchSum& out) const override;
   void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;

@@ -67,8 +67,6 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   load.shows(angle, rate, has_angle ? torque : T(0));
 }
 
-void TorsionSpringDamper::accept(const Inputs& in, std::span<double> z) const { z[0] = quantity(0, in); }
-
 template class FormulaForce<TorsionSpringDamper>;
 
 }  // namespace lockstep

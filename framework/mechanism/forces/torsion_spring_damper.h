@@ -23,7 +23,7 @@ extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 /// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
 /// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
 /// c not.
-class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper> {
+class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
   struct Options {
     double stiffness = 0;        ///< k, N m/rad
@@ -41,8 +41,10 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  int n_memory() const override { return 1; }
-  void accept(const Inputs&, std::span<double> z) const override;  ///< z[0]: the counted angle
+  const Remembering* remembering() const override { return this; }
+  int n_memory() const override { return 1; }  ///< z[0]: the counted angle
+  void start_memory(std::span<double> z) const override { z[0] = 0; }
+  void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
 
   static const TypeInfo& info();
   static std::unique_ptr<Force> make(const Site&, const Params&);
