@@ -265,6 +265,15 @@ inline T value_of(const Jet<N, T, D>& a) {
   return a.v;
 }
 
+/// |a|, of numbers or jets. On jets its gradient is zero where a is, so that |a| a and all else that is flat there have
+/// their derivatives.
+template <class A>
+inline typename A::Scalar norm(const Eigen::MatrixBase<A>& a) {
+  using std::sqrt;
+  const typename A::Scalar square = a.dot(a);
+  return square <= 0 ? square : typename A::Scalar(sqrt(square));
+}
+
 /// Time of a law: value t, rate 1.
 using Time = Jet<0>;
 

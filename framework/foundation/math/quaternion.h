@@ -107,14 +107,12 @@ inline Quat exponential(const Vec3& th) {
 inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
 
 /// (1.12) rotation vector of q, its length in [0, pi]: the sign of q does not matter.
-template <class T>
-inline Vec3T<T> rotation_vector(const QuatT<T>& q) {
-  using std::atan2;
+inline Vec3 rotation_vector(const Quat& q) {
   const double sign = q.w < 0 ? -1.0 : 1.0;
-  const Vec3T<T> v = sign * q.vec();
-  const T n = norm(v);
+  const Vec3 v = sign * q.vec();
+  const double n = v.norm();
   if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
-  return T(2.0 * atan2(n, T(sign * q.w)) / n) * v;
+  return 2.0 * std::atan2(n, sign * q.w) / n * v;
 }
 
 /// Quaternion of the turn by `angle` (rad) about the axis `n` (any length but zero).

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <numbers>
 
 #include "framework/foundation/support/built_with.h"
@@ -33,14 +32,6 @@ inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
 template <class A, class B>
 inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// |a|. On jets its gradient is zero where a is, so that |a| a and all that is flat there have their derivatives.
-template <class A>
-inline typename A::Scalar norm(const Eigen::MatrixBase<A>& a) {
-  using std::sqrt;
-  const typename A::Scalar square = a.dot(a);
-  return square <= 0 ? square : typename A::Scalar(sqrt(square));
 }
 
 /// a~, the matrix of the cross product: a~ b = a x b.
