@@ -29,7 +29,7 @@ struct Shop {
     return force;
   }
   double quantity(const Force& force, const std::string& name) {
-    return force.quantity(oracle::quantity_index(force, name), bench.in());
+    return force.observable()->quantity(oracle::quantity_index(force, name), bench.in());
   }
 };
 }  // namespace

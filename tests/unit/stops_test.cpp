@@ -85,10 +85,10 @@ TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
 TEST_CASE("scene: friction of a link, by its own key and by a force that names it", "[unit][scene]") {
   const Mechanism own = made(arm(R"("friction": {"mu": 0.1, "radius": "20 mm"})"));
   CHECK(own.system.force("A.friction").type() == "joint_friction");
-  CHECK(own.system.force("A.friction").reads().front() == &own.system.link("A"));
+  CHECK(own.system.force("A.friction").reacting()->reads().front() == &own.system.link("A"));
   const Mechanism named =
       made(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "A", "mu": 0.1, "radius": 0.02}])"));
-  CHECK(named.system.force("rub").reads().front() == &named.system.link("A"));
+  CHECK(named.system.force("rub").reacting()->reads().front() == &named.system.link("A"));
 }
 
 TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {

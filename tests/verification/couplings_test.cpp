@@ -7,7 +7,7 @@
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/simulate/step_loop.h"
-#include "framework/mechanism/forces/torque_motor.h"
+#include "framework/mechanism/forces/motor.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/gears.h"

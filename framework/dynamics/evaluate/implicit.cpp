@@ -135,7 +135,7 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
   const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
   for (const Force* force : e.reacting())
-    named(*force, in.t, [&] { force->react_tangent(in, reactions, w.tangents); });
+    named(*force, in.t, [&] { force->reacting()->react_tangent(in, reactions, w.tangents); });
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 

@@ -99,7 +99,8 @@ void System::setup_merge() {
   };
   std::vector<const Lock*> read;  // their reactions are wanted
   for (const auto& force : forces_)
-    for (const Lock* link : force->reads()) read.push_back(link);
+    if (const Reacting* own = force->reacting())
+      for (const Lock* link : own->reads()) read.push_back(link);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };

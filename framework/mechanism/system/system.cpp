@@ -209,7 +209,7 @@ void System::setup_states() {
   }
   for (auto& force : forces_) {
     force->place(n_memory_);
-    n_memory_ += force->n_memory();
+    n_memory_ += force->n_own_memory();
   }
   for (const bool controlled : {true, false}) {
     for (auto& auxiliary : auxiliaries_) {
@@ -309,7 +309,8 @@ State System::start() const {
     });
   }
   for (const auto& force : forces_)
-    named(*force, 0.0, [&] { force->start_memory(part(state.z, force->first_memory(), force->n_memory())); });
+    if (const Remembering* own = force->remembering())
+      named(*force, 0.0, [&] { own->start_memory(part(state.z, force->first_memory(), own->n_memory())); });
   for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
   return state;
 }

@@ -65,12 +65,14 @@ class LOCKSTEP_API System {
   template <class L, class... Args>
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
     check_facets<L>();
+    check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
   }
   /// The same with the options in braces: sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4}).
   template <class L>
   L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
     check_facets<L>();
+    check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
   }
   Vec3 gravity() const { return options_.gravity; }

@@ -50,7 +50,7 @@ std::string unsuited(const System& system) {
     return "'" + system.auxiliaries().front()->name() + "' integrates states of its own (an auxiliary)";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
-    if (!force->reads().empty())
+    if (force->reacting() != nullptr)
       return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
   for (const auto& link : system.links())
     if (link->unilateral()) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";

@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/reactions.h"
+#include "framework/mechanism/lock/reactions.h"
 
 namespace lockstep {
 namespace {
