@@ -21,7 +21,7 @@ Thing thing_of_kind(const char* kind, const T& thing) {
 // What is wrong with one of its laws; asking runs the user's code.
 std::string law_fault_of(const Lock& link, double t) {
   try {
-    return link.blame(t);
+    return link.driven() == nullptr ? "" : link.driven()->diagnose(t);
   } catch (...) {
     return {};
   }
@@ -65,12 +65,10 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
   for (int k = 0; k < run.n; ++k) {
     const RowEntry& e = entry(k);
     const Lock* link = link_of(e);
-    const RowShape shape = run.in_plane || !e.plane
-                               ? e.shape()
-                               : RowShape{link->row_count(), e.slots.n, link->layout(), link->row_sign(), {}};
+    const RowShape shape = run.in_plane || !e.plane ? e.shape() : link->shape();
     named(*link, in.t, [&] {
       if (run.in_plane)
-        link->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
+        link->planar()->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
       else
         link->gather(Group(&link, 1), in, alone.spatial_span(shape));
     });
@@ -120,7 +118,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
 void diagnose_rates(const System& system, double t, const VecX& sd) {
   const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
   for (const auto& link : system.links())
-    if (bad(link->first_state(), link->n_states()))
+    if (bad(link->first_state(), link->n_own_states()))
       refuse_number(*link, t, ": the rate of its driven speed is not finite", "look at its parameters");
   for (const auto& auxiliary : system.auxiliaries())
     if (bad(auxiliary->first(), auxiliary->size()))

@@ -92,7 +92,7 @@ struct Look {
 void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
   RowTable table;
   const Lock* const one = &link;
-  const RowShape shape{link.row_count(), link.slots().n, link.layout(), link.row_sign(), {}};
+  const RowShape shape = link.shape();
   link.gather(Group(&one, 1), in, table.spatial_span(shape));
   const RowBlock block = table.spatial(shape);
   rows.resize(static_cast<std::size_t>(shape.m));
@@ -160,7 +160,8 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
 
 // Reactions that a force reads have to be complete.
 Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
-  for (const Lock* link : force.reads()) {
+  if (force.reacting() == nullptr) return {};
+  for (const Lock* link : force.reacting()->reads()) {
     const Thing thing{.kind = "force", .name = force.name()};
     const std::string what = in_plane_words(system.plane()) + ", and it reads ";
     if (offsets)
@@ -212,7 +213,8 @@ std::optional<ModelError> System::setup_plane() {
       rows.own[static_cast<std::size_t>(rows.m++)] = row;
       offsets_ = offsets_ || s.has_arm();
     }
-    rows.by_link = links_[l]->setup_plane(plane_);
+    Planar* own = links_[l]->planar();
+    rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
   for (const auto& force : forces_)
     if (Refusal refusal = check_reads(*force, *this, planar_rows_, offsets_)) return refusal;

@@ -102,7 +102,7 @@ void make_rejected(System&, Channel& c) {
 double lost_in_impacts(const System& system, const State& state) {
   double sum = 0;
   for (const auto& link : system.links())
-    if (link->one_sided) sum += state.z[link->impact_memory()];
+    if (link->unilateral()) sum += state.z[link->impact_memory()];
   return sum;
 }
 
