@@ -12,16 +12,26 @@ namespace {
 
 const char* name_of(Error::Kind kind) {
   switch (kind) {
-    case Error::Kind::scene: return "SceneError";            // a scene or a parameter that cannot be understood
-    case Error::Kind::non_finite: return "NonFiniteError";   // a law, force or link gave a NaN
-    case Error::Kind::step: return "StepError";              // the integrator cannot go on: smaller steps, another method
-    case Error::Kind::model: return "ModelError";
-    case Error::Kind::assembly: return "AssemblyError";
-    case Error::Kind::solve: return "SolveError";
-    case Error::Kind::plugin: return "PluginError";
-    case Error::Kind::user_code: return "UserCodeError";     // a class of yours or of a plugin threw: that is nested in it
-    case Error::Kind::file: return "FileError";
-    default: return "Error";                                 // types that come later
+    case Error::Kind::scene:
+      return "SceneError";  // a scene or a parameter that cannot be understood
+    case Error::Kind::non_finite:
+      return "NonFiniteError";  // a law, force or link gave a NaN
+    case Error::Kind::step:
+      return "StepError";  // the integrator cannot go on: smaller steps, another method
+    case Error::Kind::model:
+      return "ModelError";
+    case Error::Kind::assembly:
+      return "AssemblyError";
+    case Error::Kind::solve:
+      return "SolveError";
+    case Error::Kind::plugin:
+      return "PluginError";
+    case Error::Kind::user_code:
+      return "UserCodeError";  // a class of yours or of a plugin threw: that is nested in it
+    case Error::Kind::file:
+      return "FileError";
+    default:
+      return "Error";  // types that come later
   }
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 double checked_radius(const std::string& link, double radius) {
   if (!std::isfinite(radius) || radius == 0)
-    throw ParameterError({.kind = "link", .name = link}, "radius", "is " + brief(radius) + " m; a pinion has a radius that is not zero");
+    throw ParameterError({.kind = "link", .name = link}, "radius",
+                         "is " + brief(radius) + " m; a pinion has a radius that is not zero");
   return radius;
 }
 

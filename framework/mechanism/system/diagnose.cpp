@@ -51,7 +51,8 @@ Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
 
 Thing thing_of_row(const System& system, const RowTable& table, int row) {
   for (const RowEntry& e : table.entries)
-    if (row >= e.first_row && row < e.first_row + e.m) return thing_of(*system.links()[static_cast<std::size_t>(e.link)]);
+    if (row >= e.first_row && row < e.first_row + e.m)
+      return thing_of(*system.links()[static_cast<std::size_t>(e.link)]);
   return {};
 }
 
