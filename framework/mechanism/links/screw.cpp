@@ -4,6 +4,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/law_fault.h"
 
 namespace lockstep {
 
