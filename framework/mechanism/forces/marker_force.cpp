@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/law_fault.h"
 
 namespace lockstep {
 

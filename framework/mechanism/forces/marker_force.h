@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/forces/force.h"
 #include "framework/mechanism/lock/marker_frame.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 

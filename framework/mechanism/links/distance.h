@@ -22,16 +22,11 @@ struct DistanceFunction {
     using std::sqrt;
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - (law ? law_at(*law, y.t) : T(length));
   }
-<<<<<<< HEAD:framework/mechanism/links/distance.h
   double length_at(double t) const { return law ? law->at(t).y : length; }
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
     if (law) law->breakpoints(t0, t1, out);
   }
-  std::string diagnose(double t) const { return law ? law_fault("the law of its length", *law, t) : ""; }
-=======
-  void breakpoints(double t0, double t1, std::vector<double>& out) const { length->breakpoints(t0, t1, out); }
-  std::string blame(double t) const { return law_fault("the law of its length", length, t); }
->>>>>>> 22cffd8fe6bf8899cc78fb5824f1e66adbdedabc:framework/mechanism/links/functions.h
+  std::string diagnose(double t) const { return law ? law_fault("the law of its length", law, t) : ""; }
 };
 
 /// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without

@@ -131,9 +131,11 @@ void check_spans(const Lock& link, const Inputs& in) {
 }
 
 void check_start(const Force& force) {
-  const int n = force.n_memory();
+  const Remembering* const own = force.remembering();
+  if (own == nullptr) return;
+  const int n = own->n_memory();
   Fenced memory(static_cast<std::size_t>(n));
-  if (runs([&] { force.start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
+  if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
     refuse(force, "does not write just its " + std::to_string(n) + " numbers in start_memory()");
 }
 

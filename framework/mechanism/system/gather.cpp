@@ -171,8 +171,8 @@ void System::accept(const Inputs& in, State& state) const {
     if (const int n = link->n_own_memory(); n > 0)
       named(*link, in.t, [&] { link->remembering()->accept_step(in, part(state.z, link->first_memory(), n)); });
   for (const auto& force : forces_)
-    if (force->n_memory() > 0)
-      named(*force, in.t, [&] { force->accept(in, part(state.z, force->first_memory(), force->n_memory())); });
+    if (const Remembering* own = force->remembering())
+      named(*force, in.t, [&] { own->accept_step(in, part(state.z, force->first_memory(), own->n_memory())); });
 }
 
 std::vector<double> System::breakpoints(double t0, double t1) const {

@@ -160,7 +160,8 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
 
 // Reactions that a force reads have to be complete.
 Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
-  for (const Lock* link : force.reads()) {
+  if (force.reacting() == nullptr) return {};
+  for (const Lock* link : force.reacting()->reads()) {
     const Thing thing{.kind = "force", .name = force.name()};
     const std::string what = in_plane_words(system.plane()) + ", and it reads ";
     if (offsets)

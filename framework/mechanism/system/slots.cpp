@@ -3,6 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -35,8 +36,7 @@ void System::setup_slots() {
   }
   for (Slot& slot : slots_) {
     fill_slot(slot);
-    const bool particle = slot.freedoms == Freedoms::particle;
-    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
+    n_velocities_ += BodyMass(slot, plane_).width();
   }
 }
 
@@ -99,7 +99,8 @@ void System::setup_merge() {
   };
   std::vector<const Lock*> read;  // their reactions are wanted
   for (const auto& force : forces_)
-    for (const Lock* link : force->reads()) read.push_back(link);
+    if (const Reacting* own = force->reacting())
+      for (const Lock* link : own->reads()) read.push_back(link);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };

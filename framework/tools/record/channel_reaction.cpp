@@ -1,7 +1,7 @@
 // Reactions of links and what drives add, from the multipliers and the rows alone: no formula a link.
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/forces/reactions.h"
+#include "framework/mechanism/lock/reactions.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
@@ -9,32 +9,26 @@ namespace {
 
 constexpr int kJoint = Reactions::kJoint, kDrives = Reactions::kDrives;
 
-LinkWrench on_body_of(const Marker& at, const Lock& link, const Evaluated& v, int part) {
-  return Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part);
-}
-
 void add_wrench(const Lock& link, const std::string& prefix, int part, const std::string& by, Entries& out) {
   const Lock* const l = &link;
   const auto [p, s] = link.pairs().front();
   const Marker *const P = p, *const S = s;
   add_vector(out, prefix + "force_on_p_world_", "N", fmt::format("force on p's body at P by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).force; });
+             [=](const Sample& x) { return x.wrench(*l, *P, part).force; });
   add_vector(out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by),
              [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
-                           on_body_of(*P, *l, x.values(), part).force);
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).force);
              });
   add_vector(out, prefix + "torque_on_p_world_", "N m", fmt::format("torque on p's body about P by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).moment; });
+             [=](const Sample& x) { return x.wrench(*l, *P, part).moment; });
   add_vector(out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by),
              [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
-                           on_body_of(*P, *l, x.values(), part).moment);
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).moment);
              });
   add_vector(out, prefix + "force_on_s_world_", "N", fmt::format("force on s's body at S by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).force; });
+             [=](const Sample& x) { return x.wrench(*l, *S, part).force; });
   add_vector(out, prefix + "torque_on_s_world_", "N m", fmt::format("torque on s's body about S by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).moment; });
+             [=](const Sample& x) { return x.wrench(*l, *S, part).moment; });
 }
 
 // (8.8) lambda . Ct over the rows of the drive
