@@ -19,11 +19,11 @@ Weights gap_of(const EmbeddedScheme& scheme) {
 }  // namespace
 
 Keys EmbeddedOptions::keys() {
-  return {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}},
+  return {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}},
           {"stages",
            Form::choice,
            Unit::none,
-           "\"plain\"",
+           "plain",
            "where stages are evaluated: as they are, on the constraints (singular positions), or there when needed",
            {"plain", "manifold", "auto"}}};
 }

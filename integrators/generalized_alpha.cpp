@@ -50,10 +50,10 @@ TypeInfo GeneralizedAlpha::type_info() {
           {{"rho_infinity",
             Form::number,
             Unit::none,
-            "0.8",
+            0.8,
             "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
             {}},
-           {"adaptive", Form::boolean, Unit::none, "false", "chooses its steps by the tolerance", {}}}};
+           {"adaptive", Form::boolean, Unit::none, false, "chooses its steps by the tolerance", {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
@@ -210,7 +210,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   ++dynamics.work().evaluations;
   const double gh = gamma_ * h * kappa_, bh2 = beta_ * h * h * kappa_, length = dynamics.system().length();
   if (anew) {
-    matrix_.gather(dynamics, lambda1_);
+    matrix_.gather(dynamics.evaluation(), lambda1_);
     matrix_.factor(1, gh, bh2);
     ++dynamics.work().factors;
   }

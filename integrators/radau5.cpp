@@ -47,7 +47,7 @@ void collocation_weights(double x, double (&w)[3]) {
 TypeInfo Radau5::type_info() {
   return {"radau5",
           "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
-          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+          {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
 }
 
 std::unique_ptr<Integrator> Radau5::make(const Params& params) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "framework/dynamics/integrate/integrator.h"
@@ -17,10 +18,10 @@ namespace lockstep {
 
 struct RattleScheme;
 
-/// Fixed step; a substep costs one factor and 3 to 5 evaluations of the constraints. The energy swings about its start
-/// and does not drift. Forces must not depend on velocities, and no state that is integrated along with the mechanism
-/// may act on it: ModelError from begin(), with the name. Its multipliers are not found through singular positions:
-/// StepError. Mere quadratures (State::s) follow the trapezoidal rule, order 2. No error estimate, no dense output.
+/// Fixed step; a substep costs one factor and 3 to 5 looks at the constraints. The energy swings about its start and
+/// does not drift. Forces must not depend on velocities, and nothing that is integrated beside the mechanism may steer
+/// it: ModelError from begin(), with the name. Its multipliers are not found through singular positions: StepError.
+/// Mere quadratures (State::s) go by the trapezoidal rule, order 2. No error estimate, no dense output.
 class LOCKSTEP_API Rattle final : public Integrator {
  public:
   static TypeInfo type_info(int order);
@@ -40,21 +41,22 @@ class LOCKSTEP_API Rattle final : public Integrator {
   };
   void refuse_unsuited(Dynamics&, const State&) const;
   void substep(Dynamics&, double h);
-  double find_multipliers(Dynamics&, double h, double t);
+  const Evaluation& find_multipliers(Dynamics&, double h, double t);
   void drift(double h);
-  void evaluate_constraints(Dynamics&);
-  void kick(Dynamics&, double h);
-  bool matrix_is_current(Dynamics&, const State&) const;
+  const Evaluation& gather_next(Dynamics&);
+  void kick(const Evaluation&, double h);
+  bool goes_on_from(const State&) const;
   [[noreturn]] void fail(double h, double left) const;
 
   const RattleScheme& scheme_;
   std::vector<Turning> turning_;
-  State now_, next_;     // before and after a drift; next_ was evaluated last
-  VecX v_half_, guess_;  // velocities of the drift; what the last kick would do in 1 s
+  State now_, next_;     // before and after a drift
+  VecX v_half_, guess_;  // velocities of the drift; what the last kick of 1 s brought
   VecX C_, Cd_, f_, d_, lambda_;
   StateRate rate0_, rate1_;
-  bool ready_ = false;  // now_ is the next state, and its matrix is factored
-  long factors_ = 0;    // unless another was factored since
+  std::optional<Factor> factor_;  // of the matrix at now_ once a kick was made
+  double left_ = 0;               // |C| at now_, m
+  bool ready_ = false;            // factor_ and guess_ are those of now_
 };
 
 }  // namespace lockstep

@@ -27,7 +27,7 @@ class AdamsBashforth final : public Integrator {
   static TypeInfo type_info() {
     return {"adams_bashforth",
             "explicit multistep of order 2 to 4, fixed step: one evaluation a step, for smooth motions without events",
-            {{"order", Form::integer, Unit::none, "4", "2, 3 or 4"}}};
+            {{"order", Form::integer, Unit::none, 4, "2, 3 or 4"}}};
   }
   static std::unique_ptr<Integrator> make(const Params& p) {
     const int order = p.integer("order");

@@ -46,7 +46,7 @@ class Ida final : public Integrator {
   static TypeInfo type_info() {
     return {"ida",
             "BDF of orders 1 to 5 with error control and dense output, from SUNDIALS: stiff mechanisms",
-            {{"max_order", Form::integer, Unit::none, "5", "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
+            {{"max_order", Form::integer, Unit::none, 5, "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) {

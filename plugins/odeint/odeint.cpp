@@ -47,7 +47,7 @@ class CashKarp final : public Integrator {
   static TypeInfo type_info() {
     return {"odeint_cash_karp54",
             "explicit Runge-Kutta of order 5 with error control, from Boost.odeint: the example of wrapping",
-            {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+            {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) { return std::make_unique<CashKarp>(p.boolean("fixed")); }

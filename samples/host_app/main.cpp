@@ -26,7 +26,7 @@ class SoftStart final : public MotionLaw {
     return {
         "soft_start",
         "the speed rises smoothly and stays",
-        {{"speed", Form::number, Unit::any, "", "at the end"}, {"time", Form::number, Unit::time, "", "until then"}}};
+        {{"speed", Form::number, Unit::any, kRequired, "at the end"}, {"time", Form::number, Unit::time, kRequired, "until then"}}};
   }
   static LawPtr<MotionLaw> make(const Params& p) {
     if (!(p.number("time") > 0)) p.refuse("time", "is " + brief(p.number("time")) + " s; it must be above zero");

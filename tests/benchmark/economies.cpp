@@ -27,7 +27,7 @@ double microseconds(Chain chain, bool tangents = false) {
   dynamics.rate(state, rate);
   NewtonMatrix matrix;
   const auto implicit = [&] {
-    matrix.gather(dynamics, dynamics.values().lambda);
+    matrix.gather(dynamics.evaluation(), dynamics.values().lambda);
     matrix.factor(1.0, 1e-3, 1e-6);
   };
   double best = HUGE_VAL;

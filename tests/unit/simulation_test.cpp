@@ -236,7 +236,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
           "[unit][dynamics]") {
   Stone stone;
   Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), at({0, 0, 2}));
-  hook.active_at_start = false;
+  hook.set_active_at_start(false);
   Dynamics dynamics = dynamics_of(stone.system);
   Event event;
   event.name = "catch";

@@ -192,8 +192,8 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
   const auto path = translation([=](auto s) { return std::array{R * sin(s), -R * cos(s), 0.0 * s}; });
   const auto turn = rotation_law([](auto s) { return QuatT{cos(0.5 * s), 0.0 * s, 0.0 * s, sin(0.5 * s)}; });
   Body& body = system.add_body("bob", kBody, {path->at(start).x, turn->at(start).q});
-  system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()), path, turn,
-                           start);
+  system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()),
+                           {.path = path, .turn = turn, .near = start});
   if (planar) system.set_planar(Plane{2});
   system.setup();
   Run run(system);

@@ -7,7 +7,7 @@
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/simulate/step_loop.h"
-#include "framework/mechanism/forces/torque_motor.h"
+#include "framework/mechanism/forces/motor.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/gears.h"
@@ -64,9 +64,9 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
   Marker& ring = system.add_marker("ring", system.ground());
   Marker& of_arm = system.add_marker("ring on arm", arm);
   system.add(std::make_unique<Gear>(across("outside", {of_sun, of_planet}), zp / zs));
-  Site site = across("inside", {of_planet});
-  site.pairs.emplace_back(&ring, &of_arm);
-  system.add(std::make_unique<Gear>(site, zr / zp, Gear::Mesh::internal));
+  CoupledPairs inside = across("inside", {of_planet});
+  inside.pairs.emplace_back(&ring, &of_arm);
+  system.add(std::make_unique<Gear>(inside, zr / zp, Gear::Mesh::internal));
   if (merged) {  // the sun's inertia in two bodies that are bolted together
     Body& shaft = system.add_body("shaft", wheel(0.5, 0.3 * Js), {Vec3(0, 0, planar ? 0.0 : 0.2), Quat{}});
     system.add<Fixed>("bolt", shaft, sun, at(Vec3::Zero()));
@@ -182,7 +182,7 @@ TEST_CASE("a tappet leaves its cam when it would have to be pulled", "[verificat
   tappet.start.v = Vec3(0, e * w, 0);
   auto& contact = system.add<CamFlat>("contact", system.add_marker("face", tappet), system.add_marker("cam", shaft),
                                       law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); }));
-  contact.one_sided = OneSided{};
+  contact.set_unilateral({});
   Recorder recorder(system, {"tappet.y", "contact.in_contact"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, "dop853", 1e-10, 0, 0.001);

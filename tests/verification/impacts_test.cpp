@@ -20,10 +20,10 @@ struct Ball {
   System system{{{0, 0, -kG}}};
   Body* body;
   PointOnPlane* floor;
-  Ball(double height, OneSided one_sided) {
+  Ball(double height, Unilateral unilateral) {
     body = &system.add_particle("ball", 0.5, {0, 0, height});
     floor = &system.add<PointOnPlane>("floor", system.add_marker("P", *body), system.add_marker("S", system.ground()));
-    floor->one_sided = one_sided;
+    floor->set_unilateral(unilateral);
   }
 };
 
@@ -113,8 +113,9 @@ TEST_CASE("a pendulum on a stop keeps e^2 of its energy a bounce, at the instant
                  {l / 2, 0, 0},
                  Vec3(1e-4, 1, 1).cwiseProduct(Vec3(1, m * l * l / 12, m * l * l / 12)).asDiagonal().toDenseMatrix()});
   auto& hinge = system.add<Revolute>("hinge", rod, system.ground(), at(Vec3::Zero()));
-  auto& stop = system.add<TurnStop>("stop", system.marker("hinge.P"), system.marker("hinge.S"), -kPi / 2, true);
-  stop.one_sided = OneSided{e, 1e-3};
+  auto& stop = system.add<TurnStop>("stop", system.marker("hinge.P"), system.marker("hinge.S"),
+                                    {.limit = -kPi / 2, .low = true});
+  stop.set_unilateral({e, 1e-3});
   const Channel energy = make_channel(system, "energy.total"), balance = make_channel(system, "energy.balance");
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, way);
@@ -146,7 +147,7 @@ TEST_CASE("a rope goes slack, and taut again with a jerk", "[verification][impac
   Body& bob = system.add_particle("bob", 0.4, {0, 0, -l});
   bob.start.v = {v0, 0, 0};
   auto& rope = system.add<Distance>("rope", system.add_marker("P", bob), system.add_marker("S", system.ground()), l);
-  rope.one_sided = OneSided{0, 1e-3, true};
+  rope.set_unilateral({0, 1e-3, true});
   Recorder recorder(system, {"bob.x", "bob.z", "bob.vx", "bob.vz", "rope.in_contact", "rope.lambda_phi",
                              "rope.impact_loss", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -217,8 +218,8 @@ TEST_CASE("a slider rattles between two stops", "[verification][impacts]") {
   slider.start.v = {0, 0, V};
   system.add<Prismatic>("guide", slider, system.ground(), at(Vec3::Zero()));
   Marker &P = system.marker("guide.P"), &S = system.marker("guide.S");
-  system.add<SlideStop>("low", P, S, 2, low, true).one_sided = OneSided{e, 1e-3};
-  system.add<SlideStop>("high", P, S, 2, high, false).one_sided = OneSided{e, 1e-3};
+  system.add<SlideStop>("low", P, S, {.axis = 2, .limit = low, .low = true}).set_unilateral({e, 1e-3});
+  system.add<SlideStop>("high", P, S, {.axis = 2, .limit = high, .low = false}).set_unilateral({e, 1e-3});
   Recorder recorder(system, {"slider.z", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, way, 0.05);
@@ -249,7 +250,7 @@ struct FlatRod {
   System system{{{0, 0, -kG}}};
   Body* rod;
   double J = 0.1;
-  FlatRod(const std::vector<double>& supports, OneSided one_sided, double height = 0.5) {
+  FlatRod(const std::vector<double>& supports, Unilateral unilateral, double height = 0.5) {
     rod = &system.add_body("rod", MassProperties{1.5, Vec3::Zero(), Vec3(0.01, J, J).asDiagonal().toDenseMatrix()},
                            {{0, 0, height}, {}});
     int n = 0;
@@ -258,7 +259,7 @@ struct FlatRod {
       system
           .add<PointOnPlane>(name, system.add_marker(name + ".P", *rod, {{x, 0, 0}, {}}),
                              system.add_marker(name + ".S", system.ground()))
-          .one_sided = one_sided;
+          .set_unilateral(unilateral);
     }
   }
 };
@@ -362,7 +363,7 @@ TEST_CASE("a gap that grazes", "[verification][impacts]") {
     Marker &P = system.add_marker("P", ball), &S = system.add_marker("S", system.ground(), {{-5, 0, 0}, {}});
     system.add<SpringDamper>("spring", P, S, {.stiffness = 4, .free_length = 5});
     Marker& wall = system.add_marker("wall", system.ground());
-    system.add<SlideStop>("stop", P, wall, 0, -1 - hair, true).one_sided = OneSided{0.5, 1e-3};
+    system.add<SlideStop>("stop", P, wall, {.axis = 0, .limit = -1 - hair, .low = true}).set_unilateral({0.5, 1e-3});
     Recorder recorder(system, {"ball.x"});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
     StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-12, 0}, 0.1);
@@ -467,13 +468,12 @@ TEST_CASE("events switch a one-sided link off and on", "[verification][impacts]"
 }
 
 TEST_CASE("one-sided links that cannot be are named", "[verification][impacts]") {
-  const auto refusal = [](Ball& ball) { return testing::message_of<ModelError>([&] { ball.system.setup(); }); };
-  Ball bouncy(1, {1.2, 1e-3}), restless(1, {0.5, 0.0});
-  testing::check_words(refusal(bouncy), {"'floor'", "restitution 1.2", "0 and 1"});
-  testing::check_words(refusal(restless), {"'floor'", "rest_speed", "never end"});
+  const auto refusal = [](const Unilateral& u) { return testing::message_of<ModelError>([&] { Ball(1, u); }); };
+  testing::check_words(refusal({1.2, 1e-3}), {"'floor'", "restitution 1.2", "0 and 1"});
+  testing::check_words(refusal({0.5, 0.0}), {"'floor'", "rest_speed", "never end"});
   System system;
   Body& a = system.add_body("a", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
-  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero())).one_sided = OneSided{};
+  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero())).set_unilateral({});
   testing::check_words(testing::message_of<ModelError>([&] { system.setup(); }), {"'ball'", "3 rows", "exactly one"});
   Ball below(-0.1, {});
   Dynamics dynamics(below.system, std::make_unique<SchurSolver>());

@@ -9,7 +9,7 @@
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/description/scene/scene.h"
 #include "motionlaws/from.h"

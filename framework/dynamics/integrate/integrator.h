@@ -4,6 +4,7 @@
 #include <string>
 
 #include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/foundation/support/error_context.h"
 #include "framework/foundation/support/snapshot.h"
 #include "framework/mechanism/model/state.h"
 
@@ -66,5 +67,9 @@ class LOCKSTEP_API Integrator {
  private:
   std::string origin_;
 };
+
+/// For errors that leave a method's code at time t. What it refuses (StepError, ModelError) keeps its type; what an
+/// evaluation threw inside goes on as it is.
+LOCKSTEP_API ErrorContext context_of(const Integrator&, double t);
 
 }  // namespace lockstep

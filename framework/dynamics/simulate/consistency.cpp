@@ -5,7 +5,7 @@
 #include <span>
 
 #include "framework/foundation/support/error.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -49,10 +49,11 @@ void check_start(Dynamics& dynamics, const State& s, double limit) {
 void engage_links(Dynamics& dynamics, State& state, const std::vector<std::string>& links) {
   for (const std::string& name : links) {
     const Lock& link = dynamics.system().link(name);
-    if (link.n_states() == 0) continue;
+    const int n = link.n_own_states();
+    if (n == 0) continue;
     dynamics.gather(state);
     named(link, state.t, [&] {
-      link.engage(dynamics.inputs(), {state.s.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+      link.stateful()->engage(dynamics.inputs(), {state.s.data() + link.first_state(), static_cast<std::size_t>(n)});
     });
   }
 }

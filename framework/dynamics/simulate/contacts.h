@@ -22,8 +22,8 @@ struct Contact {
   double push = 0;      ///< there, while in force: its multiplier, counted so that it pushes above zero
   double push_now = 0;  ///< where it was looked at last
 
-  double restitution() const { return link->one_sided->restitution; }
-  double rest_speed() const { return link->one_sided->rest_speed; }
+  double restitution() const { return link->unilateral()->restitution; }
+  double rest_speed() const { return link->unilateral()->rest_speed; }
   bool above(const Gap& g) const { return g.c > floor + margin; }
   /// What a gap says about the flight.
   void see(const Gap& g) {

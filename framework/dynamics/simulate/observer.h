@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framework/dynamics/integrate/integrator.h"
+#include "framework/mechanism/lock/reactions.h"
 
 namespace lockstep {
 
@@ -18,11 +19,26 @@ class Sample {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
+  /// What a link does to the body of one of its markers, as Reactions::on_body_of; computed once for all channels that
+  /// ask one after the other.
+  const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const {
+    const Evaluated& v = values();
+    if (last_.link != &link || last_.at != &at || last_.part != part)
+      last_ = {&link, &at, part, Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part)};
+    return last_.wrench;
+  }
   Dynamics& dynamics() const { return dynamics_; }
 
  private:
+  struct Asked {
+    const Lock* link = nullptr;
+    const Marker* at = nullptr;
+    int part = 0;
+    LinkWrench wrench;
+  };
   Dynamics& dynamics_;
   mutable const Evaluated* values_ = nullptr;
+  mutable Asked last_;
 };
 
 class LOCKSTEP_API Observer {

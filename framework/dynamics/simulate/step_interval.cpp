@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/dynamics/integrate/blame.h"
 #include "framework/foundation/support/error.h"
 
 namespace lockstep {

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <exception>
 
-#include "framework/dynamics/integrate/blame.h"
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 
 namespace lockstep {
 
@@ -227,8 +227,8 @@ void StepLoop::apply(const Event& e) {
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
     const Lock& link = system().link(name);
     const auto number = static_cast<std::size_t>(link.number());
-    state_.modes[number] = on && !link.one_sided;
-    state_.watched[number] = on && link.one_sided;
+    state_.modes[number] = on && !link.unilateral();
+    state_.watched[number] = on && link.unilateral();
   };
   for (const std::string& name : e.activate) put(name, true);
   for (const std::string& name : e.deactivate) put(name, false);
@@ -295,6 +295,11 @@ void StepLoop::finish(Errors of_observers) {
     }
   }
   if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+}
+
+void StepLoop::warn(const std::string& text) {
+  report_.warnings.push_back(text);
+  log_warning(text);
 }
 
 }  // namespace lockstep

@@ -26,6 +26,7 @@ struct SimulationReport {
   double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
   bool stopped = false;                                          ///< by an event or by stop()
   std::string stopped_by;
+  std::vector<std::string> warnings{};  ///< in the order in which they came
 };
 
 class LOCKSTEP_API StepLoop {
@@ -55,6 +56,8 @@ class LOCKSTEP_API StepLoop {
   /// One accepted step of at most h (0: the method's or the option's own).
   StepReport step(double h = 0);
   const SimulationReport& report() const { return report_; }
+  /// Puts a warning into the report and says it by the logger (support/log.h).
+  void warn(const std::string& text);
 
  private:
   struct Parts;

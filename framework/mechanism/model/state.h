@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/foundation/math/pose.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 
@@ -20,6 +21,14 @@ struct State {
   Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
   Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
 };
+
+/// q (+) h v: x += h v, e <- e exp(h w). v: 6 per slot, m/s (world) and rad/s (slot axes).
+LOCKSTEP_API void advance(State&, double h, const VecX& v);
+/// Quaternions back to length one.
+LOCKSTEP_API void normalize(State&);
+/// dq/dt at the state's velocities: dx = v, de = (1/2) e w (1.8), of the quaternion as it is, so that the exact flow keeps
+/// its length.
+LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
 /// d/dt of q, v and s, in the same order; the quaternion rates are (1/2) q w.
 struct StateRate {

@@ -17,8 +17,9 @@ std::vector<double> output_times(const Trajectory& trajectory, TrialKind kind) {
 // A ModelError or SceneError before the first step says that method and mechanism do not go together.
 void note_failure(const Error& error, Outcome& out) {
   out.failure = error.what();
-  const bool no_match = dynamic_cast<const ModelError*>(&error) || dynamic_cast<const SceneError*>(&error);
-  out.unsuited = no_match && out.report.steps == 0;
+  const Error::Kind kind = error.kind();
+  out.unsuited = (kind == Error::Kind::model || kind == Error::Kind::scene) && out.report.steps == 0;
+  out.interrupted = kind == Error::Kind::interrupted;
 }
 
 }  // namespace

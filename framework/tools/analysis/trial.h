@@ -24,6 +24,7 @@ struct Outcome {
   std::string failure{};
   bool unsuited = false;  ///< it did not make a step because the mechanism is none for it
   bool given_up = false;  ///< over the limit
+  bool interrupted = false;  ///< somebody asked for the end
   bool dense = false;     ///< outputs do not change its steps
 };
 

@@ -186,6 +186,7 @@ class Survey {
 
   static void note(const Outcome& out, WorkPrecisionRun& run, double cpu) {
     run.cpu = cpu, run.failure = out.failure;
+    run.given_up = out.given_up, run.interrupted = out.interrupted;
     run.evaluations = out.work.evaluations, run.factors = out.work.factors;
     run.steps = out.report.steps, run.rejected = out.report.rejected;
   }

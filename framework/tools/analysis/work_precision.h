@@ -63,6 +63,7 @@ struct WorkPrecisionRun {
   double cpu = 0;  ///< s of this thread, the least of the repeats; without the outputs that the comparison asks for
   long evaluations = 0, factors = 0, steps = 0, rejected = 0;
   std::string failure{};  ///< why there is no result, in words; "" when there is one
+  bool given_up = false, interrupted = false;  ///< because its time was spent; because somebody asked for the end
   bool done() const { return failure.empty(); }
 };
 

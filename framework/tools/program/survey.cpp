@@ -23,7 +23,7 @@ class Ender final : public Observer {
  public:
   explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
   void step(const Sample& s) override {
-    if (interrupt_->asked()) throw StepError(kInterrupted, s.state.t);
+    if (interrupt_->asked()) throw InterruptedError("interrupted", {.t = s.state.t});
   }
 
  private:
@@ -245,7 +245,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
     if (!quiet && what.rfind("reference", 0) == 0) fmt::print(stderr, "  {}\n", what);
   };
   survey.options.measured = [&](const WorkPrecisionRun& run) {
-    if (quiet || run.failure == kInterrupted) return;
+    if (quiet || run.interrupted) return;
     if (!headed) fmt::print("{}\n", run_heading());
     headed = true;
     fmt::print("{}\n", run_line(run));
@@ -264,7 +264,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
   }
   std::vector<WorkPrecisionRun> measured;
   for (WorkPrecisionRun& run : result->runs) {
-    if (run.failure == kInterrupted)
+    if (run.interrupted)
       result->left_out.push_back(label(run));
     else
       measured.push_back(std::move(run));

@@ -12,8 +12,6 @@
 
 namespace lockstep {
 
-inline constexpr const char* kInterrupted = "interrupted";
-
 struct SceneSurvey {
   std::string title;
   Trajectory trajectory;
