@@ -48,7 +48,7 @@ LOCKSTEP_PLUGIN(registry) {
   if (how == "bell") registry.laws.add({"loud", "rings: \a", {}}, &still);
   if (how == "latin") registry.laws.add({"l\xe4ut", "", {}}, &still);
   if (how == "key bell")
-    registry.laws.add({"loud", "", {{"a\a", lockstep::Form::number, lockstep::Unit::none, "1", ""}}}, &still);
+    registry.laws.add({"loud", "", {{"a\a", lockstep::Form::number, lockstep::Unit::none, 1, ""}}}, &still);
   if (how == "error") throw lockstep::ModelError("a model that cannot be");
   if (how == "nested") {
     try {
