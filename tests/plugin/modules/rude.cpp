@@ -39,7 +39,7 @@ LOCKSTEP_PLUGIN(registry) {
   if (how == "nameless") registry.laws.add({"", "", {}}, &still);
   if (how == "no maker") registry.laws.add({"unmade", "", {}}, nullptr);
   if (how == "bad key")
-    registry.laws.add({"odd", "", {{"a", lockstep::Form::text, lockstep::Unit::none, "no JSON", ""}}}, &still);
+    registry.laws.add({"odd", "", {{"a", lockstep::Form::text, lockstep::Unit::none, 3, ""}}}, &still);
   if (how == "std") throw std::out_of_range("no such cam");
   if (how == "int") throw 42;
   if (how == "no words") throw Silent();
