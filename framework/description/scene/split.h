@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "framework/description/registry/registry.h"
-#include "framework/mechanism/params/read.h"
 #include "framework/description/scene/tables.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 
