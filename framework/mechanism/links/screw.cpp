@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 
