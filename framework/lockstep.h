@@ -5,7 +5,7 @@
 #include "framework/description/registry/loader.h"
 #include "framework/description/scene/scene.h"
 #include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/dense_solver.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/dynamics/solvers/sparse_solver.h"

@@ -50,10 +50,10 @@ namespace {
 TypeInfo rise_info(const char* name, const char* help) {
   return {name,
           help,
-          {{"rise", Form::number, Unit::any, "", "h, what y gains; may be negative"},
-           {"duration", Form::number, Unit::time, "", "T, time that the rise takes"},
-           {"t0", Form::number, Unit::time, "0", "start of the rise"},
-           {"y0", Form::number, Unit::any, "0", "value before"}}};
+          {{"rise", Form::number, Unit::any, kRequired, "h, what y gains; may be negative"},
+           {"duration", Form::number, Unit::time, kRequired, "T, time that the rise takes"},
+           {"t0", Form::number, Unit::time, 0, "start of the rise"},
+           {"y0", Form::number, Unit::any, 0, "value before"}}};
 }
 
 RiseSettings rise_settings(const Params& p) {

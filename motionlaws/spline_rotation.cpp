@@ -76,7 +76,7 @@ const TypeInfo& SplineRotation::info() {
     TypeInfo i{
         kLaw,
         "smooth through given orientations",
-        {{"points", Form::any, Unit::none, "", "[[t, orientation], ...], times rising, orientations as everywhere"}}};
+        {{"points", Form::any, Unit::none, kRequired, "[[t, orientation], ...], times rising, orientations as everywhere"}}};
     add_spline_keys(i.keys);
     return i;
   }();

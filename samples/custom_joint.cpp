@@ -40,7 +40,7 @@ int main() {
   Recorder recorder(
       sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
   run.add_observer(recorder);
   run.run_until(2.0);
 

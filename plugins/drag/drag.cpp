@@ -26,10 +26,10 @@ class Drag final : public FormulaForce<Drag> {
   static TypeInfo info() {
     return {"drag",
             "drag of the air on P, against its velocity and as its square: by coefficient, or by density and area",
-            {{"coefficient", Form::number, Unit::any, "absent", "force per speed squared, N s^2/m^2"},
-             {"density", Form::number, Unit::density, "1.2", "of the air"},
-             {"area", Form::number, Unit::any, "absent", "seen along the motion, m^2"},
-             {"shape", Form::number, Unit::none, "1", "drag coefficient: 0.47 a ball, 1.2 a cylinder across"}}};
+            {{"coefficient", Form::number, Unit::any, kOptional, "force per speed squared, N s^2/m^2"},
+             {"density", Form::number, Unit::density, 1.2, "of the air"},
+             {"area", Form::number, Unit::any, kOptional, "seen along the motion, m^2"},
+             {"shape", Form::number, Unit::none, 1, "drag coefficient: 0.47 a ball, 1.2 a cylinder across"}}};
   }
 
   static std::unique_ptr<Force> make(const Site& site, const Params& k) {

@@ -65,7 +65,7 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
     const Channel angle = make_channel(m.system, "arm.angle_z");
     Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
-    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.run_until(1);
     CHECK(simulation.report().impacts == 1);
     CHECK(angle.value(Sample(dynamics, simulation.state(), {})) == Approx(-0.4).epsilon(1e-10));
@@ -130,7 +130,7 @@ TEST_CASE("scene: who starts on a stop and moves into it bounces", "[unit][scene
                "stops": [{"axis": "rz", "low": 0, "restitution": 1}]}]})");
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
   const Registry registry = builtin_registry();
-  Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+  StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
   simulation.run_until(0.5);
   CHECK(simulation.report().impacts == 1);
   CHECK(simulation.state().v[5] == Approx(1));
@@ -153,7 +153,7 @@ TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
     Recorder recorder(m.system, {"a.angle_z", "b.angle_z"});
     Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
-    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.add_observer(recorder);
     simulation.run_until(2);
     const auto last = [&](std::size_t k) { return recorder.table().columns()[k].values.back(); };

@@ -9,7 +9,7 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/curve.h"
@@ -66,7 +66,7 @@ std::vector<std::vector<double>> solved(F f, double s, double sd, const std::vec
 /// A simulation by dop853 at 1e-11 that is looked at at times.
 struct Run {
   Dynamics dynamics;
-  Simulation simulation;
+  StepLoop simulation;
   static std::unique_ptr<Integrator> dop853() {
     RunSettings settings;
     settings.integrator = {"dop853"};

@@ -16,7 +16,7 @@ Table run(System& sys, std::vector<Request> wanted) {
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
-  Simulation simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
+  StepLoop simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
   simulation.set_state(start);
   simulation.add_observer(recorder);
   simulation.run_until(2.0);
@@ -151,7 +151,7 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   motor.set_active_at_start(false);
   Recorder recorder(sys, {"bearing.angle_z"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
   run.add_observer(recorder);
   run.add_event({.name = "engage", .at = 0.5, .activate = {"motor"}});
   run.add_event({.name = "release", .at = 1.5, .deactivate = {"motor"}});

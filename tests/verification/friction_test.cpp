@@ -56,9 +56,9 @@ Run run(System& system, const std::string& method, const Params& keys, double st
   const Registry registry = builtin_registry();
   Recorder recorder(system, {columns.begin(), columns.end()});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = step, options.tolerance = {tolerance, 1e-2 * tolerance}, options.output = interval;
-  Simulation simulation(dynamics, registry.integrators.make(method, keys, &registry, "method"), options);
+  StepLoop simulation(dynamics, registry.integrators.make(method, keys, &registry, "method"), options);
   simulation.add_observer(recorder);
   simulation.run_until(end);
   return {recorder.table(), simulation.report()};

@@ -54,11 +54,11 @@ struct Way {
   double step, tolerance, error;
 };
 
-Simulation simulate(Dynamics& dynamics, const Way& way, double output = 0) {
+StepLoop simulate(Dynamics& dynamics, const Way& way, double output = 0) {
   const Registry registry = builtin_registry();
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = way.step, options.tolerance = {way.tolerance, 1e-2 * way.tolerance}, options.output = output;
-  return Simulation(dynamics, registry.integrators.make(way.method, {}, &registry, "method"), options);
+  return StepLoop(dynamics, registry.integrators.make(way.method, {}, &registry, "method"), options);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ TEST_CASE("a ball bounces to rest at the instant of the closed form", "[verifica
   Recorder recorder(ball.system,
                     {"ball.z", "floor.in_contact", "floor.impact_loss", "energy.balance", "floor.lambda_z"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.05);
+  StepLoop simulation = simulate(dynamics, way, 0.05);
   simulation.add_observer(recorder);
   const SimulationReport& report = simulation.run_until(6);
   const Table& t = recorder.table();
@@ -118,7 +118,7 @@ TEST_CASE("a pendulum on a stop keeps e^2 of its energy a bounce, at the instant
   stop.set_unilateral({e, 1e-3});
   const Channel energy = make_channel(system, "energy.total"), balance = make_channel(system, "energy.balance");
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way);
+  StepLoop simulation = simulate(dynamics, way);
   const auto now = [&](const Channel& c) { return c.value(Sample(dynamics, simulation.state(), {})); };
   balance.restart();
   balance.track(Sample(dynamics, simulation.state(), {}));
@@ -151,7 +151,7 @@ TEST_CASE("a rope goes slack, and taut again with a jerk", "[verification][impac
   Recorder recorder(system, {"bob.x", "bob.z", "bob.vx", "bob.vz", "rope.in_contact", "rope.lambda_phi",
                              "rope.impact_loss", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.01);
+  StepLoop simulation = simulate(dynamics, way, 0.01);
   simulation.add_observer(recorder);
   simulation.run_until(1.6);
   const Table& t = recorder.table();
@@ -196,7 +196,7 @@ TEST_CASE("a weight leaves its floor when the force on it says so", "[verificati
   }));
   Recorder recorder(ball.system, {"ball.z", "floor.in_contact", "floor.lambda_z"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.01);
+  StepLoop simulation = simulate(dynamics, way, 0.01);
   simulation.add_observer(recorder);
   CHECK(simulation.run_until(2).impacts == 0);
   const Table& t = recorder.table();
@@ -222,7 +222,7 @@ TEST_CASE("a slider rattles between two stops", "[verification][impacts]") {
   system.add<SlideStop>("high", P, S, {.axis = 2, .limit = high, .low = false}).set_unilateral({e, 1e-3});
   Recorder recorder(system, {"slider.z", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.05);
+  StepLoop simulation = simulate(dynamics, way, 0.05);
   simulation.add_observer(recorder);
   simulation.run_until(4);
   const Table& t = recorder.table();
@@ -274,7 +274,7 @@ TEST_CASE("a rod is hit at one end, and at both at one instant", "[verification]
     CAPTURE(both);
     FlatRod it(both ? std::vector<double>{-a, a} : std::vector<double>{a}, {e, 1e-3});
     Dynamics dynamics(it.system, std::make_unique<SchurSolver>());
-    Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0});
+    StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0});
     simulation.run_until(fall + 1e-9);
     CHECK(simulation.report().impacts == 1);
     const Twist now = twist(*it.rod, simulation.state());
@@ -291,7 +291,7 @@ TEST_CASE("a rod on three supports rests on those that push", "[verification][im
   Recorder recorder(it.system, {"rod.z", "support 0.lambda_z", "support 1.lambda_z", "support 2.lambda_z",
                                 "support 0.in_contact", "energy.balance"});
   Dynamics dynamics(it.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-9, 0}, 0.1);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-9, 0}, 0.1);
   simulation.add_observer(recorder);
   simulation.run_until(1);
   const Table& t = recorder.table();
@@ -335,7 +335,7 @@ TEST_CASE("a cube that is thrown on eight supports comes to lie", "[verification
   Mechanism m = build(scene_from_text(cube(mu), "cube.json"), builtin_registry());
   const Channel balance = make_channel(m.system, "energy.balance"), lost = make_channel(m.system, "energy.dissipated");
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
+  StepLoop simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
   balance.track(Sample(dynamics, simulation.state(), {}));
   const double before = make_channel(m.system, "energy.total").value(Sample(dynamics, simulation.state(), {}));
   const SimulationReport& report = simulation.run_until(3);
@@ -366,7 +366,7 @@ TEST_CASE("a gap that grazes", "[verification][impacts]") {
     system.add<SlideStop>("stop", P, wall, {.axis = 0, .limit = -1 - hair, .low = true}).set_unilateral({0.5, 1e-3});
     Recorder recorder(system, {"ball.x"});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
-    Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-12, 0}, 0.1);
+    StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-12, 0}, 0.1);
     simulation.add_observer(recorder);
     const SimulationReport& report = simulation.run_until(4);
     CHECK(report.impacts == (hair > 0 ? 0 : 1));
@@ -386,7 +386,7 @@ TEST_CASE("a ball on a floor that moves keeps the books", "[verification][impact
   ball.floor->move(std::make_shared<AlongZ>());
   Recorder recorder(ball.system, {"ball.z", "floor.gap", "energy.balance", "energy.drives", "energy.dissipated"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.05);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.05);
   simulation.add_observer(recorder);
   CHECK(simulation.run_until(5).impacts > 10);
   const Table& t = recorder.table();
@@ -409,7 +409,7 @@ TEST_CASE("friction on a floor that holds one side only", "[verification][impact
   ball.system.add(std::make_unique<JointFriction>("rub", *ball.floor, o));
   Recorder recorder(ball.system, {"ball.vx", "energy.balance", "rub.normal_force"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.02);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.02);
   simulation.add_observer(recorder);
   simulation.run_until(0.9);
   const Table& t = recorder.table();
@@ -424,7 +424,7 @@ TEST_CASE("friction on a floor that holds one side only", "[verification][impact
 TEST_CASE("a run that is rewound counts the same impacts again", "[verification][impacts]") {
   Ball ball(1, {0.8, 1e-3});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   simulation.run_until(1.5);
   const State saved = simulation.state();
   simulation.run_until(3);
@@ -444,7 +444,7 @@ TEST_CASE("steps with one-sided links allocate nothing, in flight and at rest", 
   const std::string method = GENERATE("dop853", "rk4");
   Ball ball(resting ? 0.0 : 10.0, {});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {method, 1e-3, 1e-9, 0});
+  StepLoop simulation = simulate(dynamics, {method, 1e-3, 1e-9, 0});
   for (int i = 0; i < 5; ++i) simulation.step(1e-3);
   CAPTURE(resting, method);
   CHECK(allocations_of([&] {
@@ -457,7 +457,7 @@ TEST_CASE("events switch a one-sided link off and on", "[verification][impacts]"
   Ball ball(0.1, {0, 1e-3});
   ball.body->start.v = {0, 0, 3};
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   simulation.add_event({.name = "off", .at = 0.05, .deactivate = {"floor"}});
   simulation.run_until(1);
   CHECK(simulation.report().impacts == 0);
@@ -477,7 +477,7 @@ TEST_CASE("one-sided links that cannot be are named", "[verification][impacts]")
   testing::check_words(testing::message_of<ModelError>([&] { system.setup(); }), {"'ball'", "3 rows", "exactly one"});
   Ball below(-0.1, {});
   Dynamics dynamics(below.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   testing::check_words(testing::message_of<AssemblyError>([&] { simulation.run_until(1); }),
                        {"'floor'", "C = -0.1", "forbidden", "\"side\": \"below\""});
   testing::check_words(Copies::unsuited(below.system), {"'floor'", "one-sided"});

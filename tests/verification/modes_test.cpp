@@ -43,9 +43,9 @@ struct Linear {
   explicit Linear(System& sys, const Vec3& spin = Vec3::Zero()) {
     Dynamics dynamics(sys, std::make_unique<DenseSolver>());
     const State start = sys.start();
-    const Evaluated& values = dynamics.evaluate(start);
+    const Solution& values = dynamics.evaluate(start);
     NewtonMatrix N;
-    N.gather(dynamics, values.lambda);
+    N.gather(values.evaluation, values.lambda);
     const int n = 6 * sys.n_slots(), m = values.rows.n_rows;
     const auto matrix = [&](int rows, auto add) {
       MatX A(rows, n);

@@ -16,7 +16,7 @@ std::string origin_words(const std::string& origin) {
 
 // What follows "type", or a constant: anything but an object is the value of the law "constant".
 template <class L>
-LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSource& laws, const std::string& owner) {
+LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry& laws, const std::string& owner) {
   if (v.object() == nullptr) {
     const auto* constant = shelf.find("constant");
     if (v.is_null() || v.boolean() != nullptr || constant == nullptr || constant->info.keys.empty())
@@ -34,6 +34,26 @@ LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSourc
 }
 
 }  // namespace
+
+Params checked_params(const Params& params, const TypeInfo& info, const std::string& owner, const Registry* laws) {
+  Params all = params.checked(info, owner);
+  for (const Key& key : info.keys) {
+    const Value v = holds_law(key.form) ? all.given_or_default(key) : Value();
+    if (v.is_null() || (laws == nullptr && !all.has(key.name))) continue;
+    if (laws == nullptr)
+      all.refuse(key.name, "it holds a law, and there is nothing here that makes laws; pass a registry");
+    const std::string place = part_of(owner, key.name);
+    if (key.form == Form::law) all.put_law(key.name, laws->scalar_law(v, place));
+    if (key.form == Form::translation_law) all.put_law(key.name, laws->translation_law(v, place));
+    if (key.form == Form::rotation_law) all.put_law(key.name, laws->rotation_law(v, place));
+    if (key.form != Form::laws) continue;
+    std::vector<LawPtr<MotionLaw>> list;
+    for (const Value& item : *v.list())
+      list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
+    all.put_law(key.name, std::move(list));
+  }
+  return all;
+}
 
 template <class Product, class... Args>
 void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
@@ -53,24 +73,29 @@ void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
 
 template <class Product, class... Args>
 Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params,
-                                      const LawSource* laws, const std::string& owner) const {
+                                      const Registry* laws, const std::string& owner) const {
   const Entry* entry = find(name);
   if (entry == nullptr)
     refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
-  const Params checked = params.checked(entry->info, owner, laws);
+  return make_checked(name, std::forward<Args>(args)..., checked_params(params, entry->info, owner, laws));
+}
+
+template <class Product, class... Args>
+Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... args, const Params& params) const {
+  const Entry* entry = find(name);
   const auto context = [&] {
     return ErrorContext{.thing = {.kind = kind_, .type = name, .origin = entry->origin},
                         .refuses = true,
                         .label = kind_ + " '" + name + "'" + origin_words(entry->origin),
-                        .before = (owner.empty() ? "" : owner + ": ") + "the maker of "};
+                        .before = (params.owner().empty() ? "" : params.owner() + ": ") + "the maker of "};
   };
   Product product = in_context(context, [&]() -> Product {
     try {
-      return entry->make(args..., checked);
+      return entry->make(args..., params);
     } catch (const ParameterError& error) {  // what it builds on may have keys that this type has not
       const Keys& keys = entry->info.keys;
       const bool its_own = std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == error.key; });
-      if (its_own) checked.refuse(error.key, error.problem);
+      if (its_own) params.refuse(error.key, error.problem);
       throw;
     }
   });

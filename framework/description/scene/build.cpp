@@ -14,8 +14,8 @@ std::string owner_of(const std::string& kind, const Value& object, const std::st
   return list + "[" + std::to_string(index) + "]";
 }
 
-Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws) {
-  return Params(object, scene_table(table).info, owner, laws);
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws) {
+  return checked_params(Params::unchecked(object), scene_table(table).info, owner, laws);
 }
 
 const Value::List& objects_of(const Params& parent, const std::string& key) {

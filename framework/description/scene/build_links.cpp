@@ -143,8 +143,7 @@ void Builder::link(const Value& object, const std::string& owner) {
       if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
   const Site where = p.has("pairs") ? pairs(p, name) : site(p, name, true);
   placed(object.where, [&] {
-    std::unique_ptr<Lock> made =
-        registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
+    std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);
     if (made->pairs().size() < where.pairs.size())
       p.refuse("pairs", std::to_string(where.pairs.size()) + " are given, and a " + std::string(made->type()) +
                             " takes " + std::to_string(made->pairs().size()) + "; remove the others");

@@ -48,11 +48,11 @@ void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
   if (!link.has("friction")) return;
   const Value& keys = link.value("friction");
   const std::string owner = part_of(link.owner(), "friction"), name = site.name + ".friction";
-  (void)params_of(keys, "friction", owner, nullptr);
+  const Params friction = params_of(keys, "friction", owner, nullptr);
   Site where;
   where.name = name, where.link = &lock;
   placed(keys.where, [&] {
-    out_.system.add(registry_.forces.make("joint_friction", where, Params::unchecked(keys), &registry_, owner));
+    out_.system.add(registry_.forces.make_checked("joint_friction", where, friction));
   });
   taken_["force"][name] = keys.where;
 }

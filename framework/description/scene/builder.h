@@ -17,8 +17,8 @@ LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& na
 /// The same for an object of a list whose name may be missing or no text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
 
-/// An object of a table without a shelf, checked.
-Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws);
+/// An object of a table without a shelf, checked, its laws made.
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws);
 
 /// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
 const Value::List& objects_of(const Params& parent, const std::string& key);

@@ -1,4 +1,4 @@
-// Observer: looks at accepted states; never changes them.
+// Observer: is called with the accepted states of a run; never changes them.
 #pragma once
 
 #include "framework/dynamics/integrate/integrator.h"
@@ -45,13 +45,13 @@ class LOCKSTEP_API Observer {
  public:
   virtual ~Observer();
   virtual void start(const Sample&);
-  /// Every accepted step, the state at its end.
+  /// Every accepted step, with the state at its end.
   virtual void step(const Sample&);
-  /// The velocities jumped at the end of the step seen last (an impact, a link switched, the jump of a law): the same
+  /// The velocities jumped at the end of the last step (an impact, a link switched, the jump of a law): the same
   /// instant, the state from which the run goes on.
   virtual void jumped(const Sample&);
-  /// Every output time (the times asked for, or every step when none were); the state interpolated by the method's
-  /// dense output and projected, or landed on.
+  /// Every output time (the times asked for, or every step when none were): the state interpolated by the method's
+  /// dense output and projected, or the end of a step.
   virtual void output(const Sample&);
   virtual void finish(const Sample&);
 };

@@ -56,14 +56,14 @@ void Applied::act(const Ends<T>& at, Load& load) const {
 
 Keys Applied::keys(Effort effort) {
   const Unit unit = effort == Effort::force ? Unit::force : Unit::torque;
-  return {{word(effort), Form::vector3, unit, "absent", "constant part, in the axes of \"axes\""},
-          {"law", Form::law, unit, "absent", "law along \"direction\", added"},
-          {"direction", Form::axis, Unit::none, "absent", "of \"law\", in the axes of \"axes\""},
-          {"laws", Form::laws, unit, "absent", "three laws [x, y, z] of the components, added"},
+  return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes of \"axes\""},
+          {"law", Form::law, unit, kOptional, "law along \"direction\", added"},
+          {"direction", Form::axis, Unit::none, kOptional, "of \"law\", in the axes of \"axes\""},
+          {"laws", Form::laws, unit, kOptional, "three laws [x, y, z] of the components, added"},
           {"axes",
            Form::choice,
            Unit::none,
-           "\"world\"",
+           "world",
            "the axes that these are given in: the world's, those of p's "
            "body, or those of marker p",
            {"world", "body", "marker"}}};

@@ -18,10 +18,10 @@ const TypeInfo& Bushing::info() {
   static const TypeInfo info{
       "bushing",
       "springs and dampers along and about the axes of S, for small turns: a soft joint",
-      {{"stiffness", Form::vector3, Unit::stiffness, "[0, 0, 0]", "along the axes of S"},
-       {"damping", Form::vector3, Unit::damping, "[0, 0, 0]", "along the axes of S, not negative"},
-       {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, "[0, 0, 0]", "about the axes of S"},
-       {"torsion_damping", Form::vector3, Unit::torsion_damping, "[0, 0, 0]", "about the axes of S, not negative"}}};
+      {{"stiffness", Form::vector3, Unit::stiffness, Value::List{0, 0, 0}, "along the axes of S"},
+       {"damping", Form::vector3, Unit::damping, Value::List{0, 0, 0}, "along the axes of S, not negative"},
+       {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, Value::List{0, 0, 0}, "about the axes of S"},
+       {"torsion_damping", Form::vector3, Unit::torsion_damping, Value::List{0, 0, 0}, "about the axes of S, not negative"}}};
   return info;
 }
 

@@ -73,18 +73,18 @@ const TypeInfo& JointFriction::info() {
   static const TypeInfo info{
       "joint_friction",
       "dry and viscous friction in a link, from its present reaction",
-      {{"mu", Form::number, Unit::none, "", "coefficient of sliding friction"},
-       {"mu_static", Form::number, Unit::none, "absent", "coefficient at rest (Stribeck); default: mu"},
-       {"stribeck_speed", Form::number, Unit::speed, "0.01", "speed over which the coefficient falls to mu"},
-       {"smoothing_speed", Form::number, Unit::speed, "0.001", "speed at which the friction has tanh(1) of its size"},
-       {"radius", Form::number, Unit::length, "0", "where a joint that turns rubs under its radial load"},
-       {"axial_radius", Form::number, Unit::length, "0", "where a joint that turns rubs under its axial load"},
-       {"bending_length", Form::number, Unit::length, "absent",
+      {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
+       {"mu_static", Form::number, Unit::none, kOptional, "coefficient at rest (Stribeck); default: mu"},
+       {"stribeck_speed", Form::number, Unit::speed, 0.01, "speed over which the coefficient falls to mu"},
+       {"smoothing_speed", Form::number, Unit::speed, 0.001, "speed at which the friction has tanh(1) of its size"},
+       {"radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its radial load"},
+       {"axial_radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its axial load"},
+       {"bending_length", Form::number, Unit::length, kOptional,
         "a bending moment M on a joint that slides presses with M/length; half the guide for a couple at its ends"},
-       {"preload", Form::number, Unit::force, "0", "normal (radial) force that is always there"},
-       {"viscous", Form::number, Unit::damping, "0", "viscous friction of the sliding"},
-       {"viscous_turn", Form::number, Unit::torsion_damping, "0", "viscous friction of the turning"},
-       {"load_smoothing", Form::number, Unit::force, "1e-6", "size e of a load below which it counts smoothly"}}};
+       {"preload", Form::number, Unit::force, 0, "normal (radial) force that is always there"},
+       {"viscous", Form::number, Unit::damping, 0, "viscous friction of the sliding"},
+       {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of the turning"},
+       {"load_smoothing", Form::number, Unit::force, 1e-6, "size e of a load below which it counts smoothly"}}};
   return info;
 }
 

@@ -35,7 +35,7 @@ ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
 const TypeInfo& ForceMotor::info() {
   static const TypeInfo info{"force_motor",
                              "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-                             {{"force", Form::law, Unit::force, "", "law of the force on p's body along z of s"}}};
+                             {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s"}}};
   return info;
 }
 
@@ -49,7 +49,7 @@ TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options
 const TypeInfo& TorqueMotor::info() {
   static const TypeInfo info{"torque_motor",
                              "torque by a law about z of S on P's body, the opposite on S's body",
-                             {{"torque", Form::law, Unit::torque, "", "law of the torque on p's body about z of s"}}};
+                             {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
   return info;
 }
 

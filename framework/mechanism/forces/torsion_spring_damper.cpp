@@ -19,11 +19,11 @@ const TypeInfo& TorsionSpringDamper::info() {
   static const TypeInfo info{
       "torsion_spring_damper",
       "spring, damper and rotary actuator about the common z axis of P and S, turns counted",
-      {{"stiffness", Form::number, Unit::torsion_stiffness, "0", "torque per angle"},
-       {"damping", Form::number, Unit::torsion_damping, "0", "torque per angular speed, not negative"},
-       {"free_angle", Form::number, Unit::angle, "0", "angle of P against S at which only the preload acts"},
-       {"preload", Form::number, Unit::torque, "0", "torque at the free angle, positive turns P back about z of S"},
-       {"torque", Form::law, Unit::torque, "absent", "law added to the torque, positive turns P back about z of S"}}};
+      {{"stiffness", Form::number, Unit::torsion_stiffness, 0, "torque per angle"},
+       {"damping", Form::number, Unit::torsion_damping, 0, "torque per angular speed, not negative"},
+       {"free_angle", Form::number, Unit::angle, 0, "angle of P against S at which only the preload acts"},
+       {"preload", Form::number, Unit::torque, 0, "torque at the free angle, positive turns P back about z of S"},
+       {"torque", Form::law, Unit::torque, kOptional, "law added to the torque, positive turns P back about z of S"}}};
   return info;
 }
 

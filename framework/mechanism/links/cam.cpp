@@ -117,8 +117,8 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
 TypeInfo CamRoller::info() {
   return {"cam_roller",
           "the centre P of a roller rides on a disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"},
-           {"roller", Form::number, Unit::length, "0", "radius of the roller; 0: a knife edge"}}};
+          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"},
+           {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
@@ -134,7 +134,7 @@ CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radiu
 TypeInfo CamFlat::info() {
   return {"cam_flat",
           "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
+          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Site& site, const Params& p) {

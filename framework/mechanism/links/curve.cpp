@@ -112,8 +112,8 @@ double PointOnCurve::quantity(int k, const Inputs& in) const { return seen_on(fu
 TypeInfo PointOnCurve::info() {
   return {"point_on_curve",
           "origin of P on a space curve c(s) fixed to S; free: moving along it, all turns",
-          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
-           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
+           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
 std::unique_ptr<Lock> PointOnCurve::make(const Site& site, const Params& p) {
@@ -133,9 +133,9 @@ double PathFollower::quantity(int k, const Inputs& in) const { return seen_on(fu
 TypeInfo PathFollower::info() {
   return {"path_follower",
           "P follows a path c(s) with axes q(s), both fixed to S; free: moving along it",
-          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
-           {"turning", Form::rotation_law, Unit::angle, "", "q(s), S axes: a rotation law whose time is s"},
-           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
+           {"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"},
+           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
 std::unique_ptr<Lock> PathFollower::make(const Site& site, const Params& p) {

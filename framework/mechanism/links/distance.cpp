@@ -38,7 +38,7 @@ RowPlan Distance::plan_rows() {
 TypeInfo Distance::info() {
   return {"distance",
           "keeps the distance of the origins of P and S; free: everything else",
-          {{"length", Form::law, Unit::length, "absent", "distance, m: a number or a law; default: as at the start"}}};
+          {{"length", Form::law, Unit::length, kOptional, "distance, m: a number or a law; default: as at the start"}}};
 }
 
 std::unique_ptr<Lock> Distance::make(const Site& site, const Params& params) {

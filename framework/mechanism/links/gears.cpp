@@ -28,13 +28,13 @@ Gear::Gear(const CoupledPairs& pairs, double ratio, Mesh mesh)
 TypeInfo Gear::info() {
   return {"gear",
           "two gears in joints on a common carrier, each turning about its own z",
-          {{"ratio", Form::number, Unit::none, "absent", "turns of gear 1 per turn of gear 2; or give the teeth"},
-           {"teeth_1", Form::integer, Unit::none, "absent", "teeth of gear 1"},
-           {"teeth_2", Form::integer, Unit::none, "absent", "teeth of gear 2"},
+          {{"ratio", Form::number, Unit::none, kOptional, "turns of gear 1 per turn of gear 2; or give the teeth"},
+           {"teeth_1", Form::integer, Unit::none, kOptional, "teeth of gear 1"},
+           {"teeth_2", Form::integer, Unit::none, kOptional, "teeth of gear 2"},
            {"mesh",
             Form::choice,
             Unit::none,
-            "\"external\"",
+            "external",
             "external and bevel turn against each other (bevel: both z away from the apex), internal alike",
             {"external", "internal", "bevel"}}}};
 }
@@ -64,9 +64,9 @@ Belt::Belt(const CoupledPairs& pairs, Options o)
 TypeInfo Belt::info() {
   return {"belt",
           "two pulleys in joints on a common carrier, each turning about its own z; no slip",
-          {{"radius_1", Form::number, Unit::length, "", "of pulley 1"},
-           {"radius_2", Form::number, Unit::length, "", "of pulley 2"},
-           {"crossed", Form::boolean, Unit::none, "false", "the pulleys turn against each other"}}};
+          {{"radius_1", Form::number, Unit::length, kRequired, "of pulley 1"},
+           {"radius_2", Form::number, Unit::length, kRequired, "of pulley 2"},
+           {"crossed", Form::boolean, Unit::none, false, "the pulleys turn against each other"}}};
 }
 
 std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
@@ -81,7 +81,7 @@ Differential::Differential(const CoupledPairs& pairs, double ratio)
 TypeInfo Differential::info() {
   return {"differential",
           "three turns on a common carrier: theta1 + ratio theta2 = (1 + ratio) theta3",
-          {{"ratio", Form::number, Unit::none, "1", "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
+          {{"ratio", Form::number, Unit::none, 1, "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
 }
 
 std::unique_ptr<Lock> Differential::make(const Site& site, const Params& p) {

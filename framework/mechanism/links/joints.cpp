@@ -5,7 +5,7 @@ namespace lockstep {
 TypeInfo GenericLock::info() {
   return {"lock",
           "any of the 64 masks; free: the axes whose rows are not named",
-          {{"mask", Form::text, Unit::none, "",
+          {{"mask", Form::text, Unit::none, kRequired,
             "rows in words: x y z (translations of P in S axes), e1 e2 e3 (turns about x y z)"}}};
 }
 

@@ -25,7 +25,7 @@ RackAndPinion::RackAndPinion(const CoupledPairs& pairs, double radius)
 TypeInfo RackAndPinion::info() {
   return {"rack_and_pinion",
           "one pair: P, a pinion about z, rolls along x of S; two: pinion (turn about z) and rack (slide along z)",
-          {{"radius", Form::number, Unit::length, "", "of the pitch circle; negative reverses the sense"}}};
+          {{"radius", Form::number, Unit::length, kRequired, "of the pitch circle; negative reverses the sense"}}};
 }
 
 std::unique_ptr<Lock> RackAndPinion::make(const Site& site, const Params& p) {

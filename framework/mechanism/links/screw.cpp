@@ -31,8 +31,8 @@ double Screw::quantity(int k, const Inputs& in) const {
 TypeInfo Screw::info() {
   return {"screw",
           "nut on a thread about z of S; free: turning about z, and with it sliding along z",
-          {{"lead", Form::number, Unit::length, "", "advance per turn, negative for a left-hand thread"},
-           {"slip", Form::law, Unit::length, "absent", "distance from the thread, m; default: none"}}};
+          {{"lead", Form::number, Unit::length, kRequired, "advance per turn, negative for a left-hand thread"},
+           {"slip", Form::law, Unit::length, kOptional, "distance from the thread, m; default: none"}}};
 }
 
 std::unique_ptr<Lock> Screw::make(const Site& site, const Params& p) {

@@ -33,11 +33,11 @@ TypeInfo Stop::info() {
           {{"coordinate",
             Form::choice,
             Unit::none,
-            "",
+            kRequired,
             "along an axis of S, or the turn about its z, counted past full turns",
             {"x", "y", "z", "rz"}},
-           {"low", Form::number, Unit::any, "absent", "the coordinate stays above this, m or rad; or \"high\""},
-           {"high", Form::number, Unit::any, "absent", "the coordinate stays below this, m or rad; or \"low\""}}};
+           {"low", Form::number, Unit::any, kOptional, "the coordinate stays above this, m or rad; or \"high\""},
+           {"high", Form::number, Unit::any, kOptional, "the coordinate stays below this, m or rad; or \"low\""}}};
 }
 
 std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {

@@ -112,8 +112,7 @@ class LOCKSTEP_API Lock {
   int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }
   int first_state() const { return first_state_; }
   int first_memory() const { return first_memory_; }
-  /// Of a unilateral link: two numbers more in State::z, kept by the simulation. J lost in its impacts; 1 while it is
-  /// watched, 0 while an event has switched it off.
+  /// Of a unilateral link: one more number in State::z, kept by the simulation: J lost in its impacts.
   int impact_memory() const { return first_memory_ + n_own_memory(); }
 
  private:

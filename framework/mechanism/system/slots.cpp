@@ -3,6 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -35,8 +36,7 @@ void System::setup_slots() {
   }
   for (Slot& slot : slots_) {
     fill_slot(slot);
-    const bool particle = slot.freedoms == Freedoms::particle;
-    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
+    n_velocities_ += BodyMass(slot, plane_).width();
   }
 }
 

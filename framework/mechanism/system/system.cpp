@@ -197,7 +197,7 @@ std::optional<ModelError> System::try_setup() {
   return {};
 }
 
-// States that steer the step stand first, quadratures behind them.
+// States whose error controls the step come first, then quadratures.
 void System::setup_states() {
   n_states_ = 0;
   n_memory_ = 0;
@@ -205,19 +205,19 @@ void System::setup_states() {
   for (auto& link : links_) {
     link->place(number++, n_states_, n_memory_);
     n_states_ += link->n_own_states();
-    n_memory_ += link->n_own_memory() + (link->unilateral() ? 2 : 0);
+    n_memory_ += link->n_own_memory() + (link->unilateral() ? 1 : 0);
   }
   for (auto& force : forces_) {
     force->place(n_memory_);
     n_memory_ += force->n_own_memory();
   }
-  for (const bool steering : {true, false}) {
+  for (const bool controlled : {true, false}) {
     for (auto& auxiliary : auxiliaries_) {
-      if (auxiliary->steers() != steering) continue;
+      if (auxiliary->controls_error() != controlled) continue;
       auxiliary->place(n_states_);
       n_states_ += auxiliary->size();
     }
-    if (steering) n_steering_ = n_states_;
+    if (controlled) n_controlled_ = n_states_;
   }
 }
 
@@ -264,7 +264,7 @@ void System::setup_forces() {
 void System::check_size(const State& state) const {
   const auto links = links_.size();
   if (state.q.size() == 7 * n_slots() && state.v.size() == 6 * n_slots() && state.s.size() == n_states_ &&
-      state.z.size() == n_memory_ && state.modes.size() == links)
+      state.z.size() == n_memory_ && state.modes.size() == links && state.watched.size() == links)
     return;
   throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
                    " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
@@ -300,7 +300,7 @@ State System::start() const {
   };
   for (const auto& link : links_) {
     state.modes.push_back(link->active_at_start() && !link->unilateral());  // unilateral ones: when they are touched
-    if (link->unilateral()) state.z[link->impact_memory() + 1] = link->active_at_start() ? 1.0 : 0.0;
+    state.watched.push_back(link->active_at_start() && link->unilateral());
     named(*link, 0.0, [&] {
       if (const Stateful* own = link->stateful())
         own->start_states(part(state.s, link->first_state(), own->n_states()));

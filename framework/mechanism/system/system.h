@@ -119,8 +119,8 @@ class LOCKSTEP_API System {
   int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle; planar 3 and 2
   int n_states() const { return n_states_; }
   int n_memory() const { return n_memory_; }
-  /// The first so many of State::s steer the step of an adaptive integrator; the others are only quadratures.
-  int n_steering_states() const { return n_steering_; }
+  /// The error of the first so many of State::s controls the step of an adaptive integrator; the others are quadratures.
+  int n_error_controlled_states() const { return n_controlled_; }
   /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before
   /// setup.
   State start() const;
@@ -183,7 +183,7 @@ class LOCKSTEP_API System {
   std::vector<PlanarRows> planar_rows_;  // of each link, while planar
   std::vector<const Lock*> ordered_;     // links, groups one after another
   std::vector<int> group_;               // group of each of them
-  int n_velocities_ = 0, n_states_ = 0, n_steering_ = 0, n_memory_ = 0;
+  int n_velocities_ = 0, n_states_ = 0, n_controlled_ = 0, n_memory_ = 0;
   long revision_ = 0;
   double length_ = 1e-6;
 };

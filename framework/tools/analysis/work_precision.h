@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 
 namespace lockstep {
 
@@ -23,7 +23,7 @@ struct Subject {
 
 /// What is charted: equal starts, one a call; from the start for `length` seconds, compared at `outputs` evenly spaced
 /// instants (a fixed step is a whole part of their interval, so that landing on them costs nothing).
-struct Course {
+struct Trajectory {
   std::function<Subject()> make;
   double length = 0;  ///< s
   int outputs = 100;
@@ -113,8 +113,8 @@ struct WorkPrecision {
 };
 
 /// Cheapest next run first, until all combinations have ended or the budget is spent. Throws StepError when no
-/// reference can be made and ModelError for a course or options without content; every other failure is a result.
-LOCKSTEP_API WorkPrecision work_precision(const Course&, const WorkPrecisionOptions&);
+/// reference can be made and ModelError for a trajectory or options without content; every other failure is a result.
+LOCKSTEP_API WorkPrecision work_precision(const Trajectory&, const WorkPrecisionOptions&);
 
 /// Of one combination: all but the setting is equal.
 LOCKSTEP_API bool same_way(const WorkPrecisionRun&, const WorkPrecisionRun&);

@@ -208,10 +208,10 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
     }
     for (std::size_t l = 0; l < n; ++l) {
       System& system = batch->system(static_cast<int>(l));
-      lanes::Course course;
-      course.begin(system, states[l].t, times);
+      lanes::OutputSchedule schedule;
+      schedule.begin(system, states[l].t, times);
       told[l].alone = true;
-      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], course, w.options.step, task, told[l]);
+      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], schedule, w.options.step, task, told[l]);
     }
   }
   return reports;

@@ -26,12 +26,11 @@ class TemplateForce final : public FormulaForce<TemplateForce> {
     load.stores(-strength_ / r);
   }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
-  /// given).
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
   static TypeInfo info() {
     return {"template_force",
             "P and S attract each other with the inverse square of their distance",
-            {{"strength", Form::number, Unit::any, "", "force times distance squared, N m^2"}}};
+            {{"strength", Form::number, Unit::any, kRequired, "force times distance squared, N m^2"}}};
   }
 
   static std::unique_ptr<Force> make(const Site& site, const Params& p) {
