@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/marker_lock_gather.h"
 #include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/clones.h"
 #include "framework/foundation/support/error.h"
@@ -182,24 +181,65 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
 
-// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a
-// larger set enters as zero.
+LawValue MarkerLock::value(const Drive& d, const Inputs& in) const {
+  const LawValue l = d.law->at(in.t);
+  if (!d.speed) return l;
+  return {in.s[static_cast<std::size_t>(first_state() + d.state)], l.y, l.yd};
+}
 
-template <unsigned kLaws>
-void MarkerLockGather::translations(Group links, RowSpan out) const {
+ImposedTranslation MarkerLock::imposed_translation(const Inputs& in) const {
+  ImposedTranslation D;
+  if (move_) {
+    const TranslationValue l = move_->at(in.t);
+    D.p = l.x, D.pd = l.v, D.pdd = l.a;
+  }
+  for (const Drive& d : drives_) {
+    if (is_rotation(d.axis)) continue;
+    const int k = index(d.axis);
+    const LawValue l = value(d, in);
+    D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
+  }
+  return D;
+}
+
+ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
+  ImposedRotation D;
+  if (turn_) {
+    const RotationValue l = turn_->at(in.t);
+    D.q = l.q, D.w = l.w, D.a = l.a;
+  }
+  for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, the other two turns being held
+    if (!is_rotation(d.axis)) continue;
+    const Vec3 n = Vec3::Unit(index(d.axis) % 3);
+    const LawValue l = value(d, in);
+    const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
+    const Mat3 At = rotation(turn).transpose();
+    const Vec3 w = At * D.w;
+    D.a = At * D.a + cross(w, Vec3(l.yd * n)) + l.ydd * n;
+    D.w = w + l.yd * n;
+    D.q = D.q * turn;
+  }
+  D.A = rotation(D.q);
+  return D;
+}
+
+// The inner loops: one instance for each set of laws that is worth its own code (theory, (5.4)).
+
+template <unsigned kWith>
+void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out) {
   TranslationRowsT<double> r;
-  ImposedTranslationT<double> D;
+  ImposedTranslation D;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-    if constexpr (kLaws & with::p) D = imposed_translation(lock);
-    const Mask rows = kLaws & with::world_rows ? Mask::xyz : lock.rows_;
+    if constexpr (kWith & with::p) D = lock.imposed_translation(in);
+    const Mask rows = kWith & with::world_rows ? Mask::xyz : lock.rows_;
     const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
-    if constexpr (kLaws & (with::uP | with::uS | with::qS))
-      translation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
+    if constexpr (kWith & (with::uP | with::uS | with::qS))
+      translation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
     else
-      translation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
+      translation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
     const RowBlock block = out.lane(i);
-    if constexpr (kLaws & with::world_rows) {
+    if constexpr (kWith & with::world_rows) {
       for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
       block.set_R(r.Jv.transpose());
       block.set_A(lock.side1_, r.Jw1);
@@ -215,19 +255,19 @@ void MarkerLockGather::translations(Group links, RowSpan out) const {
   }
 }
 
-template <unsigned kLaws>
-void MarkerLockGather::rotations(Group links, RowSpan out) const {
+template <unsigned kWith>
+void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
   RotationRowsT<double> r;
-  ImposedRotationT<double> D;
+  ImposedRotation D;
   const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-    if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
+    if constexpr (kWith & with::qD) D = lock.imposed_rotation(in);
     const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
-    if constexpr (kLaws & (with::qP | with::qS))
-      rotation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+    if constexpr (kWith & (with::qP | with::qS))
+      rotation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
     else
-      rotation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
+      rotation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
     const RowBlock block = out.lane(i);
     for (int k = first; k < lock.n_rows_; ++k) {
       const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
@@ -238,16 +278,14 @@ void MarkerLockGather::rotations(Group links, RowSpan out) const {
   }
 }
 
-LOCKSTEP_FLAT_CLONES void MarkerLockGather::both(const MarkerLock& first, Group links, RowSpan out) const {
-  if (first.layout() == RowLayout::triple)
-    choose_translation<with::world_rows>(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
+// Of the link's own rows: a class that adds rows of its own calls this with its whole group.
+LOCKSTEP_FLAT_CLONES void MarkerLock::gather_all(Group links, const Inputs& in, RowSpan out) const {
+  if (layout() == RowLayout::triple)
+    choose_translation<with::world_rows>(rows_, laws_, [&](auto with) { gather_translations<with>(links, in, out); });
   else
-    choose_translation(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
-  choose_rotation(first.rows_, first.laws_, [&](auto with) { rotations<with>(links, out); });
+    choose_translation(rows_, laws_, [&](auto with) { gather_translations<with>(links, in, out); });
+  choose_rotation(rows_, laws_, [&](auto with) { gather_rotations<with>(links, in, out); });
 }
-
-void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
-  MarkerLockGather{in}.both(*this, links, out);
-}
+void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const { gather_all(links, in, out); }
 
 }  // namespace lockstep

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <string>
 
-#include "framework/mechanism/lock/look.h"
+#include "framework/mechanism/lock/relative_kinematics.h"
 #include "framework/foundation/math/jet.h"
 #include "framework/mechanism/model/motion_law.h"
 
