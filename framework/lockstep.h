@@ -30,7 +30,7 @@
 #include "framework/description/registry/loader.h"
 #include "framework/tools/charts/chart.h"
 #include "framework/tools/record/recorder.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/description/scene/scene.h"
 #include "framework/tools/sweep/sweep.h"
 #include "framework/foundation/support/text.h"

@@ -2,7 +2,7 @@
 //
 //   y = (dx, D of every slot | dv, dw of every slot | ds),   x = x0 + dx, e = e0 exp(D/2), v = v0 + dv, s = s0 + ds
 //
-// D is the rotation vector of the turn since the beginning of the step, in slot axes; it follows (numerics page,
+// D is the rotation vector of the turn since the beginning of the step, in slot axes; it follows (framework/docs/solvers.md,
 // section 8; Iserles, Munthe-Kaas, Norsett & Zanna, Acta Numerica 9 (2000) 215)
 //
 //   D' = w + (D x w)/2 + k D x (D x w),   k = (1 - (a/2) cot(a/2))/a^2,   a = |D|

@@ -1,10 +1,11 @@
 # Sourced by samples/run and tests/run: finds what is missing, installs it by apt-get, configures and builds the release
-# preset. What is up to date is not touched, and nothing is asked of the network when nothing is missing.
+# preset, or the one that LOCKSTEP_PRESET names. What is up to date is not touched, and nothing is asked of the network when nothing is missing.
 #
 # Settings from outside: LOCKSTEP_PRETEND_MISSING="catch2 ..." treats these Debian packages as absent (to try this file).
 # Exit code 69: something is missing and could not be installed from here.
 
-build="$root/build/release"
+preset="${LOCKSTEP_PRESET:-release}"
+build="$root/build/$preset"
 
 say() { printf 'lockstep: %s\n' "$*" >&2; }
 
@@ -53,6 +54,10 @@ find_missing() {
   need libcli11-dev CLI/CLI.hpp
   need catch2 catch2/catch.hpp catch2/catch_all.hpp
   need gnuplot-nox gnuplot
+  case "$preset" in
+    clang) need clang clang++ ;;
+    tidy) need clang clang++; need clang-tidy clang-tidy ;;
+  esac
 }
 
 install_missing() {
@@ -112,12 +117,12 @@ configure() {
     cached "LOCKSTEP_BUILD_TESTS:BOOL=ON" && cached "LOCKSTEP_BUILD_SAMPLES:BOOL=ON"; then
     return 0
   fi
-  say "configuring build/release"
+  say "configuring build/$preset"
   mkdir -p "$build"
-  if ! (cd "$root" && cmake "${fresh[@]}" --preset release -DLOCKSTEP_BUILD_TESTS=ON -DLOCKSTEP_BUILD_SAMPLES=ON) \
+  if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" -DLOCKSTEP_BUILD_TESTS=ON -DLOCKSTEP_BUILD_SAMPLES=ON) \
     >"$build/configure.log" 2>&1; then
     cat "$build/configure.log" >&2
-    say "the configuration failed; what cmake said is above and in build/release/configure.log"
+    say "the configuration failed; what cmake said is above and in build/$preset/configure.log"
     exit 1
   fi
 }

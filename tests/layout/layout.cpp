@@ -1,5 +1,6 @@
 // layout ROOT: holds every #include below ROOT against ROOT/framework/layout.txt. A file may include its own room and
-// the rooms that are listed before it.
+// the rooms that are listed before it. The table in ROOT/framework/README.md must be the one that layout.txt makes.
+// layout ROOT --table: prints that table.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -38,6 +39,39 @@ std::vector<std::string> read_rooms(const fs::path& file) {
   return rooms;
 }
 
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> parts;
+  std::stringstream text(line);
+  for (std::string part; std::getline(text, part, '|');) parts.push_back(trimmed(part));
+  parts.resize(3);
+  return parts;
+}
+
+// The plan as a table for the tour: a wing in bold, its rooms below it.
+std::string table_of(const fs::path& file) {
+  std::string table = "| | |\n|---|---|\n";
+  std::ifstream text(file);
+  for (std::string line; std::getline(text, line);) {
+    if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+    const std::vector<std::string> c = cells(line);
+    table += line.front() == ' ' ? "| `" + c[0] + "` | " + c[1] + " |\n" : "| **" + c[0] + "** | **" + c[2] + "** |\n";
+  }
+  return table;
+}
+
+// What is between the two marks of the tour; nothing where there is no tour.
+std::string table_in(const fs::path& file) {
+  std::ifstream text(file);
+  std::string table;
+  bool inside = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.rfind("<!-- end of layout", 0) == 0) break;
+    if (inside) table += line + "\n";
+    if (line.rfind("<!-- layout", 0) == 0) inside = true;
+  }
+  return table;
+}
+
 // The opening mark and the path of an #include line; a blank and nothing for any other line.
 std::pair<char, std::string> included(std::string line) {
   line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c == ' ' || c == '\t'; }), line.end());
@@ -64,6 +98,9 @@ class Inspection {
     for (const fs::path& file : files) inspect(file);
     for (const std::string& room : rooms_)
       if (!fs::is_directory(root_ / room)) fault("framework/layout.txt", 1, "there is no folder '" + room + "'");
+    const fs::path tour = root_ / "framework/README.md";
+    if (fs::exists(tour) && table_in(tour) != table_of(root_ / "framework/layout.txt"))
+      fault("framework/README.md", 1, "its table of rooms is not that of layout.txt; put in what test_layout ROOT --table prints");
     std::cout << files.size() << " files, " << n_arrows_ << " includes between rooms, " << n_faults_ << " faults\n";
     return n_faults_ == 0 && !files.empty() ? 0 : 1;
   }
@@ -149,8 +186,12 @@ class Inspection {
 }  // namespace
 
 int main(int argc, char* argv[]) {
+  if (argc == 3 && std::string(argv[2]) == "--table") {
+    std::cout << table_of(fs::path(argv[1]) / "framework/layout.txt");
+    return 0;
+  }
   if (argc != 2) {
-    std::cerr << "usage: test_layout ROOT\n";
+    std::cerr << "usage: test_layout ROOT [--table]\n";
     return 2;
   }
   return Inspection(argv[1]).run();

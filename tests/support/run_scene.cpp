@@ -6,7 +6,7 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/tools/record/recorder.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "tests/support/run_with_registry.h"
 
 namespace lockstep {

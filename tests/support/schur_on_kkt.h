@@ -9,15 +9,11 @@
 
 namespace lockstep::test {
 
-class SchurOnKkt final : public LinearSolver {
+/// Widths 6 and 3 only; a slot of width 3 has no turn.
+class SchurOnKktFactorization final : public Factorization {
  public:
-  std::string_view name() const override { return inner_.name(); }
-
-  /// Widths 6 and 3 only; a slot of width 3 has no turn.
-  void analyse(const KktPattern& pattern) override {
-    rows_ = {};
+  explicit SchurOnKktFactorization(const KktPattern& pattern) {
     Kkt& k = kkt_;
-    k = {};
     const auto n = static_cast<int>(pattern.width.size());
     for (const KktLink& link : pattern.links) {
       RowEntry e;
@@ -31,10 +27,10 @@ class SchurOnKkt final : public LinearSolver {
     k.pattern.n = 6 * n, k.pattern.m = rows_.n_rows;
     for (int s = 0; s < n; ++s)
       k.masses.push_back({1.0, Mat3::Identity(), pattern.width[static_cast<std::size_t>(s)] == 3});
-    inner_.analyse(k.pattern);
+    inner_ = SchurSolver().analyse(k.pattern);
   }
 
-  void factor(const Kkt& given) override {
+  void compute(const Kkt& given) override {
     L_.clear();
     for (std::size_t s = 0; s < given.pattern.width.size(); ++s) {
       const int w = given.pattern.width[s];
@@ -57,7 +53,7 @@ class SchurOnKkt final : public LinearSolver {
         }
       }
     }
-    inner_.factor(kkt_);
+    inner_->compute(kkt_);
   }
 
   SolveReport solve(const Kkt& given, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override {
@@ -65,8 +61,8 @@ class SchurOnKkt final : public LinearSolver {
     for (std::size_t s = 0; s < L_.size(); ++s)
       f6.segment(6 * static_cast<int>(s), L_[s].rows()) =
           L_[s].triangularView<Eigen::Lower>().solve(f.segment(given.pattern.first[s], L_[s].rows()));
-    SolveReport report = inner_.solve(kkt_, f6, c, a6, lambda);
-    inner_.complete(report);
+    SolveReport report = inner_->solve(kkt_, f6, c, a6, lambda);
+    inner_->complete(report);
     a.resize(given.pattern.n);
     for (std::size_t s = 0; s < L_.size(); ++s)
       a.segment(given.pattern.first[s], L_[s].rows()) =
@@ -75,10 +71,18 @@ class SchurOnKkt final : public LinearSolver {
   }
 
  private:
-  SchurSolver inner_;
+  std::unique_ptr<Factorization> inner_;
   RowTable rows_;
   Kkt kkt_;
   std::vector<MatX> L_;
+};
+
+class SchurOnKkt final : public LinearSolver {
+ public:
+  std::string_view name() const override { return "schur"; }
+  std::unique_ptr<Factorization> analyse(const KktPattern& pattern) const override {
+    return std::make_unique<SchurOnKktFactorization>(pattern);
+  }
 };
 
 }  // namespace lockstep::test

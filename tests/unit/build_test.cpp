@@ -3,7 +3,7 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/mechanism/lock/marker_lock.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -55,15 +55,15 @@ TEST_CASE("dense asks for no memory after analyse", "[unit][kkt]") {
   system.write_J(J);
   system.c[3] = system.c[4];
   VecX a(system.kkt.pattern.n), lambda(system.kkt.pattern.m);
-  solver.analyse(system.kkt.pattern);
+  const auto factor = solver.analyse(system.kkt.pattern);
   SolveReport one, two;
   const long asked = allocations_of([&] {
     regular.kkt.update_scales();
-    solver.factor(regular.kkt);
-    one = solver.solve(regular.kkt, regular.f, regular.c, a, lambda);
+    factor->compute(regular.kkt);
+    one = factor->solve(regular.kkt, regular.f, regular.c, a, lambda);
     system.kkt.update_scales();
-    solver.factor(system.kkt);
-    two = solver.solve(system.kkt, system.f, system.c, a, lambda);
+    factor->compute(system.kkt);
+    two = factor->solve(system.kkt, system.f, system.c, a, lambda);
   });
   CHECK(asked == 0);
   CHECK(one.rank == 500);
@@ -75,8 +75,8 @@ TEST_CASE("dense names the slot whose mass is not positive", "[unit][kkt]") {
   DenseSolver solver;
   KktSystem system = random_system(0, 1, false);
   system.kkt.M[system.kkt.pattern.M[2]] = 0.0;
-  solver.analyse(system.kkt.pattern);
-  CHECK(says(message_of<SolveError>([&] { solver.factor(system.kkt); }), {"dense", "slot 2", "not positive definite"}));
+  const auto factor = solver.analyse(system.kkt.pattern);
+  CHECK(says(message_of<SolveError>([&] { factor->compute(system.kkt); }), {"dense", "slot 2", "not positive definite"}));
 }
 
 TEST_CASE("dense is made by name, without keys", "[unit][kkt]") {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "framework/description/registry/builtins.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 

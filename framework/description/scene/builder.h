@@ -13,7 +13,7 @@
 namespace lockstep {
 
 /// "link 'A'": kind and name as they stand in messages.
-std::string owner_of(const std::string& kind, const std::string& name);
+LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& name);
 /// The same for an object of a list whose name may be missing or no text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
 

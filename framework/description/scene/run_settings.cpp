@@ -9,14 +9,14 @@ namespace lockstep {
 namespace {
 
 // "rk4" or {"type": "rk4", keys}.
-Typed read_typed(const Params& run, const std::string& key, const Typed& fallback) {
+MethodSpec read_typed(const Params& run, const std::string& key, const MethodSpec& fallback) {
   const Value& v = run.value(key);
   if (v.is_null() && !run.has(key)) return fallback;
   if (v.text() != nullptr) return {*v.text(), Value(Value::Object{}), v.where};
   const Value* type = v.find("type");
   if (type == nullptr || type->text() == nullptr)
     run.refuse(key, "expected a name, or {\"type\": name, and its keys}, got " + shown(v));
-  Typed typed{*type->text(), Value(Value::Object{}), type->where};
+  MethodSpec typed{*type->text(), Value(Value::Object{}), type->where};
   for (const Value::Member& member : *v.object())
     if (member.key != "type") typed.keys.object()->push_back(member);
   typed.keys.where = v.where;
@@ -140,15 +140,7 @@ RunSettings read_run(const Value& v) {
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {
-  if (registry.integrators.find(run.integrator.type) == nullptr)
-    refuse(run.integrator.where, "run.integrator",
-           "unknown integrator \"" + run.integrator.type + "\"" +
-               suggestion(run.integrator.type, registry.integrators.names()));
-  const TypeInfo& info = registry.integrators.find(run.integrator.type)->info;
-  const Params keys(run.integrator.keys, info, "run.integrator", &registry);
-  auto method = placed(run.integrator.where, [&] {
-    return registry.integrators.make(run.integrator.type, keys, &registry, "run.integrator");
-  });
+  auto method = placed(run.integrator.where, [&] { return make_integrator(run.integrator, registry, "run.integrator"); });
   if (!method->info().adaptive && run.step <= 0)
     refuse(run.integrator.where.line > 0 ? run.integrator.where : run.where, "run.integrator",
            "\"" + run.integrator.type +
@@ -158,13 +150,7 @@ std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Regist
 }
 
 std::unique_ptr<LinearSolver> make_solver(const RunSettings& run, const Registry& registry) {
-  if (registry.solvers.find(run.solver.type) == nullptr)
-    refuse(run.solver.where, "run.solver",
-           "unknown solver \"" + run.solver.type + "\"" + suggestion(run.solver.type, registry.solvers.names()));
-  const TypeInfo& info = registry.solvers.find(run.solver.type)->info;
-  const Params keys(run.solver.keys, info, "run.solver", &registry);
-  return placed(run.solver.where,
-                [&] { return registry.solvers.make(run.solver.type, keys, &registry, "run.solver"); });
+  return placed(run.solver.where, [&] { return make_solver(run.solver, registry, "run.solver"); });
 }
 
 }  // namespace lockstep

@@ -9,17 +9,10 @@
 #include "framework/dynamics/simulate/event.h"
 #include "framework/dynamics/simulate/simulation.h"
 #include "framework/mechanism/lock/mask.h"
-#include "framework/description/registry/registry.h"
+#include "framework/description/registry/method_spec.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
-
-/// A name on a shelf of the registry with the keys of that type; `where` it stood.
-struct Typed {
-  std::string type;
-  Value keys{};
-  Where where{};
-};
 
 /// A channel to record, under a name of the user's own ("" : the channel's).
 struct ChannelRequest {
@@ -29,7 +22,7 @@ struct ChannelRequest {
 
 /// The object "run". Zero stands for "not given" in step, until and output.
 struct RunSettings {
-  Typed integrator{"dopri5"}, solver{"schur"};
+  MethodSpec integrator{"dopri5"}, solver{"schur"};
   double step = 0, until = 0, output = 0;  ///< s
   std::vector<double> times{};             ///< s, rising
   Tolerance tolerance;

@@ -34,7 +34,7 @@ void Dynamics::prepare(const State& state) {
   modes_ = state.modes;
   system_.lay_out(modes_, rows_);
   matrix_->lay_out(rows_, solver_->reads_rows());
-  solver_->analyse(matrix_->kkt().pattern);
+  factor_ = solver_->analyse(matrix_->kkt().pattern);
   factored_ = false;
   const int n = 6 * system_.n_slots();
   f_.setZero(n), a_.setZero(n), zero_.setZero(n), d_.setZero(n);
@@ -74,14 +74,12 @@ void Dynamics::gather_unchecked(const State& state) {
   system_.gather_rows(in_, rows_);
   system_.gather_forces(in_, f_);
   factored_ = false;
-  rows_moved_ = true;
 }
 
 void Dynamics::refactor() {
   matrix_->update(rows_, motions_);
-  solver_->factor(matrix_->kkt());
+  factor_->compute(matrix_->kkt());
   factored_ = true;
-  rows_moved_ = false;
   ++work_.factors;
 }
 
@@ -92,14 +90,13 @@ const SolveReport& Dynamics::solve(const VecX& f, const VecX& c, VecX& a, VecX& 
 
 const SolveReport& Dynamics::solve_loaded(const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
   report_complete_ = false;
-  matrix_->set_rows_moved(rows_moved_);
   if (matrix_->direct()) {
-    solve_report_ = solver_->solve(matrix_->kkt(), f, c, a, lambda);
+    solve_report_ = factor_->solve(matrix_->kkt(), f, c, a, lambda);
     work_.corrections += solve_report_.corrections;
     return solve_report_;
   }
   matrix_->load(f, c, motions_, moving, solved_f_, solved_c_);
-  solve_report_ = solver_->solve(matrix_->kkt(), solved_f_, solved_c_, solved_a_, solved_lambda_);
+  solve_report_ = factor_->solve(matrix_->kkt(), solved_f_, solved_c_, solved_a_, solved_lambda_);
   work_.corrections += solve_report_.corrections;
   a.resize(6 * system_.n_slots());
   matrix_->unload(solved_a_, solved_lambda_, motions_, rows_.n_rows, a, lambda);
@@ -107,7 +104,7 @@ const SolveReport& Dynamics::solve_loaded(const VecX& f, const VecX& c, bool mov
 }
 
 const SolveReport& Dynamics::last_solve() const {
-  if (!report_complete_) solver_->complete(solve_report_);
+  if (!report_complete_) factor_->complete(solve_report_);
   report_complete_ = true;
   return solve_report_;
 }

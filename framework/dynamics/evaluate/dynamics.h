@@ -56,7 +56,7 @@ class LOCKSTEP_API Dynamics {
   ProjectReport project(State&, double goal);
   /// Only the velocity level; what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict one another.
   double project_velocity(State&);
-  /// |C| in metres: over the rows of the present set (numerics page); and |Jh v + Ct| in m/s.
+  /// |C| in metres: over the rows of the present set (framework/docs/solvers.md); and |Jh v + Ct| in m/s.
   double violation(const State&);
   double violation_v(const State&);
 
@@ -91,7 +91,7 @@ class LOCKSTEP_API Dynamics {
   void residuals(VecX& C, VecX& Cd) const;
   /// q moved by d (6 a slot: x in the world, turn in slot axes; exponential update).
   void move(State&, const VecX& d) const;
-  /// Largest |c| with the norm of the numerics page: metres, radians times L, half turns times 2 L.
+  /// Largest |c| with the norm of framework/docs/solvers.md: metres, radians times L, half turns times 2 L.
   double norm(const VecX& c) const;
 
  private:
@@ -113,10 +113,10 @@ class LOCKSTEP_API Dynamics {
   std::unique_ptr<LinearSolver> solver_;
   DynamicsOptions options_;
   std::unique_ptr<Matrix> matrix_;
+  std::unique_ptr<Factorization> factor_;
   std::vector<Motion> motions_;
   std::vector<bool> modes_;
   bool laid_out_ = false, factored_ = false;
-  bool rows_moved_ = false;  // since the last factor
   long revision_ = -1;       // of the system that was laid out
   RowTable rows_;
   VecX f_, c_, a_, lambda_, C_, Cd_, zero_, d_;

@@ -21,7 +21,6 @@ class LOCKSTEP_API Matrix {
   /// copied then, and load and unload are not needed.
   void lay_out(const RowTable& rows, bool direct);
   bool direct() const { return kkt_.pattern.rows != nullptr; }
-  void set_rows_moved(bool moved) { kkt_.rows_moved = moved; }
   /// Numbers: jacobians, and the mass blocks where they move.
   void update(const RowTable& rows, std::span<const Motion> motions);
   const Kkt& kkt() const { return kkt_; }

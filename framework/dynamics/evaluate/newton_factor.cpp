@@ -38,7 +38,7 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
     for (int j = 0; j < N.width[static_cast<std::size_t>(slot)]; ++j) J[j] = r[N.velocity[static_cast<std::size_t>(j)]];
     J += 6;
   });
-  // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (numerics page, section 5).
+  // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (framework/docs/solvers.md, section 5).
   E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
   fill(N);

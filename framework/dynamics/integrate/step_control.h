@@ -1,4 +1,4 @@
-// How far a step may be wrong, and how long the next one shall be (numerics page, section 7).
+// How far a step may be wrong, and how long the next one shall be (framework/docs/solvers.md, section 7).
 #pragma once
 
 #include "framework/dynamics/integrate/integrator.h"

@@ -1,5 +1,5 @@
 // BlockPlan: the symbolic half of the block factorisation: who is eliminated when, and where every number stands
-// (numerics page, section 4).
+// (framework/docs/solvers.md, section 4).
 //
 // Nodes are slots and links, edges what couples them: a link its slots, a stiff force two slots. Leaves go first, so
 // that a tree makes no fill: the dual of the articulated-body recursion (Baraff 1996; Featherstone 2008).

@@ -31,7 +31,14 @@ BlockGraph graph_of(const KktPattern& pattern) {
 
 }  // namespace
 
-struct BlockSolver::Work {
+class BlockFactorization final : public Factorization {
+ public:
+  explicit BlockFactorization(const KktPattern&);
+  void compute(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport&) override;
+
+ private:
   BlockPlan plan;
   BlockFactor<double> factor;
   std::vector<BlockPlan::Place> mass, jacobian, proximal;  // of slots; of links and their slots; of links
@@ -45,7 +52,7 @@ struct BlockSolver::Work {
   void measure_pivots(const Kkt&);
 };
 
-void BlockSolver::Work::fill(const Kkt& kkt) {
+void BlockFactorization::fill(const Kkt& kkt) {
   const KktPattern& pattern = kkt.pattern;
   factor.clear();
   const BlockPlan::Place* place = mass.data();
@@ -70,7 +77,7 @@ void BlockSolver::Work::fill(const Kkt& kkt) {
   }
 }
 
-void BlockSolver::Work::measure_pivots(const Kkt& kkt) {
+void BlockFactorization::measure_pivots(const Kkt& kkt) {
   smallest_pivot = std::numeric_limits<double>::infinity();
   n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
@@ -81,71 +88,71 @@ void BlockSolver::Work::measure_pivots(const Kkt& kkt) {
   n_small_usual = std::min(n_small_usual, n_small);
 }
 
-BlockSolver::BlockSolver() : work_(std::make_unique<Work>()) {}
-BlockSolver::~BlockSolver() = default;
-
 TypeInfo BlockSolver::info() {
   return {
       "block", "LDL^T in blocks over slots and links, leaves first: linear on trees, redundant rows in its stride", {}};
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 
-void BlockSolver::analyse(const KktPattern& pattern) {
-  Work& w = *work_;
-  w.plan.lay_out(graph_of(pattern), true);
-  w.factor.lay_out(w.plan);
-  w.mass.clear(), w.jacobian.clear(), w.proximal.clear();
+BlockFactorization::BlockFactorization(const KktPattern& pattern) {
+  plan.lay_out(graph_of(pattern), true);
+  factor.lay_out(plan);
   const int n_slots = static_cast<int>(pattern.width.size());
-  for (int k = 0; k < n_slots; ++k) w.mass.push_back(w.plan.find(k, k));
+  for (int k = 0; k < n_slots; ++k) mass.push_back(plan.find(k, k));
   int node = n_slots;
   for (const KktLink& link : pattern.links) {
     for (int i = 0; i < link.n_slots; ++i)
-      w.jacobian.push_back(w.plan.find(node, link.slot[static_cast<std::size_t>(i)]));
-    w.proximal.push_back(w.plan.find(node, node));
+      jacobian.push_back(plan.find(node, link.slot[static_cast<std::size_t>(i)]));
+    proximal.push_back(plan.find(node, node));
     ++node;
   }
-  for (VecX* v : {&w.rhs, &w.pivots}) v->setZero(pattern.n + pattern.m);
-  w.relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
-  w.scratch = w.relative;
-  w.rule.analyse(pattern);
-  w.n_small_usual = pattern.m;
+  for (VecX* v : {&rhs, &pivots}) v->setZero(pattern.n + pattern.m);
+  relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
+  scratch = relative;
+  rule.analyse(pattern);
+  n_small_usual = pattern.m;
 }
 
-void BlockSolver::factor(const Kkt& kkt) {
-  Work& w = *work_;
-  w.fill(kkt);
-  if (!w.factor.factor_symmetric(w.plan, w.pivots.data()))
+void BlockFactorization::compute(const Kkt& kkt) {
+  fill(kkt);
+  if (!factor.factor_symmetric(plan, pivots.data()))
     throw SolveError("solver block: a pivot is zero; give every body a mass and an inertia above zero");
-  w.measure_pivots(kkt);
+  measure_pivots(kkt);
 }
 
-SolveReport BlockSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  Work& w = *work_;
+SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  w.rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    w.rhs.head(n) = w.rule.force_residual();
-    w.rhs.tail(m) = w.rule.row_residual();
-    w.factor.solve(w.plan, w.rhs.data());
-    x += w.rhs.head(n);
-    l += w.rhs.tail(m);
+  rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
+    rhs.head(n) = rule.force_residual();
+    rhs.tail(m) = rule.row_residual();
+    factor.solve(plan, rhs.data());
+    x += rhs.head(n);
+    l += rhs.tail(m);
   });
-  report.smallest_pivot = w.smallest_pivot;
+  report.smallest_pivot = smallest_pivot;
   // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
-  report.contradictory = w.rule.largest() > kContradiction && w.rule.stalled() && w.n_small <= w.n_small_usual;
+  report.contradictory = rule.largest() > kContradiction && rule.stalled() && n_small <= n_small_usual;
   return report;
 }
 
-void BlockSolver::complete(SolveReport& report) const {
-  Work& w = *work_;
-  const auto n_usual = w.n_small_usual;
-  if (n_usual >= static_cast<int>(w.relative.size())) return;
-  std::copy(w.relative.begin(), w.relative.end(), w.scratch.begin());
-  const auto place = w.scratch.begin() + n_usual;
-  std::nth_element(w.scratch.begin(), place, w.scratch.end());
+void BlockFactorization::complete(SolveReport& report) {
+  const auto n_usual = n_small_usual;
+  if (n_usual >= static_cast<int>(relative.size())) return;
+  std::copy(relative.begin(), relative.end(), scratch.begin());
+  const auto place = scratch.begin() + n_usual;
+  std::nth_element(scratch.begin(), place, scratch.end());
   report.detector = *place;
 }
 
-long BlockSolver::multiplications() const { return work_->plan.multiplications; }
+long BlockSolver::multiplications(const KktPattern& pattern) {
+  BlockPlan plan;
+  plan.lay_out(graph_of(pattern), true);
+  return plan.multiplications;
+}
+
+std::unique_ptr<Factorization> BlockSolver::analyse(const KktPattern& pattern) const {
+  return std::make_unique<BlockFactorization>(pattern);
+}
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections (numerics page,
+// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections (framework/docs/solvers.md,
 // sections 4, 5).
 //
 //   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
@@ -21,23 +21,14 @@ struct TypeInfo;
 /// Redundant rows leave about eps.
 class LOCKSTEP_API BlockSolver final : public LinearSolver {
  public:
-  BlockSolver();
-  ~BlockSolver() override;
   static TypeInfo info();
   static std::unique_ptr<LinearSolver> make(const Params&);
 
   std::string_view name() const override { return "block"; }
-  void analyse(const KktPattern&) override;
-  /// Throws SolveError for a body without mass or inertia.
-  void factor(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport&) const override;
+  /// compute() throws SolveError for a body without mass or inertia.
+  std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
   /// Multiplications of one factorisation.
-  long multiplications() const;
-
- private:
-  struct Work;
-  std::unique_ptr<Work> work_;
+  static long multiplications(const KktPattern&);
 };
 
 }  // namespace lockstep

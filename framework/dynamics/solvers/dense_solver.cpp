@@ -67,7 +67,13 @@ void apply_Qt(const Qr& qr, VecX& x) {
 
 }  // namespace
 
-struct DenseSolver::Work {
+class DenseFactorization final : public Factorization {
+ public:
+  explicit DenseFactorization(const KktPattern&);
+  void compute(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+
+ private:
   std::vector<double> L;  // blocks as in Kkt::M
   MatX Bt, Rt;            // B^T (n x m); R1^T (m x min(n, m)), columns from the rank on are zero
   Qr outer, inner;        // B^T P1 = Q1 R1;  R1^T P2 = Q2 R2
@@ -85,17 +91,17 @@ struct DenseSolver::Work {
   void solve_once(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
 };
 
-void DenseSolver::Work::invert_L(const KktPattern& pattern, VecX& x) const {
+void DenseFactorization::invert_L(const KktPattern& pattern, VecX& x) const {
   for_each_mass(pattern, [&](int first, int width, std::size_t at) { solve_lower(&L[at], width, x.data() + first); });
 }
 
-void DenseSolver::Work::invert_Lt(const KktPattern& pattern, VecX& x) const {
+void DenseFactorization::invert_Lt(const KktPattern& pattern, VecX& x) const {
   for_each_mass(pattern,
                 [&](int first, int width, std::size_t at) { solve_lower_transposed(&L[at], width, x.data() + first); });
 }
 
 // B^T = L^-1 J^T E^-1/2, column by column.
-void DenseSolver::Work::fill_B(const Kkt& kkt) {
+void DenseFactorization::fill_B(const Kkt& kkt) {
   Bt.setZero();
   root_E = kkt.E.cwiseSqrt();
   for_each_jacobian(kkt.pattern, [&](const KktLink& link, int first, int width, std::size_t at) {
@@ -111,7 +117,7 @@ void DenseSolver::Work::fill_B(const Kkt& kkt) {
 }
 
 // R_kk^2 / |b_k|^2: the part of a row that the rows before it do not span. Rows beyond the n-th have none.
-void DenseSolver::Work::measure_pivots() {
+void DenseFactorization::measure_pivots() {
   smallest_pivot = Bt.cols() > Bt.rows() ? 0.0 : 1.0;
   square = Bt.colwise().squaredNorm();
   for (Eigen::Index k = 0; k < Rt.cols(); ++k) {
@@ -122,7 +128,7 @@ void DenseSolver::Work::measure_pivots() {
 
 // With r the rank, P1^T c~ = t:  y = Q1 (z, 0),  R1^T z = t in the least-squares sense,  P1^T mu = Q2 (-R2^-T P2^T z,
 // 0).
-void DenseSolver::Work::solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   a = f;
   invert_L(kkt.pattern, a);
   invert_Lt(kkt.pattern, a);
@@ -152,9 +158,6 @@ void DenseSolver::Work::solve_once(const Kkt& kkt, const VecX& f, const VecX& c,
   for (Eigen::Index j = 0; j < t.size(); ++j) lambda[P1[j]] = t[j] / root_E[P1[j]];
 }
 
-DenseSolver::DenseSolver() : work_(std::make_unique<Work>()) {}
-DenseSolver::~DenseSolver() = default;
-
 TypeInfo DenseSolver::info() {
   return {"dense",
           "rank-revealing QR: exact for redundant rows and reports the rank; for small systems and as a referee",
@@ -162,70 +165,71 @@ TypeInfo DenseSolver::info() {
 }
 std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::make_unique<DenseSolver>(); }
 
-void DenseSolver::analyse(const KktPattern& pattern) {
-  Work& w = *work_;
+DenseFactorization::DenseFactorization(const KktPattern& pattern) {
   const int n = pattern.n, m = pattern.m, k = std::min(n, m);
-  w.L.assign(pattern.size_M, 0.0);
-  w.Bt.setZero(n, m);
-  w.Rt.setZero(m, k);
-  w.outer = Qr(n, m);
-  w.inner = Qr(m, k);
-  w.outer.setThreshold(kRankTolerance);
-  for (VecX* v : {&w.y, &w.da, &w.a_before}) v->setZero(n);
-  for (VecX* v : {&w.root_E, &w.square, &w.z, &w.t, &w.dl, &w.l_before}) v->setZero(m);
-  w.rule.analyse(pattern);
-  w.usual_rank = 0;
+  L.assign(pattern.size_M, 0.0);
+  Bt.setZero(n, m);
+  Rt.setZero(m, k);
+  outer = Qr(n, m);
+  inner = Qr(m, k);
+  outer.setThreshold(kRankTolerance);
+  for (VecX* v : {&y, &da, &a_before}) v->setZero(n);
+  for (VecX* v : {&root_E, &square, &z, &t, &dl, &l_before}) v->setZero(m);
+  rule.analyse(pattern);
+  usual_rank = 0;
 }
 
-void DenseSolver::factor(const Kkt& kkt) {
-  Work& w = *work_;
-  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, w.L.begin());
+void DenseFactorization::compute(const Kkt& kkt) {
+  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L.begin());
   for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
-    if (!cholesky(&w.L[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
+    if (!cholesky(&L[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
       throw SolveError(
           fmt::format("solver dense: the mass block of slot {} is not positive definite; "
                       "give its body a mass and an inertia above zero",
                       slot));
-  w.rank = 0, w.smallest_pivot = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
-  if (w.Rt.cols() == 0) return;
-  w.fill_B(kkt);
-  w.outer.compute(w.Bt);
-  w.rank = static_cast<int>(w.outer.rank());
-  w.usual_rank = std::max(w.usual_rank, w.rank);
-  w.measure_pivots();
-  w.Rt.setZero();
-  for (int i = 0; i < w.rank; ++i)
-    for (Eigen::Index j = i; j < w.Rt.rows(); ++j) w.Rt(j, i) = w.outer.matrixQR()(i, j);
-  w.inner.compute(w.Rt);
+  rank = 0, smallest_pivot = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (Rt.cols() == 0) return;
+  fill_B(kkt);
+  outer.compute(Bt);
+  rank = static_cast<int>(outer.rank());
+  usual_rank = std::max(usual_rank, rank);
+  measure_pivots();
+  Rt.setZero();
+  for (int i = 0; i < rank; ++i)
+    for (Eigen::Index j = i; j < Rt.rows(); ++j) Rt(j, i) = outer.matrixQR()(i, j);
+  inner.compute(Rt);
 }
 
-SolveReport DenseSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  Work& w = *work_;
+SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   a.resize(kkt.pattern.n);
   lambda.resize(kkt.pattern.m);
   SolveReport report;
-  w.rule.start(kkt, f, c);
-  w.solve_once(kkt, f, c, a, lambda);
-  bool met = w.rule.met(kkt, f, c, a, lambda);
+  rule.start(kkt, f, c);
+  solve_once(kkt, f, c, a, lambda);
+  bool met = rule.met(kkt, f, c, a, lambda);
   while (!met && report.corrections < kMaxRefinements) {
-    const double before = w.rule.largest();
-    w.a_before = a, w.l_before = lambda;
-    w.solve_once(kkt, w.rule.force_residual(), w.rule.row_residual(), w.da, w.dl);
-    a += w.da, lambda += w.dl;
+    const double before = rule.largest();
+    a_before = a, l_before = lambda;
+    solve_once(kkt, rule.force_residual(), rule.row_residual(), da, dl);
+    a += da, lambda += dl;
     ++report.corrections;
-    met = w.rule.met(kkt, f, c, a, lambda);
-    if (w.rule.largest() <= before) continue;
-    a = w.a_before, lambda = w.l_before;  // rounding only: the last but one is kept
-    w.rule.met(kkt, f, c, a, lambda);
+    met = rule.met(kkt, f, c, a, lambda);
+    if (rule.largest() <= before) continue;
+    a = a_before, lambda = l_before;  // rounding only: the last but one is kept
+    rule.met(kkt, f, c, a, lambda);
     break;
   }
-  report.residual = w.rule.largest();
-  report.worst_row = w.rule.worst_row();
-  report.rank = w.rank;
-  report.smallest_pivot = w.smallest_pivot;
+  report.residual = rule.largest();
+  report.worst_row = rule.worst_row();
+  report.rank = rank;
+  report.smallest_pivot = smallest_pivot;
   // Rows short of their usual rank are at a singular place: no contradiction, but a passage.
-  report.contradictory = w.rule.largest() > kContradiction && w.rank < kkt.pattern.m && w.rank >= w.usual_rank;
+  report.contradictory = rule.largest() > kContradiction && rank < kkt.pattern.m && rank >= usual_rank;
   return report;
+}
+
+std::unique_ptr<Factorization> DenseSolver::analyse(const KktPattern& pattern) const {
+  return std::make_unique<DenseFactorization>(pattern);
 }
 
 }  // namespace lockstep

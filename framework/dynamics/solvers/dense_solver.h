@@ -18,20 +18,12 @@ struct TypeInfo;
 /// of the QR, the smallest part of a row's own square (metric of M^-1) that is independent of the rows before it.
 class LOCKSTEP_API DenseSolver final : public LinearSolver {
  public:
-  DenseSolver();
-  ~DenseSolver() override;
   static TypeInfo info();
   static std::unique_ptr<LinearSolver> make(const Params&);
 
   std::string_view name() const override { return "dense"; }
-  void analyse(const KktPattern&) override;
-  /// Throws SolveError: a mass block that is not positive definite, by its slot.
-  void factor(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-
- private:
-  struct Work;
-  std::unique_ptr<Work> work_;
+  /// compute() throws SolveError: a mass block that is not positive definite, by its slot.
+  std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 
 }  // namespace lockstep

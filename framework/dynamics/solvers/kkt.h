@@ -48,10 +48,9 @@ struct LOCKSTEP_API Kkt {
   std::vector<double> J;
   VecX E;                        ///< one a row: scale s_j of the proximal term (E itself is eps times it)
   std::vector<SlotMass> masses;  ///< with KktPattern::rows
-  bool rows_moved = false;       ///< the rows were gathered anew since factor(): an iteration with one matrix
 
   /// s_j of every row: mean of the diagonal of J M^-1 J^T over the link's force rows, over its moment rows, of a single
-  /// row for a function (numerics page, section 5). Reactions of redundant rows then depend on no frame.
+  /// row for a function (framework/docs/solvers.md, section 5). Reactions of redundant rows then depend on no frame.
   void update_scales();
 };
 

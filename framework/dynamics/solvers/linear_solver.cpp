@@ -2,6 +2,7 @@
 
 namespace lockstep {
 
+Factorization::~Factorization() = default;
 LinearSolver::~LinearSolver() = default;
 
 }  // namespace lockstep

@@ -1,7 +1,9 @@
-// LinearSolver: solves the saddle-point system of one evaluation, whatever the topology and however redundant the rows.
+// LinearSolver and Factorization: solve the saddle-point system of one evaluation, whatever the topology and however
+// redundant the rows.
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <string_view>
 
 #include "framework/dynamics/solvers/kkt.h"
@@ -20,21 +22,28 @@ struct SolveReport {
   bool contradictory = false;  ///< the rows cannot all hold: the residual stays at the order of its scale
 };
 
-/// Siblings keep the order analyse, factor, solve. Nothing is allocated after analyse (Eigen's own sparse factorisation
-/// may).
+/// The numbers of one factored matrix, and its solutions. Nothing is allocated after LinearSolver::analyse() (Eigen's own
+/// sparse factorisation may). Earlier matrices of the same factorization tell redundant rows from a singular position.
+class LOCKSTEP_API Factorization {
+ public:
+  virtual ~Factorization();
+  /// Factors this matrix, whose shape is the analysed one. Throws SolveError.
+  virtual void compute(const Kkt&) = 0;
+  /// M a + J^T lambda = f, J a = c, by the matrix computed last; of all lambda the smallest in the metric of E. Where
+  /// the solver reads rows (KktPattern::rows) and they were written since compute(), the matrix is still the old one, and
+  /// the residual is left to the caller, who iterates.
+  virtual SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) = 0;
+  /// Fills what a report of the last solution costs time to know (residual, pivots, detector) where solve() left it out.
+  virtual void complete(SolveReport&) {}
+};
+
+/// A method, without numbers: from the shape of a matrix it makes factorizations, as many as the caller wants to hold.
 class LOCKSTEP_API LinearSolver {
  public:
   virtual ~LinearSolver();
   virtual std::string_view name() const = 0;
-  /// When the set of active links changed: sizes, ordering, symbolic work.
-  virtual void analyse(const KktPattern&) = 0;
-  /// Numbers of the matrix.
-  virtual void factor(const Kkt&) = 0;
-  /// M a + J^T lambda = f, J a = c, by the last factor; of all lambda the smallest in the metric of E.
-  virtual SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) = 0;
-  /// Fills what a report costs time to know (residual, pivots, detector) where solve() left it out; only when somebody
-  /// looks.
-  virtual void complete(SolveReport&) const {}
+  /// Sizes, ordering, symbolic work; once for every set of active links.
+  virtual std::unique_ptr<Factorization> analyse(const KktPattern&) const = 0;
   /// Whether it takes the rows from KktPattern::rows instead of M, J and E.
   virtual bool reads_rows() const { return false; }
 };

@@ -1,4 +1,4 @@
-// The numeric half of the solver `schur`, node by node. Letters as in the numerics page, section 2:
+// The numeric half of the solver `schur`, node by node. Letters as in framework/docs/solvers.md, section 2:
 //
 //   S = J M^-1 J^T + E,  Y = J M^-1,  D the inverse of a pivot's block,  L = A D below it.
 //

@@ -19,7 +19,14 @@ constexpr std::size_t kPad = 8;       // numbers behind an array that a pack may
 
 }  // namespace
 
-struct SchurSolver::Work {
+class SchurFactorization final : public Factorization {
+ public:
+  explicit SchurFactorization(const KktPattern&);
+  void compute(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport&) override;
+
+ private:
   schur::Plan plan;
   Plane plane;
   int width = 6;  // velocities of a slot
@@ -29,6 +36,8 @@ struct SchurSolver::Work {
   Aligned<double> A, Y, x, c, scale, diagonal, pivot, E, r, lambda, a, inverse, mass, given;
   std::vector<RowKind> kind;  // of every number of x
   bool masses_known = false;
+  const RowTable* rows = nullptr;  // that the matrix was computed from, and their revision then
+  long revision = -1;
   int n_small = 0, n_small_usual = 0;
   std::array<double, 3> largest{};  // scale by kind
 
@@ -48,9 +57,6 @@ struct SchurSolver::Work {
   int worst_row = -1;
 };
 
-SchurSolver::SchurSolver() : work_(std::make_unique<Work>()) {}
-SchurSolver::~SchurSolver() = default;
-
 TypeInfo SchurSolver::info() {
   return {"schur", "Schur complement on the graph of the links: any topology and size, the default", {}};
 }
@@ -58,7 +64,7 @@ std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::mak
 
 // visit(number of the row in the table, its place in x, kind)
 template <class Visit>
-void SchurSolver::Work::for_each_row(Visit&& visit) const {
+void SchurFactorization::for_each_row(Visit&& visit) const {
   for (const schur::Node& node : plan.nodes)
     if (node.link >= 0)
       for (int k = 0; k < node.m; ++k) {
@@ -67,7 +73,7 @@ void SchurSolver::Work::for_each_row(Visit&& visit) const {
       }
 }
 
-void SchurSolver::Work::size(const KktPattern& pattern) {
+void SchurFactorization::size(const KktPattern& pattern) {
   for (Aligned<double>* v : {&x, &c, &scale, &diagonal, &pivot, &E, &r, &lambda}) v->assign(plan.size_x + kPad, 0.0);
   A.assign(plan.size_A + kPad, 0.0);
   Y.assign(plan.size_Y + kPad, 0.0);
@@ -96,20 +102,18 @@ void SchurSolver::Work::size(const KktPattern& pattern) {
   z.eps = plan.tree ? 0.0 : kEps;
 }
 
-void SchurSolver::analyse(const KktPattern& pattern) {
+SchurFactorization::SchurFactorization(const KktPattern& pattern) {
   assert(pattern.rows);  // reads_rows()
-  Work& w = *work_;
-  w.plan = schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane));
-  w.plane = pattern.plane;
-  w.width = w.plane ? 3 : 6;
-  w.stride_a = w.plane ? schur::Planar::a : schur::Spatial::a;
-  w.stride_inverse = w.plane ? schur::Planar::inverse : schur::Spatial::inverse;
-  w.size(pattern);
-  w.masses_known = false;
-  w.n_small_usual = pattern.m;
+  plan = schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane));
+  plane = pattern.plane;
+  width = plane ? 3 : 6;
+  stride_a = plane ? schur::Planar::a : schur::Spatial::a;
+  stride_inverse = plane ? schur::Planar::inverse : schur::Spatial::inverse;
+  size(pattern);
+  n_small_usual = pattern.m;
 }
 
-void SchurSolver::Work::read_masses(const Kkt& kkt) {
+void SchurFactorization::read_masses(const Kkt& kkt) {
   for (std::size_t k = 0; k < kkt.masses.size(); ++k) {
     const SlotMass& s = kkt.masses[k];
     double *I = inverse.data() + static_cast<std::size_t>(stride_inverse) * k, *M = mass.data() + 10 * k;
@@ -132,40 +136,40 @@ void SchurSolver::Work::read_masses(const Kkt& kkt) {
   masses_known = true;
 }
 
-void SchurSolver::factor(const Kkt& kkt) {
-  Work& w = *work_;
-  if (!w.masses_known) w.read_masses(kkt);
-  w.z.rows = kkt.pattern.rows->data();
-  schur::fill(w.plan, w.z);
-  schur::factor(w.plan, w.z);
-  if (!w.plan.tree) w.count_small_pivots();
+void SchurFactorization::compute(const Kkt& kkt) {
+  if (!masses_known) read_masses(kkt);
+  rows = kkt.pattern.rows;
+  revision = rows->revision();
+  z.rows = rows->data();
+  schur::fill(plan, z);
+  schur::factor(plan, z);
+  if (!plan.tree) count_small_pivots();
 }
 
-void SchurSolver::Work::count_small_pivots() {
+void SchurFactorization::count_small_pivots() {
   n_small = 0;
   for_each_row([&](int, std::size_t at, std::size_t) { n_small += pivot[at] < kSmallPivot * diagonal[at] ? 1 : 0; });
   n_small_usual = std::min(n_small_usual, n_small);
 }
 
 /// Residual of the last solution; the smallest relative pivot, and the smallest beyond the n0 usual ones.
-void SchurSolver::complete(SolveReport& report) const {
-  Work& w = *work_;
-  w.find_worst();
-  report.residual = w.worst;
-  report.worst_row = w.worst_row;
-  w.relative.clear();
-  w.for_each_row([&](int, std::size_t at, std::size_t) { w.relative.push_back(w.pivot[at] / w.diagonal[at]); });
-  if (w.relative.empty()) return;
-  const auto begin = w.relative.begin();
-  report.smallest_pivot = *std::min_element(begin, w.relative.end());
-  const auto n0 = w.plan.tree ? 0 : w.n_small_usual;
-  if (n0 >= static_cast<int>(w.relative.size())) return;
-  std::nth_element(begin, begin + n0, w.relative.end());
-  report.detector = w.relative[static_cast<std::size_t>(n0)];
+void SchurFactorization::complete(SolveReport& report) {
+  find_worst();
+  report.residual = worst;
+  report.worst_row = worst_row;
+  relative.clear();
+  for_each_row([&](int, std::size_t at, std::size_t) { relative.push_back(pivot[at] / diagonal[at]); });
+  if (relative.empty()) return;
+  const auto begin = relative.begin();
+  report.smallest_pivot = *std::min_element(begin, relative.end());
+  const auto n0 = plan.tree ? 0 : n_small_usual;
+  if (n0 >= static_cast<int>(relative.size())) return;
+  std::nth_element(begin, begin + n0, relative.end());
+  report.detector = relative[static_cast<std::size_t>(n0)];
 }
 
 // a_f = M^-1 f
-void SchurSolver::Work::free_motion(const VecX& f) {
+void SchurFactorization::free_motion(const VecX& f) {
   energy_f = 0;
   if (plane) {
     const int i = plane.i(), j = plane.j(), n = 3 + plane.n;
@@ -190,7 +194,7 @@ void SchurSolver::Work::free_motion(const VecX& f) {
   }
 }
 
-void SchurSolver::Work::find_worst() {
+void SchurFactorization::find_worst() {
   worst = 0, worst_row = -1;
   for_each_row([&](int row, std::size_t at, std::size_t k) {
     const double res = std::abs(r[at]), q = res == 0 ? 0.0 : res / std::max(scale[at], z.floors[k]);
@@ -201,7 +205,7 @@ void SchurSolver::Work::find_worst() {
 
 // What rounding of other units can leave in a row that has no scale of its own (see StopRule): by Cauchy and Schwarz
 // |J_j a| <= sqrt(S_jj) sqrt(a . M a).
-void SchurSolver::Work::raise_floors() {
+void SchurFactorization::raise_floors() {
   double most = 0;
   for (int k = 0; k < plan.n_slots; ++k) {
     const double *M = mass.data() + 10 * k, *v = a.data() + stride_a * k;
@@ -226,7 +230,7 @@ void SchurSolver::Work::raise_floors() {
   for (std::size_t k = 0; k < 3; ++k) z.floors[k] = kScaleFloor * std::max(largest[k], std::sqrt(S[k] * most));
 }
 
-void SchurSolver::Work::unload(const KktPattern& pattern, VecX& a_out, VecX& lambda_out) const {
+void SchurFactorization::unload(const KktPattern& pattern, VecX& a_out, VecX& lambda_out) const {
   a_out.resize(6 * plan.n_slots);
   lambda_out.resize(pattern.m);
   if (plane) {
@@ -251,67 +255,71 @@ void SchurSolver::Work::unload(const KktPattern& pattern, VecX& a_out, VecX& lam
   }
 }
 
-SolveReport SchurSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  Work& w = *work_;
-  std::copy(c.data(), c.data() + c.size(), w.given.data());
-  w.free_motion(f);
-  schur::start(w.plan, w.given.data(), w.z);
-  for (const int h : w.plan.hubs) {
-    const schur::Node& node = w.plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < node.m; ++i) w.x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + w.velocity(i)];
+SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c_in, VecX& a_out, VecX& lambda_out) {
+  z.rows = kkt.pattern.rows->data();
+  std::copy(c_in.data(), c_in.data() + c_in.size(), given.data());
+  free_motion(f);
+  schur::start(plan, given.data(), z);
+  for (const int h : plan.hubs) {
+    const schur::Node& node = plan.nodes[static_cast<std::size_t>(h)];
+    for (int i = 0; i < node.m; ++i) x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + velocity(i)];
   }
-  w.largest = {};
-  w.for_each_row([&](int, std::size_t at, std::size_t k) { w.largest[k] = std::max(w.largest[k], w.scale[at]); });
+  largest = {};
+  for_each_row([&](int, std::size_t at, std::size_t k) { largest[k] = std::max(largest[k], scale[at]); });
 
   SolveReport report;
-  schur::solve(w.plan, w.z);
-  schur::apply(w.plan, w.x.data(), w.z);
-  std::copy(w.x.begin(), w.x.end(), w.lambda.begin());
+  schur::solve(plan, z);
+  schur::apply(plan, x.data(), z);
+  std::copy(x.begin(), x.end(), lambda.begin());
   const auto correct = [&] {  // lambda += (S + E)^-1 r
-    schur::solve(w.plan, w.z);
-    schur::apply(w.plan, w.x.data(), w.z);
-    for (std::size_t i = 0; i < w.plan.size_x; ++i) w.lambda[i] += w.x[i];
+    schur::solve(plan, z);
+    schur::apply(plan, x.data(), z);
+    for (std::size_t i = 0; i < plan.size_x; ++i) lambda[i] += x[i];
     ++report.corrections;
   };
-  if (w.z.eps > 0) {  // the plain solve leaves r = E lambda: no need to look
-    for (std::size_t i = 0; i < w.plan.size_x; ++i) w.x[i] = w.E[i] * w.lambda[i];
+  if (z.eps > 0) {  // the plain solve leaves r = E lambda: no need to look
+    for (std::size_t i = 0; i < plan.size_x; ++i) x[i] = E[i] * lambda[i];
     correct();
   }
-  if (kkt.rows_moved) {  // the rows of the factor are gone: the caller iterates
-    w.unload(kkt.pattern, a, lambda);
+  if (kkt.pattern.rows != rows || rows->revision() != revision) {  // the rows of the factor are gone: the caller iterates
+    unload(kkt.pattern, a_out, lambda_out);
     return report;
   }
-  for (std::size_t k = 0; k < 3; ++k) w.z.floors[k] = kScaleFloor * w.largest[k];
+  for (std::size_t k = 0; k < 3; ++k) z.floors[k] = kScaleFloor * largest[k];
   bool energy = false;
   const auto finished = [&] {
-    schur::residual(w.plan, w.z);
-    if (schur::within(w.plan, kRowTolerance, w.z)) return true;
+    schur::residual(plan, z);
+    if (schur::within(plan, kRowTolerance, z)) return true;
     if (energy) return false;
-    w.raise_floors(), energy = true;
-    return schur::within(w.plan, kRowTolerance, w.z);
+    raise_floors(), energy = true;
+    return schur::within(plan, kRowTolerance, z);
   };
   bool met = finished();
-  if (!met) w.find_worst();
+  if (!met) find_worst();
   while (!met && report.corrections < kMaxCorrections) {
-    w.before = w.worst;
-    std::copy(w.r.begin(), w.r.end(), w.x.begin());
-    for (const int h : w.plan.hubs)
-      for (int i = 0; i < w.width; ++i)
-        w.x[w.plan.nodes[static_cast<std::size_t>(h)].x + static_cast<std::size_t>(i)] = 0;
+    before = worst;
+    std::copy(r.begin(), r.end(), x.begin());
+    for (const int h : plan.hubs)
+      for (int i = 0; i < width; ++i)
+        x[plan.nodes[static_cast<std::size_t>(h)].x + static_cast<std::size_t>(i)] = 0;
     correct();
     met = finished();
-    w.find_worst();
+    find_worst();
   }
   if (!met) {
-    report.residual = w.worst;
-    report.worst_row = w.worst_row;
-    if (w.plan.tree) w.n_small_usual = 0, w.count_small_pivots();
+    report.residual = worst;
+    report.worst_row = worst_row;
+    if (plan.tree) n_small_usual = 0, count_small_pivots();
     // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be
     // passed.
-    report.contradictory = w.worst > kContradiction && w.worst > 0.5 * w.before && w.n_small <= w.n_small_usual;
+    report.contradictory = worst > kContradiction && worst > 0.5 * before && n_small <= n_small_usual;
   }
-  w.unload(kkt.pattern, a, lambda);
+  unload(kkt.pattern, a_out, lambda_out);
   return report;
+}
+
+std::unique_ptr<Factorization> SchurSolver::analyse(const KktPattern& pattern) const {
+  return std::make_unique<SchurFactorization>(pattern);
 }
 
 }  // namespace lockstep

@@ -60,12 +60,18 @@ void for_each_number(const KktPattern& pattern, const std::vector<int>& place, V
 
 }  // namespace
 
-struct SparseSolver::Work {
-  Sparse K;  // upper triangle, already in the order of elimination
+class SparseFactorization final : public Factorization {
+ public:
+  explicit SparseFactorization(const KktPattern&);
+  void compute(const Kkt&) override;
+  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+
+ private:
+  Sparse matrix;  // upper triangle, already in the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt;
   std::vector<int> place;        // of a row of the system in K; unknowns keep theirs
-  std::vector<Eigen::Index> at;  // places in the values of K, in the order of for_each_number
-  VecX rhs, x, S_diagonal;
+  std::vector<Eigen::Index> positions;  // places in the values of K, in the order of for_each_number
+  VecX rhs, solution, S_diagonal;
   StopRule rule;
   int n_small = 0, n_small_usual = 0;
   double smallest_pivot = 0.0;
@@ -76,7 +82,7 @@ struct SparseSolver::Work {
   void measure_pivots(const Kkt&);
 };
 
-void SparseSolver::Work::order_rows(const KktPattern& pattern) {
+void SparseFactorization::order_rows(const KktPattern& pattern) {
   place.assign(static_cast<std::size_t>(pattern.m), 0);
   int next = pattern.n;
   if (pattern.links.empty()) return;
@@ -86,24 +92,24 @@ void SparseSolver::Work::order_rows(const KktPattern& pattern) {
   }
 }
 
-void SparseSolver::Work::shape(const KktPattern& pattern) {
+void SparseFactorization::shape(const KktPattern& pattern) {
   std::vector<Triplet> numbers;
   for_each_number(pattern, place, [&](int row, int column) { numbers.emplace_back(row, column, 1.0); });
-  K.resize(pattern.n + pattern.m, pattern.n + pattern.m);
-  K.setFromTriplets(numbers.begin(), numbers.end());
-  K.makeCompressed();
-  at.clear();
-  for_each_number(pattern, place, [&](int row, int column) { at.push_back(position(row, column)); });
+  matrix.resize(pattern.n + pattern.m, pattern.n + pattern.m);
+  matrix.setFromTriplets(numbers.begin(), numbers.end());
+  matrix.makeCompressed();
+  positions.clear();
+  for_each_number(pattern, place, [&](int row, int column) { positions.push_back(position(row, column)); });
 }
 
 // Where K(row, column) stands among K's values.
-Eigen::Index SparseSolver::Work::position(int row, int column) const {
-  const int* begin = K.innerIndexPtr() + K.outerIndexPtr()[column];
-  const int* end = K.innerIndexPtr() + K.outerIndexPtr()[column + 1];
-  return std::lower_bound(begin, end, row) - K.innerIndexPtr();
+Eigen::Index SparseFactorization::position(int row, int column) const {
+  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column];
+  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column + 1];
+  return std::lower_bound(begin, end, row) - matrix.innerIndexPtr();
 }
 
-void SparseSolver::Work::measure_pivots(const Kkt& kkt) {
+void SparseFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal);
   smallest_pivot = std::numeric_limits<double>::infinity();
   n_small = 0;
@@ -116,29 +122,24 @@ void SparseSolver::Work::measure_pivots(const Kkt& kkt) {
   n_small_usual = std::min(n_small_usual, n_small);
 }
 
-SparseSolver::SparseSolver() : work_(std::make_unique<Work>()) {}
-SparseSolver::~SparseSolver() = default;
-
 TypeInfo SparseSolver::info() {
   return {"sparse", "sparse LDL^T with proximal corrections: any topology, redundant rows in their stride", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
 
-void SparseSolver::analyse(const KktPattern& pattern) {
-  Work& w = *work_;
-  w.order_rows(pattern);
-  w.shape(pattern);
-  w.ldlt.analyzePattern(w.K);
-  for (VecX* v : {&w.rhs, &w.x}) v->setZero(pattern.n + pattern.m);
-  w.S_diagonal.setZero(pattern.m);
-  w.rule.analyse(pattern);
-  w.n_small_usual = pattern.m;
+SparseFactorization::SparseFactorization(const KktPattern& pattern) {
+  order_rows(pattern);
+  shape(pattern);
+  ldlt.analyzePattern(matrix);
+  for (VecX* v : {&rhs, &solution}) v->setZero(pattern.n + pattern.m);
+  S_diagonal.setZero(pattern.m);
+  rule.analyse(pattern);
+  n_small_usual = pattern.m;
 }
 
-void SparseSolver::factor(const Kkt& kkt) {
-  Work& w = *work_;
-  double* K = w.K.valuePtr();
-  const Eigen::Index* at = w.at.data();
+void SparseFactorization::compute(const Kkt& kkt) {
+  double* K = matrix.valuePtr();
+  const Eigen::Index* at = positions.data();
   for_each_mass(kkt.pattern, [&](int, int width, std::size_t block) {
     for (int i = 0; i < width; ++i)
       for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + static_cast<std::size_t>(i * width + k)];
@@ -147,27 +148,30 @@ void SparseSolver::factor(const Kkt& kkt) {
     for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + static_cast<std::size_t>(i)];
   });
   for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kEps * kkt.E[j];
-  w.ldlt.factorize(w.K);
-  if (w.ldlt.info() != Eigen::Success)
+  ldlt.factorize(matrix);
+  if (ldlt.info() != Eigen::Success)
     throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");
-  w.measure_pivots(kkt);
+  measure_pivots(kkt);
 }
 
-SolveReport SparseSolver::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  Work& w = *work_;
+SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  w.rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    w.rhs.head(n) = w.rule.force_residual();
-    for (int j = 0; j < m; ++j) w.rhs[w.place[static_cast<std::size_t>(j)]] = w.rule.row_residual()[j];
-    w.x = w.ldlt.solve(w.rhs);
-    x += w.x.head(n);
-    for (int j = 0; j < m; ++j) l[j] += w.x[w.place[static_cast<std::size_t>(j)]];
+  rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
+    rhs.head(n) = rule.force_residual();
+    for (int j = 0; j < m; ++j) rhs[place[static_cast<std::size_t>(j)]] = rule.row_residual()[j];
+    solution = ldlt.solve(rhs);
+    x += solution.head(n);
+    for (int j = 0; j < m; ++j) l[j] += solution[place[static_cast<std::size_t>(j)]];
   });
-  report.smallest_pivot = w.smallest_pivot;
+  report.smallest_pivot = smallest_pivot;
   // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
-  report.contradictory = w.rule.largest() > kContradiction && w.rule.stalled() && w.n_small <= w.n_small_usual;
+  report.contradictory = rule.largest() > kContradiction && rule.stalled() && n_small <= n_small_usual;
   return report;
+}
+
+std::unique_ptr<Factorization> SparseSolver::analyse(const KktPattern& pattern) const {
+  return std::make_unique<SparseFactorization>(pattern);
 }
 
 }  // namespace lockstep

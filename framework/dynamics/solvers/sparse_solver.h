@@ -1,4 +1,4 @@
-// "sparse": Eigen's LDL^T on the scalars of the quasi-definite matrix, with proximal corrections (numerics page,
+// "sparse": Eigen's LDL^T on the scalars of the quasi-definite matrix, with proximal corrections (framework/docs/solvers.md,
 // sections 4, 5).
 //
 //   K = | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
@@ -21,20 +21,12 @@ struct TypeInfo;
 /// independent of the rows before it. Redundant rows leave about eps.
 class LOCKSTEP_API SparseSolver final : public LinearSolver {
  public:
-  SparseSolver();
-  ~SparseSolver() override;
   static TypeInfo info();
   static std::unique_ptr<LinearSolver> make(const Params&);
 
   std::string_view name() const override { return "sparse"; }
-  void analyse(const KktPattern&) override;
-  /// Throws SolveError when the factorisation breaks down.
-  void factor(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-
- private:
-  struct Work;
-  std::unique_ptr<Work> work_;
+  /// compute() throws SolveError when the factorisation breaks down.
+  std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-// StopRule: the residuals of a solution and when they are small enough (numerics page, section 5). One rule for all
+// StopRule: the residuals of a solution and when they are small enough (framework/docs/solvers.md, section 5). One rule for all
 // solvers.
 #pragma once
 

@@ -231,6 +231,9 @@ class RowTable {
   RowBlock block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
   RowSpan span(const RowEntry& first) const { return {data_.data() + first.offset, first.shape()}; }
   const double* data() const { return data_.data(); }
+  /// Grows whenever the numbers are written anew: a factor of older ones knows by it that they are gone.
+  long revision() const { return revision_; }
+  void renew() { ++revision_; }
   /// Room for the rows in space of one link, before those of a plane are taken from it.
   RowBlock spatial(const RowShape& shape) const {
     if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
@@ -243,6 +246,7 @@ class RowTable {
 
  private:
   mutable Aligned<double> data_, spatial_;
+  long revision_ = 0;
 };
 
 }  // namespace lockstep

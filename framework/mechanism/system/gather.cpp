@@ -63,6 +63,7 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
+  table.renew();
   try {
     for (const RowRun& run : table.runs) {
       const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));

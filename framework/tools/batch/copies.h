@@ -1,6 +1,6 @@
 // Copies: eight copies of one mechanism at once, a copy a vector lane: parameter studies, ensembles, differences.
 //
-// One evaluation serves all eight, with the same kernels on packs of eight numbers (numerics page, section 3). Each
+// One evaluation serves all eight, with the same kernels on packs of eight numbers (framework/docs/solvers.md, section 3). Each
 // copy has its own masses, markers, gravity, laws, forces, start, time and step.
 #pragma once
 

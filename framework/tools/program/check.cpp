@@ -8,7 +8,7 @@
 #include "framework/tools/analysis/mobility.h"
 #include "framework/mechanism/lock/marker_lock.h"
 #include "framework/tools/program/commands.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/text.h"
 
 namespace lockstep {

@@ -15,7 +15,7 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/summary.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

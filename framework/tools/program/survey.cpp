@@ -10,7 +10,7 @@
 #include "framework/tools/analysis/mobility.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/ways.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/text.h"
 
 namespace lockstep {
@@ -59,7 +59,7 @@ Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt
   return subject;
 }
 
-MethodChoice method_of(const Typed& way, const RunSettings& run, const Registry& registry) {
+MethodChoice method_of(const MethodSpec& way, const RunSettings& run, const Registry& registry) {
   RunSettings own = run;
   own.integrator = way;
   own.step = 1;  // fixed steps come from the ladder
@@ -74,10 +74,10 @@ bool is_adaptive(const MethodChoice& method) {
   }
 }
 
-std::vector<Typed> ways_of(const std::string& option, const std::vector<std::string>& words, const Typed& own,
+std::vector<MethodSpec> ways_of(const std::string& option, const std::vector<std::string>& words, const MethodSpec& own,
                            const std::vector<TypeInfo>& types) {
   if (words.empty()) return all_ways(own, types);
-  std::vector<Typed> all;
+  std::vector<MethodSpec> all;
   for (const std::string& word : words) all.push_back(read_way(option, word, types));
   return all;
 }
@@ -164,7 +164,7 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
     bool usual;
   };
   std::vector<Candidate> all;
-  const auto add = [&](const Typed& way, bool usual) {
+  const auto add = [&](const MethodSpec& way, bool usual) {
     const MethodChoice method = method_of(way, run, registry);
     const auto same = [&](const Candidate& c) { return c.method.name == method.name; };
     if (is_adaptive(method) && std::none_of(all.begin(), all.end(), same))
@@ -172,7 +172,7 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
   };
   const std::vector<TypeInfo> types = types_of(registry.integrators);
   for (const TypeInfo& type : types) add(with_known_keys(type, run.integrator.keys), true);
-  for (const Typed& way : all_ways(run.integrator, types)) add(way, spelled(way) == way.type);
+  for (const MethodSpec& way : all_ways(run.integrator, types)) add(way, spelled(way) == way.type);
   std::stable_sort(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
     const bool a_like = a.info.implicit == implicit, b_like = b.info.implicit == implicit;
     if (a.usual != b.usual) return a.usual;
@@ -211,9 +211,9 @@ SceneSurvey survey_of(const Loaded& loaded, const Words& w, const Interrupt& int
   survey.imposed = !first.system->links().empty() && mobility(dynamics, first.start).freedoms == 0;
 
   WorkPrecisionOptions& o = survey.options;
-  for (const Typed& way : ways_of("--integrators", w.integrators, run.integrator, types_of(registry.integrators)))
+  for (const MethodSpec& way : ways_of("--integrators", w.integrators, run.integrator, types_of(registry.integrators)))
     o.integrators.push_back(method_of(way, run, registry));
-  for (const Typed& way : ways_of("--solvers", w.solvers, run.solver, types_of(registry.solvers))) {
+  for (const MethodSpec& way : ways_of("--solvers", w.solvers, run.solver, types_of(registry.solvers))) {
     RunSettings own = run;
     own.solver = way;
     o.solvers.push_back({spelled(way), [&registry, own] { return make_solver(own, registry); }});

@@ -2,31 +2,11 @@
 
 #include <algorithm>
 
-#include "framework/mechanism/params/json.h"
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/text.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 namespace {
-
-std::vector<std::string> parts_of(const std::string& text, char between) {
-  std::vector<std::string> parts{""};
-  for (const char c : text)
-    if (c == between)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
-}
-
-// Numbers, true, false and texts in quotes are JSON; everything else is a text as it stands.
-Value read_word(const std::string& word) {
-  try {
-    return read_json(word, "");
-  } catch (const SceneError&) {
-    return Value(word);
-  }
-}
 
 std::string one_word(const Value& v) {
   if (v.text() != nullptr) return *v.text();
@@ -45,48 +25,32 @@ std::vector<Value> other_values(const Key& key) {
 
 }  // namespace
 
-Typed read_way(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
-  const std::vector<std::string> parts = parts_of(text, ':');
-  std::vector<std::string> names, keys;
-  const TypeInfo* type = nullptr;
-  for (const TypeInfo& t : types) {
-    names.push_back(t.name);
-    if (t.name == parts.front()) type = &t;
+MethodSpec read_way(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
+  try {
+    return read_method_spec(text, types);
+  } catch (const ModelError& error) {
+    throw UsageError(option + ": " + error.what());
   }
-  if (type == nullptr)
-    throw UsageError(option + ": unknown name \"" + parts.front() + "\"" + suggestion(parts.front(), names));
-  for (const Key& key : type->keys) keys.push_back(key.name);
-  Value::Object members;
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    const std::size_t equal = parts[i].find('=');
-    const std::string key = parts[i].substr(0, equal);
-    if (equal == std::string::npos || std::find(keys.begin(), keys.end(), key) == keys.end())
-      throw UsageError(option + ": \"" + parts[i] + "\" in \"" + text + "\" sets no key of " + type->name +
-                       (keys.empty() ? ", which has none" : suggestion(key, keys)) + "; write " + type->name +
-                       ":key=value, see `lockstep describe " + type->name + "`");
-    members.push_back({key, read_word(parts[i].substr(equal + 1)), {}});
-  }
-  return {type->name, Value(std::move(members)), {}};
 }
 
-std::string spelled(const Typed& way) {
+std::string spelled(const MethodSpec& way) {
   std::string text = way.type;
   if (way.keys.object() != nullptr)
     for (const Value::Member& m : *way.keys.object()) text += ":" + m.key + "=" + one_word(m.value);
   return text;
 }
 
-Value as_value(const Typed& way) {
+Value as_value(const MethodSpec& way) {
   if (way.keys.object() == nullptr || way.keys.object()->empty()) return Value(way.type);
   Value::Object members{{"type", Value(way.type), {}}};
   for (const Value::Member& m : *way.keys.object()) members.push_back(m);
   return Value(std::move(members));
 }
 
-std::vector<Typed> all_ways(const Typed& own, const std::vector<TypeInfo>& types) {
-  std::vector<Typed> all{own};
-  const auto add = [&](Typed way) {
-    const auto same = [&](const Typed& other) { return spelled(other) == spelled(way); };
+std::vector<MethodSpec> all_ways(const MethodSpec& own, const std::vector<TypeInfo>& types) {
+  std::vector<MethodSpec> all{own};
+  const auto add = [&](MethodSpec way) {
+    const auto same = [&](const MethodSpec& other) { return spelled(other) == spelled(way); };
     if (std::none_of(all.begin(), all.end(), same)) all.push_back(std::move(way));
   };
   for (const TypeInfo& type : types) {
@@ -97,7 +61,7 @@ std::vector<Typed> all_ways(const Typed& own, const std::vector<TypeInfo>& types
   return all;
 }
 
-Typed with_known_keys(const TypeInfo& type, const Value& keys) {
+MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
   Value::Object members;
   if (keys.object() != nullptr)
     for (const Value::Member& m : *keys.object())

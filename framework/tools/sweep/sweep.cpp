@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 #include "framework/foundation/support/thrown.h"

@@ -4,7 +4,7 @@
 
 #include "framework/tools/analysis/work_precision.h"
 #include "framework/tools/batch/copies.h"
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 #include "framework/foundation/support/error.h"
 
 namespace lockstep {
@@ -20,7 +20,7 @@ struct Lane {
   State start{};
 };
 
-bool has_keys(const Typed& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
+bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
 
 // Of the settings that all runs of a sweep share, mostly.
 std::string unsuited(const RunSettings& run) {

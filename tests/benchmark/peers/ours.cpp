@@ -36,7 +36,7 @@ const std::vector<std::string> kOnLoops = {
 
 /// One way to run a mechanism.
 struct Method {
-  Typed integrator;
+  MethodSpec integrator;
   std::string solver, planar;  ///< "": the scene's own
   Stabilization::Kind stabilization = Stabilization::Kind::project;
   bool dense = false;  ///< sampled at the report times; else at the steps' ends
@@ -151,9 +151,9 @@ void simulate(Run& run, const SceneSource& source, const Registry& registry, con
 }
 
 /// "dop853{...}" as a name with keys.
-Typed typed(const std::string& text) {
+MethodSpec typed(const std::string& text) {
   const std::size_t brace = text.find('{');
-  Typed t{text.substr(0, brace)};
+  MethodSpec t{text.substr(0, brace)};
   if (brace != std::string::npos) t.keys = read_json(text.substr(brace), "--integrator");
   return t;
 }

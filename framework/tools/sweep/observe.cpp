@@ -1,4 +1,4 @@
-#include "framework/tools/record/observe.h"
+#include "framework/tools/sweep/observe.h"
 
 #include "framework/description/scene/builder.h"
 

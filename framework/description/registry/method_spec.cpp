@@ -1,0 +1,75 @@
+#include "framework/description/registry/method_spec.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+std::vector<std::string> parts_of(const std::string& text, char between) {
+  std::vector<std::string> parts{""};
+  for (const char c : text)
+    if (c == between)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+Value read_word(const std::string& word) {
+  if (word == "true" || word == "false") return Value(word == "true");
+  double number = 0;
+  const char* end = word.data() + word.size();
+  if (const auto [rest, error] = std::from_chars(word.data(), end, number); error == std::errc() && rest == end)
+    return Value(number);
+  const bool quoted = word.size() >= 2 && word.front() == '"' && word.back() == '"';
+  return Value(quoted ? word.substr(1, word.size() - 2) : word);
+}
+
+template <class S>
+auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Registry& registry, const std::string& owner) {
+  const auto* entry = shelf.find(spec.type);
+  if (entry == nullptr)
+    refuse(spec.where, owner,
+           std::string("unknown ") + kind + " \"" + spec.type + "\"" + suggestion(spec.type, shelf.names()));
+  return shelf.make(spec.type, Params(spec.keys, entry->info, owner, &registry), &registry, owner);
+}
+
+}  // namespace
+
+MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types) {
+  const std::vector<std::string> parts = parts_of(text, ':');
+  std::vector<std::string> names, keys;
+  const TypeInfo* type = nullptr;
+  for (const TypeInfo& t : types) {
+    names.push_back(t.name);
+    if (t.name == parts.front()) type = &t;
+  }
+  if (type == nullptr) throw ModelError("unknown name \"" + parts.front() + "\"" + suggestion(parts.front(), names));
+  for (const Key& key : type->keys) keys.push_back(key.name);
+  Value::Object members;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::size_t equal = parts[i].find('=');
+    const std::string key = parts[i].substr(0, equal);
+    if (equal == std::string::npos || std::find(keys.begin(), keys.end(), key) == keys.end())
+      throw ModelError("\"" + parts[i] + "\" in \"" + text + "\" sets no key of " + type->name +
+                       (keys.empty() ? ", which has none" : suggestion(key, keys)) + "; write " + type->name +
+                       ":key=value, see `lockstep describe " + type->name + "`");
+    members.push_back({key, read_word(parts[i].substr(equal + 1)), {}});
+  }
+  return {type->name, Value(std::move(members)), {}};
+}
+
+std::unique_ptr<Integrator> make_integrator(const MethodSpec& spec, const Registry& registry, const std::string& owner) {
+  return make(registry.integrators, "integrator", spec, registry, owner);
+}
+
+std::unique_ptr<LinearSolver> make_solver(const MethodSpec& spec, const Registry& registry, const std::string& owner) {
+  return make(registry.solvers, "solver", spec, registry, owner);
+}
+
+}  // namespace lockstep
