@@ -15,14 +15,22 @@ namespace lockstep::vec {
 struct Zero {};
 struct One {};
 
+/// Copied number by number: whole structs would be copied through memory.
 template <class X, class Y = X, class Z = X>
 struct Vector {
   X x;
   Y y;
   Z z;
+  LOCKSTEP_INLINE constexpr Vector() : x{}, y{}, z{} {}
+  LOCKSTEP_INLINE constexpr Vector(const X& a, const Y& b, const Z& c) : x(a), y(b), z(c) {}
+  LOCKSTEP_INLINE constexpr Vector(const Vector& a) : x(a.x), y(a.y), z(a.z) {}
+  LOCKSTEP_INLINE constexpr Vector& operator=(const Vector& a) { return x = a.x, y = a.y, z = a.z, *this; }
+  LOCKSTEP_INLINE constexpr const X& operator[](int k) const
+    requires std::is_same_v<X, Y> && std::is_same_v<X, Z>
+  {
+    return k == 0 ? x : k == 1 ? y : z;
+  }
 };
-template <class X, class Y, class Z>
-Vector(X, Y, Z) -> Vector<X, Y, Z>;
 
 /// Rows r0 r1 r2.
 template <class R0, class R1 = R0, class R2 = R0>
@@ -30,6 +38,8 @@ struct Matrix {
   R0 r0;
   R1 r1;
   R2 r2;
+  static constexpr int RowsAtCompileTime = 3, ColsAtCompileTime = 3;  ///< where Eigen's matrices may stand as well
+  constexpr const auto& operator()(int i, int j) const { return i == 0 ? r0[j] : i == 1 ? r1[j] : r2[j]; }
 };
 template <class R0, class R1, class R2>
 Matrix(R0, R1, R2) -> Matrix<R0, R1, R2>;
@@ -169,6 +179,11 @@ template <class R0, class R1, class R2, class Q0, class Q1, class Q2>
 LOCKSTEP_INLINE constexpr auto operator*(const Matrix<R0, R1, R2>& A, const Matrix<Q0, Q1, Q2>& B) {
   return Matrix{transpose_times(B, A.r0), transpose_times(B, A.r1), transpose_times(B, A.r2)};
 }
+/// The matrix with these columns.
+template <class X, class Y, class Z, class U, class V, class W, class K, class L, class M>
+LOCKSTEP_INLINE constexpr auto columns(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b, const Vector<K, L, M>& c) {
+  return Matrix{Vector{a.x, b.x, c.x}, Vector{a.y, b.y, c.y}, Vector{a.z, b.z, c.z}};
+}
 using Identity = Matrix<Unit<0>, Unit<1>, Unit<2>>;
 
 /// (1.1)
@@ -220,6 +235,11 @@ LOCKSTEP_INLINE constexpr auto matrix(const A& a) {
 template <class Q>
 LOCKSTEP_INLINE constexpr auto quaternion(const Q& q) {
   return Quaternion{q.w, Vector{q.x, q.y, q.z}};
+}
+/// All components as numbers T.
+template <class T, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr Vector<T> numbers(const Vector<X, Y, Z>& a) {
+  return {number<T>(a.x), number<T>(a.y), number<T>(a.z)};
 }
 /// The vector as an A of three numbers T.
 template <class A, class T = typename A::Scalar, class X, class Y, class Z>

@@ -128,67 +128,90 @@ LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
 
 }  // namespace kernel
 
-/// Translational half. rows: bits 0..2 of a Mask say which jacobian rows are wanted.
+/// Translational half: take(C, Ct, Qhat, row, rate), row(k) the jacobian of row k, an Axis<k>, rate() = d/dt C.
+/// What `take` does not ask for is not computed.
+template <unsigned kWith, class T, class Take>
+LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                 const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Take&& take) {
+  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
+  const auto p = kernel::marker_for<kWith, with::uP, with::nothing>(P);
+  const auto s = kernel::marker_for<kWith, with::uS, with::qS>(S);
+  const auto d = kernel::imposed<kWith>(D);
+  const auto at = kernel::position(o1, o2, p, s);
+  const auto moving = kernel::velocity(o1, o2, p, at);
+  const auto row = [&](auto axis) __attribute__((always_inline)) {
+    const auto n2 = s.A * axis, n = o2.A * n2;
+    if constexpr (kWith & with::world_rows) {
+      const auto world = kernel::translation_row(o1.A, p.u, at.s, axis, transpose_times(o2.A, axis));
+      return kernel::Row{n, world.w1, world.w2};
+    } else {
+      return kernel::translation_row(o1.A, p.u, at.s, n, n2);
+    }
+  };
+  take(at.rho - d.p, kernel::translation_Ct(o1, o2, p, s, d, at),
+       kernel::translation_Qhat(o1, o2, p, s, d, at, moving), row,
+       [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
+}
+
+/// The same on matrices; rows: bits 0..2 of a Mask say which jacobian rows are wanted.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                                  const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Mask rows,
                                  TranslationRowsT<T>& out) {
   using V = Vec3T<T>;
-  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
-  const auto p = kernel::marker_for<kWith, with::uP, with::nothing>(P);
-  const auto s = kernel::marker_for<kWith, with::uS, with::qS>(S);
-  const auto d = kernel::imposed<kWith>(D);
-
-  const auto at = kernel::position(o1, o2, p, s);
-  const auto moving = kernel::velocity(o1, o2, p, at);
-  out.C = vec::as<V>(at.rho - d.p);
-  out.Ct = vec::as<V>(kernel::translation_Ct(o1, o2, p, s, d, at));
-  out.Qhat = vec::as<V>(kernel::translation_Qhat(o1, o2, p, s, d, at, moving));
-  if constexpr (kWith & with::rates) out.yd = vec::as<V>(kernel::position_rate(s, at, moving) - d.pd);
-  kernel::for_rows(rows, 0, [&]<int k>() __attribute__((always_inline)) {
-    const vec::Unit<k> axis{};
-    const auto n2 = s.A * axis, n = o2.A * n2;
-    const auto put = [&](const auto& row) __attribute__((always_inline)) {
-      out.Jv.row(k) = vec::as<V>(n), out.Jw1.row(k) = vec::as<V>(row.w1), out.Jw2.row(k) = vec::as<V>(row.w2);
-    };
-    if constexpr (kWith & with::world_rows)
-      put(kernel::translation_row(o1.A, p.u, at.s, axis, transpose_times(o2.A, axis)));
-    else
-      put(kernel::translation_row(o1.A, p.u, at.s, n, n2));
-  });
+  const auto take = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
+                        __attribute__((always_inline)) {
+    out.C = vec::as<V>(C), out.Ct = vec::as<V>(Ct), out.Qhat = vec::as<V>(Qhat);
+    if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate());
+    kernel::for_rows(rows, 0, [&]<int k>() __attribute__((always_inline)) {
+      const auto r = row(vec::Unit<k>{});
+      out.Jv.row(k) = vec::as<V>(r.v), out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+    });
+  };
+  translation<kWith>(O1, O2, P, S, D, take);
 }
 
-/// Rotational half. rows: bits 3..5 of a Mask say which jacobian rows are wanted.
+/// Rotational half: take(C, Ct, Qhat, row, rate), all but the rows quaternions of which C = e; row(g) the jacobian of
+/// g.e, g a quaternion (for row k its k-th unit vector).
+template <unsigned kWith, class T, class Take>
+LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                              const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Take&& take) {
+  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
+  const auto p = kernel::marker_for<kWith, with::nothing, with::qP>(P);
+  const auto s = kernel::marker_for<kWith, with::nothing, with::qS>(S);
+  const auto d = kernel::imposed<kWith>(D);
+  const auto e = kernel::rotation_error(o1, o2, p, s, d);
+  const auto w = kernel::angular_velocities(o1, o2, p, s, d);
+  const auto ed = kernel::rotation_rate(e, w);
+  const auto h = 0.5 * e;
+  const auto A_SD = s.A * d.A;
+  take(e, kernel::rotation_Ct(e, p, s, d), kernel::rotation_Qhat(e, ed, w),
+       [&](const auto& g) __attribute__((always_inline)) { return kernel::rotation_row(h, p.A, A_SD, g); },
+       [&]() __attribute__((always_inline)) { return ed; });
+}
+
+/// The same on matrices; rows: bits 3..5 of a Mask say which jacobian rows are wanted.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                               const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Mask rows,
                               RotationRowsT<T>& out) {
   using V = Vec3T<T>;
-  constexpr bool kScalar = kWith & with::scalar_row;
-  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
-  const auto p = kernel::marker_for<kWith, with::nothing, with::qP>(P);
-  const auto s = kernel::marker_for<kWith, with::nothing, with::qS>(S);
-  const auto d = kernel::imposed<kWith>(D);
-
-  const auto e = kernel::rotation_error(o1, o2, p, s, d);
-  const auto w = kernel::angular_velocities(o1, o2, p, s, d);
-  const auto ed = kernel::rotation_rate(e, w), Qhat = kernel::rotation_Qhat(e, ed, w);
-  const auto Ct = kernel::rotation_Ct(e, p, s, d);
-  out.e = QuatT<T>::from(e.w, vec::as<V>(e.v));
-  out.C = vec::as<V>(e.v), out.Ct = vec::as<V>(Ct.v), out.Qhat = vec::as<V>(Qhat.v);
-  if constexpr (kScalar) out.Ct0 = vec::number<T>(Ct.w), out.Qhat0 = Qhat.w;
-  if constexpr (kWith & with::rates) out.yd = vec::as<V>(ed.v), out.yd0 = ed.w;
-
-  const auto h = 0.5 * e;
-  const auto A_SD = s.A * d.A;
-  kernel::for_rows(rows, 3, [&]<int k>() __attribute__((always_inline)) {
-    const auto row = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
-    out.Jw1.row(k) = vec::as<V>(row.w1), out.Jw2.row(k) = vec::as<V>(row.w2);
-  });
-  if constexpr (kScalar) {
-    const auto row = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::One{}, vec::None{}});
-    out.Jw1_0 = vec::as<V>(row.w1), out.Jw2_0 = vec::as<V>(row.w2);
-  }
+  const auto take = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
+                        __attribute__((always_inline)) {
+    out.e = QuatT<T>::from(e.w, vec::as<V>(e.v));
+    out.C = vec::as<V>(e.v), out.Ct = vec::as<V>(Ct.v), out.Qhat = vec::as<V>(Qhat.v);
+    if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate().v), out.yd0 = rate().w;
+    kernel::for_rows(rows, 3, [&]<int k>() __attribute__((always_inline)) {
+      const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+      out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+    });
+    if constexpr (kWith & with::scalar_row) {
+      const auto r = row(vec::Quaternion{vec::One{}, vec::None{}});
+      out.Ct0 = vec::number<T>(Ct.w), out.Qhat0 = Qhat.w;
+      out.Jw1_0 = vec::as<V>(r.w1), out.Jw2_0 = vec::as<V>(r.w2);
+    }
+  };
+  rotation<kWith>(O1, O2, P, S, D, take);
 }
 
 }  // namespace lockstep

@@ -227,54 +227,69 @@ ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
 
 template <unsigned kWith>
 void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out) {
-  TranslationRowsT<double> r;
   ImposedTranslation D;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+    const RowBlock block = out.lane(i);
+    const auto put = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
+                         __attribute__((always_inline)) {
+      int at = 0;
+      const auto values = [&]<int k>() __attribute__((always_inline)) {
+        block.C(at) = vec::get<k>(C), block.Qhat(at) = vec::get<k>(Qhat);
+        block.Ct(at) = vec::number<double>(vec::get<k>(Ct));
+      };
+      if constexpr (kWith & with::world_rows) {
+        kernel::for_rows(Mask::xyz, 0, [&]<int k>() __attribute__((always_inline)) {
+          values.template operator()<k>(), ++at;
+        });
+        const auto x = row(vec::Unit<0>{}), y = row(vec::Unit<1>{}), z = row(vec::Unit<2>{});
+        block.set_R(vec::columns(x.v, y.v, z.v));
+        block.set_A(lock.side1_, vec::Matrix{x.w1, y.w1, z.w1});
+        block.set_A(lock.side2_, vec::Matrix{x.w2, y.w2, z.w2});
+      } else {
+        kernel::for_rows(lock.rows_, 0, [&]<int k>() __attribute__((always_inline)) {
+          values.template operator()<k>();
+          const auto r = row(vec::Unit<k>{});
+          block.set(lock.side1_, at, r.v, vec::numbers<double>(r.w1));
+          block.set(lock.side2_, at, -r.v, vec::numbers<double>(r.w2));
+          ++at;
+        });
+      }
+    };
     if constexpr (kWith & with::p) D = lock.imposed_translation(in);
-    const Mask rows = kWith & with::world_rows ? Mask::xyz : lock.rows_;
     const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
     if constexpr (kWith & (with::uP | with::uS | with::qS))
-      translation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
+      translation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
     else
-      translation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
-    const RowBlock block = out.lane(i);
-    if constexpr (kWith & with::world_rows) {
-      for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
-      block.set_R(r.Jv.transpose());
-      block.set_A(lock.side1_, r.Jw1);
-      block.set_A(lock.side2_, r.Jw2);
-      continue;
-    }
-    for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
-      const int j = lock.row_[static_cast<std::size_t>(k)];
-      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-      block.set(lock.side1_, k, r.Jv.row(j), r.Jw1.row(j));
-      block.set(lock.side2_, k, -r.Jv.row(j), r.Jw2.row(j));
-    }
+      translation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
   }
 }
 
 template <unsigned kWith>
 void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
-  RotationRowsT<double> r;
   ImposedRotation D;
   const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
+    const RowBlock block = out.lane(i);
+    const auto put = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
+                         __attribute__((always_inline)) {
+      int at = first;
+      kernel::for_rows(lock.rows_, 3, [&]<int k>() __attribute__((always_inline)) {
+        block.C(at) = vec::get<k>(e.v), block.Qhat(at) = vec::get<k>(Qhat.v);
+        block.Ct(at) = vec::number<double>(vec::get<k>(Ct.v));
+        const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+        block.set(lock.side1_, at, Vec3::Zero(), vec::numbers<double>(r.w1));
+        block.set(lock.side2_, at, Vec3::Zero(), vec::numbers<double>(r.w2));
+        ++at;
+      });
+    };
     if constexpr (kWith & with::qD) D = lock.imposed_rotation(in);
     const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
     if constexpr (kWith & (with::qP | with::qS))
-      rotation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
+      rotation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
     else
-      rotation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
-    const RowBlock block = out.lane(i);
-    for (int k = first; k < lock.n_rows_; ++k) {
-      const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
-      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-      block.set(lock.side1_, k, Vec3::Zero(), r.Jw1.row(j));
-      block.set(lock.side2_, k, Vec3::Zero(), r.Jw2.row(j));
-    }
+      rotation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
   }
 }
 
