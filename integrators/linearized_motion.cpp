@@ -10,7 +10,7 @@ void LinearizedMotion::begin(const State& state) {
 }
 
 void LinearizedMotion::gather(const Dynamics& dynamics) {
-  matrix_.gather(dynamics, dynamics.values().lambda);
+  matrix_.gather(dynamics.evaluation(), dynamics.values().lambda);
   rows_.setZero(dynamics.rows().n_rows);
   rows_c_.setZero(dynamics.rows().n_rows);
 }

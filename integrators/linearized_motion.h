@@ -7,6 +7,7 @@
 // out (9.15), and so is what the states s do to one another and to the forces: Newton then takes an iteration more.
 #pragma once
 
+#include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/evaluate/implicit.h"
 
 namespace lockstep {

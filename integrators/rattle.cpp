@@ -67,27 +67,27 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
   turning_.clear();
   for (int k = 0; k < system.n_slots(); ++k)
     if (system.slot(k).freedoms == Freedoms::spatial) turning_.push_back({k, FreeRotation(system.slot(k).J)});
-  dynamics.gather(state);
-  const Eigen::Index n = state.v.size(), m = dynamics.rows().n_rows;
+  const Eigen::Index n = state.v.size(), m = dynamics.gather(state).rows().n_rows;
   v_half_ = guess_ = f_ = d_ = VecX::Zero(n);
   C_ = Cd_ = lambda_ = VecX::Zero(m);
   rate0_ = rate1_ = sized_like(state);
+  factor_.emplace(dynamics.new_factor());
   ready_ = false;
 }
 
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
   const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
-  if (system.n_steering_states() > 0) {
+  if (system.n_error_controlled_states() > 0) {
     std::string who;
     for (const auto& link : system.links())
-      if (link->n_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
+      if (link->n_own_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
     for (const auto& auxiliary : system.auxiliaries())
-      if (auxiliary->steers() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+      if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
     throw ModelError(
         fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
   }
-  for (const Force* force : dynamics.reacting())
+  for (const Force* force : dynamics.gather(state).reacting())
     throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of links, as friction does; the method "
                                  "keeps the energy",
                                  scheme_.name, force->name(), force->type()) +
@@ -96,11 +96,9 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   for (const double sign : {1.0, -1.0})
     for (const auto& force : system.forces()) {
       moving.v.setZero();
-      dynamics.gather(moving);
-      const VecX still = pushed_by(*force, dynamics.inputs(), state.v.size());
+      const VecX still = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size());
       moving.v = any_velocities(state.v.size(), sign);
-      dynamics.gather(moving);
-      const VecX change = pushed_by(*force, dynamics.inputs(), state.v.size()) - still;
+      const VecX change = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size()) - still;
       if (change.norm() > 1e-9 * still.norm())
         throw ModelError(
             fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method keeps the "
@@ -114,19 +112,18 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
 StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   const bool quadratures = state.s.size() > 0;
   if (quadratures) dynamics.rate(state, rate0_);
-  if (!matrix_stands(dynamics, state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
+  if (!goes_on_from(state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
     ready_ = false;
     copy_motion(state, next_);
     if (state.z.size() > 0) next_.z = state.z;
-    look(dynamics);
-    kick(dynamics, 2.0);
+    kick(gather_next(dynamics), 2.0);
   }
   copy_motion(state, now_);
   if (state.z.size() > 0) now_.z = next_.z = state.z;
   for (int i = 0; i < scheme_.n; ++i) substep(dynamics, scheme_.part[static_cast<std::size_t>(i)] * h);
   StepReport report;
   report.h = h;
-  report.violation = report.violation_after = dynamics.norm(C_);
+  report.violation = report.violation_after = left_;
   now_.t = state.t + h;
   dynamics.normalize(now_);
   if (quadratures) {
@@ -138,42 +135,41 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   return report;
 }
 
-// Observers may have evaluated other states meanwhile, an event may have changed this one.
-bool Rattle::matrix_stands(Dynamics& dynamics, const State& state) const {
-  return ready_ && factors_ == dynamics.work().factors && state.t == now_.t && state.q == now_.q && state.v == now_.v;
+// An event may have changed the state.
+bool Rattle::goes_on_from(const State& state) const {
+  return ready_ && state.t == now_.t && state.q == now_.q && state.v == now_.v;
 }
 
 // From now_, whose matrix is factored, to now_ a time h later, with the matrix there.
 void Rattle::substep(Dynamics& dynamics, double h) {
   v_half_ = now_.v + 0.5 * h * guess_;
-  const double left = find_multipliers(dynamics, h, now_.t + h);
-  if (!(left <= dynamics.options().stabilization.tolerance)) {
-    ready_ = false;
-    blame(h, left);
-  }
-  kick(dynamics, h);
+  kick(find_multipliers(dynamics, h, now_.t + h), h);
   next_.v += 0.5 * h * guess_;
   now_.q.swap(next_.q), now_.v.swap(next_.v), now_.t = next_.t;
 }
 
 // mu by C(q1) = 0, its matrix that of q0: J(q0) d = -C(q1)/h, M d = -J(q0)^T mu. To round-off, for what is left is no
-// longer symplectic. What remains, m.
-double Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
+// longer symplectic. The evaluation at q1. Throws StepError.
+const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
   const double ulp = std::numeric_limits<double>::epsilon();
   double before = HUGE_VAL;
   for (int round = 0;; ++round) {
     drift(h);
     next_.t = t;
-    look(dynamics);
-    const double left = dynamics.norm(C_);
+    const Evaluation& e = gather_next(dynamics);
+    const double left = e.norm(C_);
     const double floor = 1e-14 * dynamics.system().length() + 4 * ulp * next_.q.lpNorm<Eigen::Infinity>();
     const bool rests = round > 1 && left > 0.5 * before && left <= 100 * floor;
-    if (left <= floor || rests || round == kRounds || !std::isfinite(left)) return left;
+    if (left <= floor || rests || round == kRounds || !std::isfinite(left)) {
+      left_ = left;
+      if (left <= dynamics.options().stabilization.tolerance) return e;
+      ready_ = false;
+      fail(h, left);
+    }
     before = left;
     C_ /= -h;
     f_.setZero();
-    dynamics.keep_factor();
-    dynamics.solve(f_, C_, d_, lambda_);
+    factor_->solve(e, f_, C_, d_, lambda_);
     v_half_ += d_;
   }
 }
@@ -192,28 +188,29 @@ void Rattle::drift(double h) {
   }
 }
 
-// C and J v + Ct at next_.
-void Rattle::look(Dynamics& dynamics) {
-  dynamics.gather(next_);
-  dynamics.residuals(C_, Cd_);
+// With C and J v + Ct.
+const Evaluation& Rattle::gather_next(Dynamics& dynamics) {
+  const Evaluation& e = dynamics.gather(next_);
+  e.residuals(C_, Cd_);
   ++dynamics.work().evaluations;
+  return e;
 }
 
-// The second kick at next_, which was looked at last: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
-void Rattle::kick(Dynamics& dynamics, double h) {
-  f_ = dynamics.force();
+// The second kick at next_, where `e` was gathered: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
+void Rattle::kick(const Evaluation& e, double h) {
+  f_ = e.force();
   for (const Turning& body : turning_) {  // the drift has -w x J w in it
     const Vec3 w = next_.v.segment<3>(6 * body.slot + 3);
-    f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(dynamics.system().slot(body.slot).J * w));
+    f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(e.system().slot(body.slot).J * w));
   }
   f_ *= 0.5 * h;
   Cd_ = -Cd_;
-  dynamics.solve(f_, Cd_, d_, lambda_);
+  factor_->compute(e);
+  factor_->solve(e, f_, Cd_, d_, lambda_);
   guess_ = (2 / h) * d_;
-  factors_ = dynamics.work().factors;
 }
 
-void Rattle::blame(double h, double left) const {
+void Rattle::fail(double h, double left) const {
   throw StepError(
       fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s were not found ({:.3g} m of the "
                   "constraints remain); take a smaller step (--step), or, where the mechanism passes a singular "

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "framework/dynamics/integrate/integrator.h"
@@ -40,21 +41,22 @@ class LOCKSTEP_API Rattle final : public Integrator {
   };
   void refuse_unsuited(Dynamics&, const State&) const;
   void substep(Dynamics&, double h);
-  double find_multipliers(Dynamics&, double h, double t);
+  const Evaluation& find_multipliers(Dynamics&, double h, double t);
   void drift(double h);
-  void look(Dynamics&);
-  void kick(Dynamics&, double h);
-  bool matrix_stands(Dynamics&, const State&) const;
-  [[noreturn]] void blame(double h, double left) const;
+  const Evaluation& gather_next(Dynamics&);
+  void kick(const Evaluation&, double h);
+  bool goes_on_from(const State&) const;
+  [[noreturn]] void fail(double h, double left) const;
 
   const RattleScheme& scheme_;
   std::vector<Turning> turning_;
-  State now_, next_;     // before and after a drift; next_ is where things were looked at last
+  State now_, next_;     // before and after a drift
   VecX v_half_, guess_;  // velocities of the drift; what the last kick of 1 s brought
   VecX C_, Cd_, f_, d_, lambda_;
   StateRate rate0_, rate1_;
-  bool ready_ = false;  // now_ is the state that comes next, and its matrix is factored,
-  long factors_ = 0;    // if nobody factored since
+  std::optional<Factor> factor_;  // of the matrix at now_ once a kick was made
+  double left_ = 0;               // |C| at now_, m
+  bool ready_ = false;            // factor_ and guess_ are those of now_
 };
 
 }  // namespace lockstep

@@ -39,7 +39,7 @@ struct LinkBench {
   }
   void accept() { dynamics->accept(state); }
   double C(int k = 0) const { return dynamics->rows().block(dynamics->rows().entries.front()).C(k); }
-  double quantity(const Lock& link, int k) const { return link.quantity(k, dynamics->inputs()); }
+  double quantity(const Lock& link, int k) const { return link.observable()->quantity(k, dynamics->inputs()); }
 };
 
 /// The least value of f on [a, b]: looked for on a grid, then by golden section.

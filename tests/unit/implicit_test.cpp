@@ -3,7 +3,7 @@
 #include "framework/mechanism/forces/function_force.h"
 #include "framework/mechanism/forces/spring_damper.h"
 #include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
@@ -73,7 +73,7 @@ TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit
   Loop loop;
   const System& sys = loop.mechanism.system;
   NewtonMatrix N;
-  N.gather(*loop.dynamics, loop.lambda);
+  N.gather(loop.dynamics->gather(loop.state), loop.lambda);
   const VecX f = VecX::LinSpaced(6 * sys.n_slots(), -1, 2);
   VecX some = VecX::LinSpaced(6 * sys.n_slots(), 1, -3), r = VecX::Zero(loop.lambda.size()), x, l;
   clear_particles(sys, some);
@@ -91,7 +91,7 @@ TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]")
   Loop loop;
   const System& sys = loop.mechanism.system;
   NewtonMatrix N;
-  N.gather(*loop.dynamics, loop.lambda);
+  N.gather(loop.dynamics->gather(loop.state), loop.lambda);
   using C = NewtonMatrix::Complex;
   const C a(2.0, 0.7), b(0.01, -0.02), c(1e-4, 3e-4);
   const VecXc f = VecXc::LinSpaced(6 * sys.n_slots(), C(-1, 0.5), C(2, 1));
@@ -116,12 +116,12 @@ TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]")
 TEST_CASE("NewtonMatrix without tangents gives the accelerations", "[unit][dynamics]") {
   Loop loop;
   const System& sys = loop.mechanism.system;
-  const Evaluated& values = loop.dynamics->evaluate(loop.state);
-  VecX f = loop.dynamics->force(), qhat(values.lambda.size()), x, l;
+  const Solution& values = loop.dynamics->evaluate(loop.state);
+  VecX f = values.evaluation.force(), qhat(values.lambda.size()), x, l;
   for (const RowEntry& e : values.rows.entries)
     for (int k = 0; k < e.m; ++k) qhat[e.first_row + k] = values.rows.block(e).Qhat(k);
   NewtonMatrix N;
-  N.gather(*loop.dynamics, values.lambda);
+  N.gather(values.evaluation, values.lambda);
   N.factor(1.0, 0.0, 0.0);
   N.solve(f, qhat, x, l);
   VecX a = values.a;
@@ -143,7 +143,7 @@ TEST_CASE("NewtonMatrix allocates nothing from the second step on", "[unit][dyna
   VecX x, l;
   VecXc xc, lc;
   const auto step = [&](const VecX& f, const VecX& r, const VecXc& fc, const VecXc& rc) {
-    N.gather(*loop.dynamics, loop.lambda);
+    N.gather(loop.dynamics->gather(loop.state), loop.lambda);
     N.factor(1.0, 0.1, 0.01);
     N.solve(f, r, x, l);
     N.factor(NewtonMatrix::Complex(2, 1), 0.1, 0.01);
@@ -164,9 +164,9 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, 0.3).asDiagonal()}, {Vec3(0, -d, 0), {}});
   sys.add<Revolute>("hinge", bob, sys.ground(), at(Vec3::Zero()));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  const Evaluated& values = dynamics.evaluate(sys.start());
+  const Solution& values = dynamics.evaluate(sys.start());
   NewtonMatrix N;
-  N.gather(dynamics, values.lambda);
+  N.gather(values.evaluation, values.lambda);
   N.factor(0.0, 0.0, 1.0);
   CHECK(N.n_dense() == 1);
   VecX f = VecX::Zero(6), x, l;
@@ -199,9 +199,9 @@ TEST_CASE("NewtonMatrix in a plane solves what it solves in space", "[unit][dyna
     sys.add<Distance>("string", P, S);
     if (planar) sys.set_planar(Plane{1});
     Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-    const Evaluated& values = dynamics.evaluate(sys.start());
+    const Solution& values = dynamics.evaluate(sys.start());
     NewtonMatrix N;
-    N.gather(dynamics, values.lambda);
+    N.gather(values.evaluation, values.lambda);
     N.factor(1.0, 0.05, 0.01);
     VecX f = VecX::Zero(18), some = f, r = VecX::Zero(values.lambda.size());
     for (int k = 0; k < 3; ++k) {
@@ -225,9 +225,9 @@ TEST_CASE("A hanging pendulum has its frequency: the geometric stiffness of the 
   Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, I).asDiagonal()}, {Vec3(0, -d, 0), {}});
   sys.add<Revolute>("hinge", bob, sys.ground(), at(Vec3::Zero()));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  const Evaluated& values = dynamics.evaluate(sys.start());
+  const Solution& values = dynamics.evaluate(sys.start());
   NewtonMatrix N;
-  N.gather(dynamics, values.lambda);
+  N.gather(values.evaluation, values.lambda);
   // swing by dth about z: dx = d dth along x (the pivot stays)
   VecX swing(6), K_swing = VecX::Zero(6), M_swing = VecX::Zero(6);
   swing << d, 0, 0, 0, 0, 1;
@@ -254,8 +254,8 @@ TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say"
       const std::vector<double> lambda{1.3, -0.4, 0.8, -2.0, 0.7, 1.9};
       TangentSum exact, differenced;
       exact.lay_out(2), differenced.lay_out(2);
-      lock.tangent(dynamics.inputs(), lambda, exact);
-      lock.Lock::tangent(dynamics.inputs(), lambda, differenced);
+      add_tangent(lock, dynamics.inputs(), lambda, exact);
+      difference_tangent(lock, dynamics.inputs(), lambda, differenced);
       REQUIRE(exact.pairs().size() == differenced.pairs().size());
       for (std::size_t p = 0; p < exact.pairs().size(); ++p)
         for (std::size_t q = 0; q < exact.pairs().size(); ++q)

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/evaluate/matrix.h"
+#include "framework/dynamics/evaluate/kkt_assembler.h"
 #include "framework/dynamics/solvers/dense_solver.h"
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
@@ -253,7 +253,7 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     const State state = m.system.start();
     Dynamics dynamics(m.system, std::make_unique<DenseSolver>());
     dynamics.gather(state);
-    Matrix matrix(m.system, Formulation::quaternion);
+    KktAssembler matrix(m.system, Formulation::quaternion);
     matrix.lay_out(dynamics.rows(), false);
     matrix.update(dynamics.rows(), dynamics.inputs().motions);
     const KktLink& link = matrix.kkt().pattern.links.front();

@@ -193,10 +193,10 @@ TEST_CASE("relative_kinematics gives the relative coordinates without the impose
       CHECK(difference(L.Ct, oracle::exact_Ct(c)) < 1e-11);
       CHECK(difference(L.Qhat, oracle::exact_Qhat(c)) < 1e-11);
       CHECK(difference(J, oracle::exact_Jh(c)) < 1e-11);
-      const RelativeKinematics half = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Needs::translation);
+      const RelativeKinematics half = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Reads::translation);
       CHECK(half.y.head<3>() == L.y.head<3>());
       CHECK(half.y.tail<4>().isZero(0));
-      const RelativeKinematics other = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Needs::rotation);
+      const RelativeKinematics other = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Reads::rotation);
       CHECK(other.Jw1.bottomRows<4>() == L.Jw1.bottomRows<4>());
       CHECK(other.y.head<3>().isZero(0));
     }

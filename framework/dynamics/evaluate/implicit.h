@@ -9,7 +9,8 @@
 #include <complex>
 #include <memory>
 
-#include "framework/dynamics/evaluate/dynamics.h"
+#include "framework/dynamics/evaluate/evaluation.h"
+#include "framework/dynamics/solvers/linear_solver.h"
 #include "framework/mechanism/rows/tangent.h"
 
 namespace lockstep {
@@ -25,10 +26,9 @@ class LOCKSTEP_API NewtonMatrix {
   NewtonMatrix();
   ~NewtonMatrix();
 
-  /// M, J, K(lambda) and D at the state that `dynamics` gathered last (Dynamics::gather or evaluate); lambda: one a
-  /// row. The symbolic work is done anew when the description, the links in force or the pairs of the tangents changed;
+  /// M, J, K(lambda) and D at this evaluation; lambda: 1 per row. The symbolic work is done anew when the description, the links in force or the pairs of the tangents changed;
   /// otherwise nothing is allocated. Earlier factors keep their numbers until factor() is called.
-  void gather(const Dynamics& dynamics, const VecX& lambda);
+  void gather(const Evaluation&, const VecX& lambda);
 
   /// Throws SolveError when the matrix is singular.
   void factor(double a, double b, double c);

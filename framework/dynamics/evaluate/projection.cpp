@@ -1,88 +1,66 @@
-// Projection of a state onto the constraints: least move in the mass metric, positions first, then velocities.
-#include <algorithm>
-#include <cmath>
+#include "framework/dynamics/evaluate/projection.h"
 
-#include "framework/dynamics/evaluate/dynamics.h"
+#include <algorithm>
+
+#include "framework/dynamics/evaluate/projection_rule.h"
 
 namespace lockstep {
-namespace {
-constexpr int kRounds = 6;  // positions; quadratic with a fresh factor, so three are usual
-}
 
-/// (S + E) z = C, d = M^-1 Jh^T z, q <- q (-) d, which is the solution of M d + Jh^T z = 0, Jh d = -C. One factor
-/// serves all rounds while it is good enough (chord). Stops at the goal, not below round-off of the largest position.
-void Dynamics::project_position(State& state, double goal, ProjectReport& report) {
-  const double ulp = std::numeric_limits<double>::epsilon();
-  double x_max = 0;
-  for (int k = 0; k < system_.n_slots(); ++k)
-    x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
-  const double tolerance = options_.stabilization.tolerance;
-  goal = std::max(goal, 1e-14 * system_.length() + 4 * ulp * x_max);
-  double before = 0;
-  for (int round = 0;; ++round) {
-    gather(state);
-    residuals(C_, Cd_);
-    const double now = norm(C_);
-    if (round == 0) report.before = now;
-    report.after = now;
-    report.rounds = round;
-    factored_ = round > 0 && now <= 0.1 * before;
-    if (now <= goal) return;
-    // no further progress, but within the tolerance: the round-off of this mechanism
-    if (round > 1 && now > 0.5 * before && now <= tolerance) return;
-    if (round == kRounds || !std::isfinite(now)) {
-      report.converged = now <= tolerance;
-      return;
-    }
-    before = now;
-    C_ = -C_;
-    solve(zero_, C_, d_, lambda_);
-    move(state, d_);
-  }
-}
-
-ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
-
-ProjectReport Dynamics::project(State& state, double goal) {
+ProjectReport Projection::project(Evaluation& e, Factor& factor, State& state, double goal) {
   ProjectReport report;
   normalize(state);
-  prepare(state);
-  if (rows_.n_rows == 0) return report;
-  ++work_.projections;
-  project_position(state, goal, report);
-  report.before_v = norm(Cd_);  // at the projected position, which was gathered last
-  report.after_v = velocity_rounds(state, 0.1 * goal);
+  if (e.covers(state) && e.rows().n_rows == 0) return report;
+  zero_.setZero(state.v.size());
+  const bool factored = positions(e, factor, state, goal, report);
+  report.before_v = e.norm(Cd_);  // at the projected position
+  report.after_v = velocities(e, factor, factored, state, 0.1 * goal);
   return report;
 }
 
-double Dynamics::project_velocity(State& state) {
-  gather(state);
-  residuals(C_, Cd_);
-  return velocity_rounds(state, 1e-3 * options_.stabilization.tolerance);
+// d = -M^-1 Jh^T z, (S + E) z = C. Not below round-off of the largest position. Returns whether the factor serves still.
+bool Projection::positions(Evaluation& e, Factor& factor, State& state, double goal, ProjectReport& report) {
+  double x_max = 0;
+  for (Eigen::Index k = 0; k + 7 <= state.q.size(); k += 7)
+    x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
+  PositionRounds rounds(goal, tolerance_, e.system().length(), x_max);
+  for (;;) {
+    e.at(state);
+    e.check();
+    e.residuals(C_, Cd_);
+    const bool ends = rounds.ends(e.norm(C_));
+    if (rounds.round() == 0) report.before = rounds.residual();
+    if (ends) break;
+    C_ = -C_;
+    if (!rounds.chord()) factor.compute(e);
+    factor.solve(e, zero_, C_, d_, lambda_);
+    advance(state, 1.0, d_);
+  }
+  report.after = rounds.residual();
+  report.rounds = rounds.round();
+  report.converged = rounds.converged();
+  return rounds.chord();
 }
 
-/// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), from residuals gathered at this state; the same factor for all rounds.
-double Dynamics::velocity_rounds(State& state, double goal) {
-  const double ulp = std::numeric_limits<double>::epsilon();
-  goal = std::max(goal, 8 * ulp * state.v.lpNorm<Eigen::Infinity>());
-  for (int round = 0; round < 3; ++round) {
-    if (norm(Cd_) <= goal) break;
+double Projection::project_velocity(Evaluation& e, Factor& factor, State& state, double goal) {
+  e.at(state);
+  e.check();
+  e.residuals(C_, Cd_);
+  zero_.setZero(state.v.size());
+  return velocities(e, factor, false, state, goal);
+}
+
+// From Cd_ at this state; one factor for all rounds. The jacobians are those of the pose, which stays.
+double Projection::velocities(const Evaluation& e, Factor& factor, bool factored, State& state, double goal) {
+  goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
+  for (int round = 0; round < kVelocityRounds && !(e.norm(Cd_) <= goal); ++round) {
+    if (!factored) factor.compute(e);
+    factored = true;
     Cd_ = -Cd_;
-    solve(zero_, Cd_, d_, lambda_);
+    factor.solve(e, zero_, Cd_, d_, lambda_);
     state.v += d_;
-    update_velocities(state);
-    residuals(C_, Cd_);
+    e.velocity_residual(state.v, Cd_);
   }
-  return norm(Cd_);
-}
-
-/// New velocities at the same pose: the jacobians stand, only v and w of the slots are written anew.
-void Dynamics::update_velocities(const State& state) {
-  for (int k = 0; k < system_.n_slots(); ++k) {
-    Motion& O = motions_[static_cast<std::size_t>(k + 1)];
-    O.v = state.v.segment<3>(6 * k);
-    O.w = state.v.segment<3>(6 * k + 3);
-  }
+  return e.norm(Cd_);
 }
 
 }  // namespace lockstep

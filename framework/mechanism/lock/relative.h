@@ -13,10 +13,10 @@ struct PulledRow {
   double Ct = 0, Qhat = 0;
 };
 
-constexpr bool reads(Needs needs, Needs half) { return (unsigned(needs) & unsigned(half)) != 0; }
+constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
 /// kMoving: the markers have laws of their own; without them half of the equations is zero.
-template <Needs kNeeds, bool kMoving>
+template <Reads kReads, bool kMoving>
 class RelativePair {
  public:
   RelativePair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
@@ -24,7 +24,7 @@ class RelativePair {
         O2_(kernel::body(in.slot(S.slot))),
         P_(marker(P, in.t)),
         S_(marker(S, in.t)) {
-    if constexpr (reads(kNeeds, Needs::translation)) {
+    if constexpr (reads(kReads, Reads::translation)) {
       const auto at = kernel::position(O1_, O2_, P_, S_);
       const auto moving = kernel::velocity(O1_, O2_, P_, at);
       s_ = at.s;
@@ -32,7 +32,7 @@ class RelativePair {
       if constexpr (kMoving) put<0>(Ct_, kernel::translation_Ct(O1_, O2_, P_, S_, kernel::NoShift{}, at));
       put<0>(Qhat_, kernel::translation_Qhat(O1_, O2_, P_, S_, kernel::NoShift{}, at, moving));
     }
-    if constexpr (reads(kNeeds, Needs::rotation)) {
+    if constexpr (reads(kReads, Reads::rotation)) {
       const kernel::NoTurn none{};
       const auto r = kernel::rotation_error(O1_, O2_, P_, S_, none);
       const auto w = kernel::angular_velocities(O1_, O2_, P_, S_, none);
@@ -50,14 +50,14 @@ class RelativePair {
   /// g: gradient on the coordinates that are read, 3, 4 or 7.
   template <class G>
   PulledRow pull(const G& g) const {
-    constexpr int kFirst = reads(kNeeds, Needs::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
+    constexpr int kFirst = reads(kReads, Reads::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
     PulledRow row;
-    if constexpr (reads(kNeeds, Needs::translation)) {
+    if constexpr (reads(kReads, Reads::translation)) {
       const auto n2 = S_.A * vec::Vector<double>{g[0], g[1], g[2]};
       const auto r = kernel::translation_row(O1_.A, P_.u, s_, O2_.A * n2, n2);
       row.v = vec::as<Vec3>(r.v), row.w1 = vec::as<Vec3>(r.w1), row.w2 = vec::as<Vec3>(r.w2);
     }
-    if constexpr (reads(kNeeds, Needs::rotation)) {
+    if constexpr (reads(kReads, Reads::rotation)) {
       const auto r = kernel::rotation_row(
           h_, P_.A, S_.A, vec::Quaternion{g[kN - 4], vec::Vector<double>{g[kN - 3], g[kN - 2], g[kN - 1]}});
       row.w1 += vec::as<Vec3>(r.w1), row.w2 += vec::as<Vec3>(r.w2);
@@ -92,9 +92,9 @@ class RelativePair {
   Vec7T<double> y_, yd_, Ct_, Qhat_;
 };
 
-template <Needs kNeeds>
-using StillPair = RelativePair<kNeeds, false>;
-template <Needs kNeeds>
-using MovingPair = RelativePair<kNeeds, true>;
+template <Reads kReads>
+using StillPair = RelativePair<kReads, false>;
+template <Reads kReads>
+using MovingPair = RelativePair<kReads, true>;
 
 }  // namespace lockstep

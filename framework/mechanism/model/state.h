@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "framework/foundation/math/pose.h"
+#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 
@@ -14,11 +15,20 @@ struct State {
   VecX v;  ///< 6 a slot: velocity (world, m/s), angular velocity (slot's axes, rad/s)
   VecX s;  ///< integrated as well, each with a rate: controllers, speed laws, quadratures
   VecX z;  ///< remembered, not integrated: turn counters; written only when a step is accepted
-  std::vector<bool> modes;  ///< which links are in force, by link number; changed only between steps
+  std::vector<bool> modes;    ///< which links are in force, by link number; changed only between steps
+  std::vector<bool> watched;  ///< which unilateral links come into force when they are touched; others: false
 
   Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
   Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
 };
+
+/// q (+) h v: x += h v, e <- e exp(h w). v: 6 per slot, m/s (world) and rad/s (slot axes).
+LOCKSTEP_API void advance(State&, double h, const VecX& v);
+/// Quaternions back to length one.
+LOCKSTEP_API void normalize(State&);
+/// dq/dt at the state's velocities: dx = v, de = (1/2) e w (1.8), of the quaternion as it is, so that the exact flow keeps
+/// its length.
+LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
 /// d/dt of q, v and s, in the same order; the quaternion rates are (1/2) q w.
 struct StateRate {

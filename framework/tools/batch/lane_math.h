@@ -34,6 +34,9 @@ using Q4 = decltype(load4(nullptr, 0));
 
 LOCKSTEP_LANE void store(double* p, std::size_t at, vec::Zero) { store(p, at, V{}); }
 LOCKSTEP_LANE void store(double* p, std::size_t at, vec::One) { store(p, at, V{} + 1.0); }
+LOCKSTEP_LANE void store3(double* p, std::size_t at, const V3& v) {
+  store(p, at, v.x), store(p, at + 1, v.y), store(p, at + 2, v.z);
+}
 template <class X, class Y, class Z>
 LOCKSTEP_LANE void store3(double* p, std::size_t at, const vec::Vector<X, Y, Z>& v) {
   store(p, at, v.x), store(p, at + 1, v.y), store(p, at + 2, v.z);

@@ -16,7 +16,7 @@ struct NodeRows {
   const double *O1, *O2, *markers, *laws;
   double *J1, *J2;
   int m;
-  LOCKSTEP_LANE NodeRows(const Plan& plan, const Node& node, const Numbers& z)
+  LOCKSTEP_LANE NodeRows(const Plan& plan, const Link& node, const Numbers& z)
       : O1(z.body + kLanes * body::size * static_cast<std::size_t>(node.P)),
         O2(z.body + kLanes * body::size * static_cast<std::size_t>(node.S)),
         markers(z.frames + kLanes * node.frames),
@@ -69,7 +69,7 @@ LOCKSTEP_LANE void with_axis(int j, F&& f) {
 
 /// World axes, with the imposed shift d: rows n along the axes of the world (a triple), or of S.
 template <bool kTriple, For kFor, class D>
-LOCKSTEP_LANE void translation(const Node& node, const NodeRows& in, const Numbers& z, const D& d) {
+LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbers& z, const D& d) {
   const auto A1 = in.A1(), A2 = in.A2();
   const auto uP = in.uP();
   const auto B1 = in.in_world(in.O1), B2 = in.in_world(in.O2);
@@ -111,7 +111,7 @@ LOCKSTEP_LANE void translation(const Node& node, const NodeRows& in, const Numbe
 
 /// The imposed shift of a node, in world axes.
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void translation(const Node& node, const NodeRows& in, const Numbers& z) {
+LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbers& z) {
   if (!node.moved) return translation<kTriple, kFor>(node, in, z, kernel::NoShift{});
   const auto R = in.A2() * in.A_S();
   translation<kTriple, kFor>(
@@ -120,7 +120,7 @@ LOCKSTEP_LANE void translation(const Node& node, const NodeRows& in, const Numbe
 }
 
 template <bool kTriple, For kFor, class P, class S, class D>
-LOCKSTEP_LANE void rotation(const Node& node, const NodeRows& in, const Numbers& z, const P& p, const S& m,
+LOCKSTEP_LANE void rotation(const Link& node, const NodeRows& in, const Numbers& z, const P& p, const S& m,
                             const D& d) {
   const auto O1 = in.in_slot(in.O1), O2 = in.in_slot(in.O2);
   const auto e = kernel::rotation_error(O1, O2, p, m, d);
@@ -151,7 +151,7 @@ LOCKSTEP_LANE void rotation(const Node& node, const NodeRows& in, const Numbers&
 }
 
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void rows(const Plan& plan, const Node& node, const Numbers& z) {
+LOCKSTEP_LANE void rows(const Plan& plan, const Link& node, const Numbers& z) {
   const NodeRows in(plan, node, z);
   if (kTriple || node.row[0] < 3) translation<kTriple, kFor>(node, in, z);
   if (kTriple && node.m == 3) return;

@@ -1,0 +1,112 @@
+#include "framework/dynamics/evaluate/evaluation.h"
+
+#include <cmath>
+
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+namespace {
+
+std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+// visit(row, Jh v + Ct), v: of a slot's linear and angular velocity
+template <class Velocity, class Visit>
+void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
+  for (const RowEntry& e : rows.entries) {
+    const RowBlock block = rows.block(e);
+    for (int k = 0; k < e.m; ++k) {
+      double cd = block.Ct(k);
+      for (int i = 0; i < e.slots.n; ++i) {
+        const auto r = block.J(i, k);
+        const auto& [v, w] = velocity(e.slots[i]);
+        cd += r[0] * v[0] + r[1] * v[1] + r[2] * v[2] + r[3] * w[0] + r[4] * w[1] + r[5] * w[2];
+      }
+      visit(e.first_row + k, cd);
+    }
+  }
+}
+
+}  // namespace
+
+const Inputs& StateInputs::at(const System& system, const State& state) {
+  system.motions(state, motions_);
+  in_.t = state.t;
+  in_.motions = motions_;
+  in_.s = view(state.s);
+  in_.z = view(state.z);
+  return in_;
+}
+
+Evaluation::Evaluation(System& system, const State& state) : system_(system) { at(state); }
+
+bool Evaluation::covers(const State& state) const {
+  return system_.ready() && system_.revision() == revision_ && state.modes == modes_;
+}
+
+void Evaluation::lay_out(const State& state) {
+  if (covers(state)) return system_.check_size(state);
+  system_.setup();
+  system_.check_size(state);
+  modes_ = state.modes;
+  system_.lay_out(modes_, rows_);
+  f_.setZero(6 * system_.n_slots());
+  reacting_.clear();
+  for (const auto& force : system_.forces())
+    if (force->reacting() != nullptr) reacting_.push_back(force.get());
+  revision_ = system_.revision();
+}
+
+void Evaluation::at(const State& state) {
+  lay_out(state);
+  const Inputs& in = inputs_.at(system_, state);
+  system_.gather_rows(in, rows_);
+  system_.gather_forces(in, f_);
+}
+
+void Evaluation::check() const { check_finite(system_, inputs(), rows_, f_); }
+
+void Evaluation::residuals(VecX& C, VecX& Cd) const {
+  C.resize(rows_.n_rows), Cd.resize(rows_.n_rows);
+  for (const RowEntry& e : rows_.entries) {
+    const RowBlock block = rows_.block(e);
+    for (int k = 0; k < e.m; ++k) C[e.first_row + k] = block.C(k);
+  }
+  struct Velocity {
+    const Vec3 &v, &w;
+  };
+  for_each_rate(
+      rows_, [&](int slot) { return Velocity{inputs().slot(slot).v, inputs().slot(slot).w}; },
+      [&](int row, double cd) { Cd[row] = cd; });
+}
+
+void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
+  Cd.resize(rows_.n_rows);
+  struct Velocity {
+    const double *v, *w;
+  };
+  for_each_rate(
+      rows_, [&](int slot) { return Velocity{v.data() + 6 * slot, v.data() + 6 * slot + 3}; },
+      [&](int row, double cd) { Cd[row] = cd; });
+}
+
+double Evaluation::norm(const VecX& c) const {
+  double worst = 0;
+  const double L = system_.length();
+  for (const RowEntry& e : rows_.entries)
+    for (int k = 0; k < e.m; ++k) {
+      const RowKind kind = e.kind[static_cast<std::size_t>(k)];
+      const double scale = kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * L : L;
+      const double x = scale * std::abs(c[e.first_row + k]);
+      worst = x > worst || std::isnan(x) ? x : worst;
+    }
+  return worst;
+}
+
+void Evaluation::react(const VecX& lambda, VecX& f) const {
+  const Reactions reactions(rows_, view(lambda));
+  WrenchSum sum(inputs().motions, f);
+  for (const Force* force : reacting_) named(*force, inputs().t, [&] { force->reacting()->react(inputs(), reactions, sum); });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,72 @@
+#include "framework/dynamics/evaluate/factor.h"
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+Factor::Factor(const System& system, const LinearSolver& solver, Formulation formulation, WorkCount& work)
+    : solver_(&solver), work_(&work), assembler_(system, formulation) {}
+
+void Factor::lay_out(const Evaluation& e) {
+  assembler_.lay_out(e.rows(), solver_->reads_rows());
+  factorization_ = solver_->analyse(assembler_.kkt().pattern);
+  revision_ = e.revision();
+  modes_ = e.modes();
+  if (assembler_.direct()) return;
+  for (VecX* x : {&f_, &a_}) x->setZero(assembler_.n());
+  for (VecX* x : {&c_, &lambda_}) x->setZero(assembler_.m());
+}
+
+void Factor::compute(const Evaluation& e) {
+  if (!fits(e)) lay_out(e);
+  assembler_.update(e.rows(), e.inputs().motions);
+  factorization_->compute(assembler_.kkt());
+  ++work_->factors;
+}
+
+SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+  return solve(e, f, c, false, a, lambda);
+}
+
+SolveReport Factor::solve_motion(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+  return solve(e, f, c, true, a, lambda);
+}
+
+SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
+  if (!fits(e))
+    throw ModelError("a factor is asked for a solution with other links in force than it was computed with; compute it anew");
+  assembler_.read(e.rows());
+  SolveReport report;
+  if (assembler_.direct()) {
+    report = factorization_->solve(assembler_.kkt(), f, c, a, lambda);
+  } else {
+    const std::span<const Motion> motions = e.inputs().motions;
+    assembler_.load(f, c, motions, moving, f_, c_);
+    report = factorization_->solve(assembler_.kkt(), f_, c_, a_, lambda_);
+    a.resize(f.size());
+    assembler_.unload(a_, lambda_, motions, e.rows().n_rows, a, lambda);
+  }
+  work_->corrections += report.corrections;
+  return report;
+}
+
+void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const SolveReport& report) const {
+  const double t = e.inputs().t;
+  const auto when = [&] { return "t = " + number(t) + " s: "; };
+  if (!a.allFinite() || !lambda.allFinite()) {
+    e.check();  // names who made it
+    throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
+                             std::string(solver_->name()) +
+                             "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,
+                         t);
+  }
+  if (report.contradictory)
+    throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
+                     " cannot hold together with the others (" + brief(100 * report.residual) +
+                     " % of its right side is left over); two laws may drive one coordinate: "
+                     "look at the drives and masks of this link and its neighbours");
+}
+
+}  // namespace lockstep

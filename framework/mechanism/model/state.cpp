@@ -1,0 +1,26 @@
+#include "framework/mechanism/model/state.h"
+
+namespace lockstep {
+
+void advance(State& state, double h, const VecX& v) {
+  for (int k = 0; 6 * k < v.size(); ++k) {
+    state.q.segment<3>(7 * k) += h * v.segment<3>(6 * k);
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * exponential(Vec3(h * v.segment<3>(6 * k + 3)));
+    state.q.segment<4>(7 * k + 3) = q.coefficients();
+  }
+}
+
+void normalize(State& state) {
+  for (int k = 0; 7 * k < state.q.size(); ++k) state.q.segment<4>(7 * k + 3).normalize();
+}
+
+void kinematic_rate(const State& state, VecX& qd) {
+  qd.resize(state.q.size());
+  for (int k = 0; 7 * k < state.q.size(); ++k) {
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3));
+    qd.segment<3>(7 * k) = state.v.segment<3>(6 * k);
+    qd.segment<4>(7 * k + 3) = rate(q, Vec3(state.v.segment<3>(6 * k + 3))).coefficients();
+  }
+}
+
+}  // namespace lockstep
