@@ -73,13 +73,11 @@ auto still_marker(const Of& of, F m) {
 template <class Of, class F>
 auto moving_marker(const Of& of, F m) {
   using K = KernelInputs;
-  return kernel::Marker{vector(of, [=](const K& in) { return m(in).u; }),
-                        matrix(of, [=](const K& in) { return m(in).A; }),
-                        quaternion(of, [=](const K& in) { return m(in).q; }),
-                        vector(of, [=](const K& in) { return m(in).ud; }),
-                        vector(of, [=](const K& in) { return m(in).udd; }),
-                        vector(of, [=](const K& in) { return m(in).w; }),
-                        vector(of, [=](const K& in) { return m(in).a; })};
+  return kernel::Marker{
+      vector(of, [=](const K& in) { return m(in).u; }),     matrix(of, [=](const K& in) { return m(in).A; }),
+      quaternion(of, [=](const K& in) { return m(in).q; }), vector(of, [=](const K& in) { return m(in).ud; }),
+      vector(of, [=](const K& in) { return m(in).udd; }),   vector(of, [=](const K& in) { return m(in).w; }),
+      vector(of, [=](const K& in) { return m(in).a; })};
 }
 template <class Of>
 auto shift(const Of& of) {
@@ -90,8 +88,9 @@ auto shift(const Of& of) {
 template <class Of>
 auto turn(const Of& of) {
   using K = KernelInputs;
-  return kernel::Turn{quaternion(of, [](const K& in) { return in.D.q; }), matrix(of, [](const K& in) { return in.D.A; }),
-                      vector(of, [](const K& in) { return in.D.w; }), vector(of, [](const K& in) { return in.D.a; })};
+  return kernel::Turn{quaternion(of, [](const K& in) { return in.D.q; }),
+                      matrix(of, [](const K& in) { return in.D.A; }), vector(of, [](const K& in) { return in.D.w; }),
+                      vector(of, [](const K& in) { return in.D.a; })};
 }
 
 /// What is known from its type counts as the number that it is.
@@ -160,8 +159,8 @@ Numbers all_of(const B1& O1, const B2& O2, const P& p, const S& s, const D& d, c
 template <int kLaws, class Of>
 Numbers all_of(const Of& of) {
   using K = KernelInputs;
-  const auto O1 = body(of, [](const K& in) { return in.O1; }), O2 = body(of, [](const K& in) { return in.O2; });
-  const auto P = [](const K& in) { return in.P; }, S = [](const K& in) { return in.S; };
+  const auto O1 = body(of, [](const K&in) { return in.O1; }), O2 = body(of, [](const K&in) { return in.O2; });
+  const auto P = [](const K&in) { return in.P; }, S = [](const K&in) { return in.S; };
   if constexpr (kLaws == 0) return all_of(O1, O2, moving_marker(of, P), moving_marker(of, S), shift(of), turn(of));
   if constexpr (kLaws == 1) return all_of(O1, O2, still_marker(of, P), still_marker(of, S), shift(of), turn(of));
   if constexpr (kLaws == 2)
@@ -204,17 +203,16 @@ void check_lanes(unsigned laws, bool parallel = false) {
 constexpr double kC = 0.8, kS = 0.6;  // a turn
 template <class Z, class O>
 auto flat_body(double x, double y, double c, double s, double half_c, double half_s, double v, double w, Z z, O one) {
-  return kernel::Body{vec::Vector{x, y, z},
-                      vec::Matrix{vec::Vector{c, -s, z}, vec::Vector{s, c, z}, vec::Vector{z, z, one}},
-                      vec::Quaternion{half_c, vec::Vector{z, z, half_s}}, vec::Vector{v, -0.3 * v, z},
-                      vec::Vector{z, z, w}};
+  return kernel::Body{
+      vec::Vector{x, y, z}, vec::Matrix{vec::Vector{c, -s, z}, vec::Vector{s, c, z}, vec::Vector{z, z, one}},
+      vec::Quaternion{half_c, vec::Vector{z, z, half_s}}, vec::Vector{v, -0.3 * v, z}, vec::Vector{z, z, w}};
 }
 template <class Z, class O>
 Numbers in_plane(Z z, O one) {
   const double c = std::sqrt(0.5 * (1 + kC)), s = 0.5 * kS / c;  // of half the turn
   const auto O1 = flat_body(0.3, -0.7, kC, kS, c, s, 1.3, 2.1, z, one);
-  const auto O2 = flat_body(-0.2, 0.4, kS, kC, std::sqrt(0.5 * (1 + kS)), 0.5 * kC / std::sqrt(0.5 * (1 + kS)), -0.9,
-                            0.7, z, one);
+  const auto O2 =
+      flat_body(-0.2, 0.4, kS, kC, std::sqrt(0.5 * (1 + kS)), 0.5 * kC / std::sqrt(0.5 * (1 + kS)), -0.9, 0.7, z, one);
   const auto marker = [&](double x, double y, double c1, double s1) {
     return kernel::Marker{vec::Vector{x, y, z},
                           vec::Matrix{vec::Vector{kC, -kS, z}, vec::Vector{kS, kC, z}, vec::Vector{z, z, one}},

@@ -25,9 +25,7 @@ struct Vector {
   LOCKSTEP_INLINE constexpr Vector(const X& a, const Y& b, const Z& c) : x(a), y(b), z(c) {}
   LOCKSTEP_INLINE constexpr Vector(const Vector& a) : x(a.x), y(a.y), z(a.z) {}
   LOCKSTEP_INLINE constexpr Vector& operator=(const Vector& a) { return x = a.x, y = a.y, z = a.z, *this; }
-  LOCKSTEP_INLINE constexpr const X& operator[](int k) const
-    requires std::is_same_v<X, Y> && std::is_same_v<X, Z>
-  {
+  LOCKSTEP_INLINE constexpr const X& operator[](int k) const requires std::is_same_v<X, Y> && std::is_same_v<X, Z> {
     return k == 0 ? x : k == 1 ? y : z;
   }
 };

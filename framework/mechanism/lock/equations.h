@@ -75,9 +75,9 @@ Row(V, W1, W2) -> Row<V, W1, W2>;
 
 template <class S, class R, class W>
 struct Position {
-  S s;           ///< O2's origin -> P, O2 axes
-  R rho;         ///< S -> P, S axes
-  W sigma_rho;   ///< sigma x rho
+  S s;          ///< O2's origin -> P, O2 axes
+  R rho;        ///< S -> P, S axes
+  W sigma_rho;  ///< sigma x rho
 };
 template <class S, class R, class W>
 Position(S, R, W) -> Position<S, R, W>;

@@ -5,9 +5,9 @@
 // scalar and on the laws that are present. A law that is absent costs nothing; a row that is masked costs no jacobian.
 #pragma once
 
+#include "framework/foundation/math/quaternion.h"
 #include "framework/mechanism/lock/equations.h"
 #include "framework/mechanism/lock/mask.h"
-#include "framework/foundation/math/quaternion.h"
 #include "framework/mechanism/model/inputs.h"
 
 namespace lockstep {
@@ -92,7 +92,7 @@ LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
 /// Whether the marker's origin and its axes move on their body.
 template <bool kSlides, bool kSpins, class T>
 LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
-  return Marker{vec::vector(m.u),           vec::matrix(m.A),             vec::quaternion(m.q),  present<kSlides>(m.ud),
+  return Marker{vec::vector(m.u),        vec::matrix(m.A),     vec::quaternion(m.q), present<kSlides>(m.ud),
                 present<kSlides>(m.udd), present<kSpins>(m.w), present<kSpins>(m.a)};
 }
 /// A marker for the laws of kWith, of which kSlides and kSpins are its own.
@@ -148,9 +148,9 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
       return kernel::translation_row(o1.A, p.u, at.s, n, n2);
     }
   };
-  take(at.rho - d.p, kernel::translation_Ct(o1, o2, p, s, d, at),
-       kernel::translation_Qhat(o1, o2, p, s, d, at, moving), row,
-       [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
+  take(
+      at.rho - d.p, kernel::translation_Ct(o1, o2, p, s, d, at), kernel::translation_Qhat(o1, o2, p, s, d, at, moving),
+      row, [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
 }
 
 /// The same on matrices; rows: bits 0..2 of a Mask say which jacobian rows are wanted.
@@ -160,13 +160,14 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
                                  TranslationRowsT<T>& out) {
   using V = Vec3T<T>;
   const auto take = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
-                        __attribute__((always_inline)) {
+      __attribute__((always_inline)) {
     out.C = vec::as<V>(C), out.Ct = vec::as<V>(Ct), out.Qhat = vec::as<V>(Qhat);
     if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate());
-    kernel::for_rows(rows, 0, [&]<int k>() __attribute__((always_inline)) {
-      const auto r = row(vec::Unit<k>{});
-      out.Jv.row(k) = vec::as<V>(r.v), out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
-    });
+    kernel::for_rows(
+        rows, 0, [&]<int k>() __attribute__((always_inline)) {
+          const auto r = row(vec::Unit<k>{});
+          out.Jv.row(k) = vec::as<V>(r.v), out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+        });
   };
   translation<kWith>(O1, O2, P, S, D, take);
 }
@@ -185,9 +186,10 @@ LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const 
   const auto ed = kernel::rotation_rate(e, w);
   const auto h = 0.5 * e;
   const auto A_SD = s.A * d.A;
-  take(e, kernel::rotation_Ct(e, p, s, d), kernel::rotation_Qhat(e, ed, w),
-       [&](const auto& g) __attribute__((always_inline)) { return kernel::rotation_row(h, p.A, A_SD, g); },
-       [&]() __attribute__((always_inline)) { return ed; });
+  take(
+      e, kernel::rotation_Ct(e, p, s, d), kernel::rotation_Qhat(e, ed, w),
+      [&](const auto& g) __attribute__((always_inline)) { return kernel::rotation_row(h, p.A, A_SD, g); },
+      [&]() __attribute__((always_inline)) { return ed; });
 }
 
 /// The same on matrices; rows: bits 3..5 of a Mask say which jacobian rows are wanted.
@@ -197,14 +199,15 @@ LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const 
                               RotationRowsT<T>& out) {
   using V = Vec3T<T>;
   const auto take = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
-                        __attribute__((always_inline)) {
+      __attribute__((always_inline)) {
     out.e = QuatT<T>::from(e.w, vec::as<V>(e.v));
     out.C = vec::as<V>(e.v), out.Ct = vec::as<V>(Ct.v), out.Qhat = vec::as<V>(Qhat.v);
     if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate().v), out.yd0 = rate().w;
-    kernel::for_rows(rows, 3, [&]<int k>() __attribute__((always_inline)) {
-      const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
-      out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
-    });
+    kernel::for_rows(
+        rows, 3, [&]<int k>() __attribute__((always_inline)) {
+          const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+          out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+        });
     if constexpr (kWith & with::scalar_row) {
       const auto r = row(vec::Quaternion{vec::One{}, vec::None{}});
       out.Ct0 = vec::number<T>(Ct.w), out.Qhat0 = Qhat.w;

@@ -210,28 +210,28 @@ void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out)
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
     const RowBlock block = out.lane(i);
     const auto put = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
-                         __attribute__((always_inline)) {
+        __attribute__((always_inline)) {
       int at = 0;
       const auto values = [&]<int k>() __attribute__((always_inline)) {
         block.C(at) = vec::get<k>(C), block.Qhat(at) = vec::get<k>(Qhat);
         block.Ct(at) = vec::number<double>(vec::get<k>(Ct));
       };
       if constexpr (kWith & with::world_rows) {
-        kernel::for_rows(Mask::xyz, 0, [&]<int k>() __attribute__((always_inline)) {
-          values.template operator()<k>(), ++at;
-        });
+        kernel::for_rows(
+            Mask::xyz, 0, [&]<int k>() __attribute__((always_inline)) { values.template operator()<k>(), ++at; });
         const auto x = row(vec::Unit<0>{}), y = row(vec::Unit<1>{}), z = row(vec::Unit<2>{});
         block.set_R(vec::columns(x.v, y.v, z.v));
         block.set_A(lock.side1_, vec::Matrix{x.w1, y.w1, z.w1});
         block.set_A(lock.side2_, vec::Matrix{x.w2, y.w2, z.w2});
       } else {
-        kernel::for_rows(lock.rows_, 0, [&]<int k>() __attribute__((always_inline)) {
-          values.template operator()<k>();
-          const auto r = row(vec::Unit<k>{});
-          block.set(lock.side1_, at, r.v, vec::numbers<double>(r.w1));
-          block.set(lock.side2_, at, -r.v, vec::numbers<double>(r.w2));
-          ++at;
-        });
+        kernel::for_rows(
+            lock.rows_, 0, [&]<int k>() __attribute__((always_inline)) {
+              values.template operator()<k>();
+              const auto r = row(vec::Unit<k>{});
+              block.set(lock.side1_, at, r.v, vec::numbers<double>(r.w1));
+              block.set(lock.side2_, at, -r.v, vec::numbers<double>(r.w2));
+              ++at;
+            });
       }
     };
     if constexpr (kWith & with::p) D = lock.imposed_translation(in);
@@ -251,16 +251,17 @@ void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
     const RowBlock block = out.lane(i);
     const auto put = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
-                         __attribute__((always_inline)) {
+        __attribute__((always_inline)) {
       int at = first;
-      kernel::for_rows(lock.rows_, 3, [&]<int k>() __attribute__((always_inline)) {
-        block.C(at) = vec::get<k>(e.v), block.Qhat(at) = vec::get<k>(Qhat.v);
-        block.Ct(at) = vec::number<double>(vec::get<k>(Ct.v));
-        const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
-        block.set(lock.side1_, at, Vec3::Zero(), vec::numbers<double>(r.w1));
-        block.set(lock.side2_, at, Vec3::Zero(), vec::numbers<double>(r.w2));
-        ++at;
-      });
+      kernel::for_rows(
+          lock.rows_, 3, [&]<int k>() __attribute__((always_inline)) {
+            block.C(at) = vec::get<k>(e.v), block.Qhat(at) = vec::get<k>(Qhat.v);
+            block.Ct(at) = vec::number<double>(vec::get<k>(Ct.v));
+            const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+            block.set(lock.side1_, at, Vec3::Zero(), vec::numbers<double>(r.w1));
+            block.set(lock.side2_, at, Vec3::Zero(), vec::numbers<double>(r.w2));
+            ++at;
+          });
     };
     if constexpr (kWith & with::qD) D = lock.imposed_rotation(in);
     const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);

@@ -1,8 +1,8 @@
 // MarkerLock in a planar mechanism: the equations of equations.h with everything in the plane or along its normal.
-#include "framework/mechanism/lock/marker_lock.h"
 #include "framework/foundation/support/clones.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/lock/marker_lock.h"
 
 namespace lockstep {
 namespace {
@@ -74,13 +74,12 @@ LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBl
   const auto B1 = body(O1), B2 = body(O2);
   const kernel::Marker P{turned(O1, f.uP), vec::Identity{}, vec::NoTurn{}};
   const auto s0 = turned(O2, f.S[0]), s1 = turned(O2, f.S[1]);
-  const kernel::Marker S{turned(O2, f.uS),
-                         vec::Matrix{in_plane(s0.x, s1.x), in_plane(s0.y, s1.y), vec::Unit<2>{}}, vec::NoTurn{}};
+  const kernel::Marker S{turned(O2, f.uS), vec::Matrix{in_plane(s0.x, s1.x), in_plane(s0.y, s1.y), vec::Unit<2>{}},
+                         vec::NoTurn{}};
   ImposedTranslation law;
   if (laws_ & with::p) law = imposed_translation(in);
   const int a = f.axes[0], b = f.axes[1];
-  const kernel::Shift D{in_plane(law.p[a], law.p[b]), in_plane(law.pd[a], law.pd[b]),
-                        in_plane(law.pdd[a], law.pdd[b])};
+  const kernel::Shift D{in_plane(law.p[a], law.p[b]), in_plane(law.pd[a], law.pd[b]), in_plane(law.pdd[a], law.pdd[b])};
 
   const auto at = kernel::position(B1, B2, P, S);
   const auto C = at.rho - D.p, Ct = kernel::translation_Ct(B1, B2, P, S, D, at);
@@ -109,8 +108,8 @@ LOCKSTEP_INLINE void MarkerLock::flat_turn(const Inputs& in, const Law& D, const
   const int row = f.n_translations, n = f.plane.n;
   const auto along = [](double z) __attribute__((always_inline)) { return Vector{Zero{}, Zero{}, z}; };
   const auto body = [&](const Motion& O) __attribute__((always_inline)) {
-    return kernel::Body{vec::None{}, vec::Identity{}, vec::Quaternion{O.e.w, along(f.sign * O.e.vec()[n])},
-                        vec::None{}, along(f.sign * O.w[n])};
+    return kernel::Body{vec::None{}, vec::Identity{}, vec::Quaternion{O.e.w, along(f.sign * O.e.vec()[n])}, vec::None{},
+                        along(f.sign * O.w[n])};
   };
   const auto B1 = body(in.slot(P_.slot)), B2 = body(in.slot(S_.slot));
   const kernel::Marker P{vec::None{}, vec::Identity{}, vec::Quaternion{f.q[0], along(f.q[1])}};
@@ -141,8 +140,8 @@ LOCKSTEP_FLAT_CLONES void MarkerLock::gather_flat(Group links, const Inputs& in,
     }
     const ImposedRotation D = lock.imposed_rotation(in);
     const auto along = [&](const Vec3& a) { return Vector{Zero{}, Zero{}, a[f.turn_axis]}; };
-    lock.flat_turn(
-        in, kernel::Turn{vec::Quaternion{D.q.w, along(D.q.vec())}, vec::Identity{}, along(D.w), along(D.a)}, block);
+    lock.flat_turn(in, kernel::Turn{vec::Quaternion{D.q.w, along(D.q.vec())}, vec::Identity{}, along(D.w), along(D.a)},
+                   block);
   }
 }
 

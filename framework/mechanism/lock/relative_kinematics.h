@@ -25,9 +25,8 @@ using RelativeKinematics = RelativeKinematicsT<double>;
 
 /// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers at rest on their bodies.
 template <class T>
-inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2,
-                                                  const MarkerMotionT<T>& P, const MarkerMotionT<T>& S, unsigned laws,
-                                                  Reads which = Reads::both) {
+inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                                  const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
   constexpr unsigned kStill = with::rates | with::scalar_row;
   constexpr unsigned kMoving = kStill | with::uP | with::qP | with::uS | with::qS;
   RelativeKinematicsT<T> L;

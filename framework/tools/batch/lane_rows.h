@@ -11,12 +11,12 @@ namespace lockstep::lanes::LOCKSTEP_SET {
 /// What the rows are asked for: the right side Qhat, or what projection moves to zero: C and Ct.
 enum class For { acceleration, projection };
 
-/// The numbers of a node: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (null: the ground).
-struct NodeRows {
+/// The numbers of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (null: the ground).
+struct LinkRows {
   const double *O1, *O2, *markers, *laws;
   double *J1, *J2;
   int m;
-  LOCKSTEP_LANE NodeRows(const Plan& plan, const Link& node, const Numbers& z)
+  LOCKSTEP_LANE LinkRows(const Plan& plan, const Link& node, const Numbers& z)
       : O1(z.body + kLanes * body::size * static_cast<std::size_t>(node.P)),
         O2(z.body + kLanes * body::size * static_cast<std::size_t>(node.S)),
         markers(z.frames + kLanes * node.frames),
@@ -38,7 +38,9 @@ struct NodeRows {
   LOCKSTEP_LANE static auto in_slot(const double* p) {
     return kernel::Body{vec::None{}, vec::Identity{}, load4(p, body::e), vec::None{}, load3(p, body::w)};
   }
-  LOCKSTEP_LANE auto P() const { return kernel::Marker{vec::None{}, load9(markers, frames::AP), load4(markers, frames::qP)}; }
+  LOCKSTEP_LANE auto P() const {
+    return kernel::Marker{vec::None{}, load9(markers, frames::AP), load4(markers, frames::qP)};
+  }
   LOCKSTEP_LANE auto S() const { return kernel::Marker{vec::None{}, A_S(), load4(markers, frames::qS)}; }
   LOCKSTEP_LANE auto turn() const {
     return kernel::Turn{load4(laws, law::q), load9(laws, law::A), load3(laws, law::w), load3(laws, law::a)};
@@ -69,7 +71,7 @@ LOCKSTEP_LANE void with_axis(int j, F&& f) {
 
 /// World axes, with the imposed shift d: rows n along the axes of the world (a triple), or of S.
 template <bool kTriple, For kFor, class D>
-LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbers& z, const D& d) {
+LOCKSTEP_LANE void translation(const Link& node, const LinkRows& in, const Numbers& z, const D& d) {
   const auto A1 = in.A1(), A2 = in.A2();
   const auto uP = in.uP();
   const auto B1 = in.in_world(in.O1), B2 = in.in_world(in.O2);
@@ -81,7 +83,8 @@ LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbe
       return kernel::translation_Qhat(B1, B2, p, m, d, at, kernel::velocity(B1, B2, p, at));
     else
       return at.rho - d.p;
-  }();
+  }
+  ();
   const auto Ct = kernel::translation_Ct(B1, B2, p, m, d, at);
   constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoShift>;
   double* const out = kFor == For::acceleration ? z.c : z.C;
@@ -99,19 +102,20 @@ LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbe
   } else {
     const auto A_S = in.A_S();
     for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k)
-      with_axis(node.row[static_cast<std::size_t>(k)], [&]<int j>() __attribute__((always_inline)) {
-        const auto n2 = A_S * vec::Unit<j>{};
-        const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
-        in.put(0, k, r.v, -r.v), in.put(3, k, r.w1, r.w2);
-        store(out, node.x + static_cast<std::size_t>(k), dot(r.v, c));
-        if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), dot(r.v, Ct));
-      });
+      with_axis(
+          node.row[static_cast<std::size_t>(k)], [&]<int j>() __attribute__((always_inline)) {
+            const auto n2 = A_S * vec::Unit<j>{};
+            const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
+            in.put(0, k, r.v, -r.v), in.put(3, k, r.w1, r.w2);
+            store(out, node.x + static_cast<std::size_t>(k), dot(r.v, c));
+            if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), dot(r.v, Ct));
+          });
   }
 }
 
-/// The imposed shift of a node, in world axes.
+/// The imposed shift of a link, in world axes.
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbers& z) {
+LOCKSTEP_LANE void translation(const Link& node, const LinkRows& in, const Numbers& z) {
   if (!node.moved) return translation<kTriple, kFor>(node, in, z, kernel::NoShift{});
   const auto R = in.A2() * in.A_S();
   translation<kTriple, kFor>(
@@ -120,7 +124,7 @@ LOCKSTEP_LANE void translation(const Link& node, const NodeRows& in, const Numbe
 }
 
 template <bool kTriple, For kFor, class P, class S, class D>
-LOCKSTEP_LANE void rotation(const Link& node, const NodeRows& in, const Numbers& z, const P& p, const S& m,
+LOCKSTEP_LANE void rotation(const Link& node, const LinkRows& in, const Numbers& z, const P& p, const S& m,
                             const D& d) {
   const auto O1 = in.in_slot(in.O1), O2 = in.in_slot(in.O2);
   const auto e = kernel::rotation_error(O1, O2, p, m, d);
@@ -131,7 +135,8 @@ LOCKSTEP_LANE void rotation(const Link& node, const NodeRows& in, const Numbers&
     } else {
       return e.v;
     }
-  }();
+  }
+  ();
   const auto Ct = kernel::rotation_Ct(e, p, m, d).v;
   constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoTurn>;
   double* const out = kFor == For::acceleration ? z.c : z.C;
@@ -141,18 +146,19 @@ LOCKSTEP_LANE void rotation(const Link& node, const NodeRows& in, const Numbers&
   for (int k = kTriple ? 3 : 0; k < node.m; ++k) {
     const int axis = node.row[static_cast<std::size_t>(k)] - 3;
     if (!kTriple && axis < 0) continue;
-    with_axis(axis, [&]<int j>() __attribute__((always_inline)) {
-      const auto r = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, vec::Unit<j>{}});
-      in.put(kTriple ? 0 : 3, k, r.w1, r.w2);
-      store(out, node.x + static_cast<std::size_t>(k), vec::get<j>(c));
-      if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), vec::get<j>(Ct));
-    });
+    with_axis(
+        axis, [&]<int j>() __attribute__((always_inline)) {
+          const auto r = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, vec::Unit<j>{}});
+          in.put(kTriple ? 0 : 3, k, r.w1, r.w2);
+          store(out, node.x + static_cast<std::size_t>(k), vec::get<j>(c));
+          if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), vec::get<j>(Ct));
+        });
   }
 }
 
 template <bool kTriple, For kFor>
 LOCKSTEP_LANE void rows(const Plan& plan, const Link& node, const Numbers& z) {
-  const NodeRows in(plan, node, z);
+  const LinkRows in(plan, node, z);
   if (kTriple || node.row[0] < 3) translation<kTriple, kFor>(node, in, z);
   if (kTriple && node.m == 3) return;
   switch (node.turn) {
