@@ -15,31 +15,43 @@ struct PulledRow {
 
 constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
+/// The marker's motion now: of one without laws, where it is stored.
+template <bool kMoving>
+LOCKSTEP_INLINE decltype(auto) marker_motion(const MarkerFrame& m, [[maybe_unused]] double t) {
+  if constexpr (kMoving)
+    return m.at(t);
+  else
+    return (m.home);
+}
+
 /// kMoving: the markers have laws of their own; without them half of the equations is zero.
 template <Reads kReads, bool kMoving>
 class RelativePair {
  public:
   RelativePair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
-      : O1_(kernel::body(in.slot(P.slot))),
-        O2_(kernel::body(in.slot(S.slot))),
-        P_(marker(P, in.t)),
-        S_(marker(S, in.t)) {
+      : O1_(in.slot(P.slot)),
+        O2_(in.slot(S.slot)),
+        P_(marker_motion<kMoving>(P, in.t)),
+        S_(marker_motion<kMoving>(S, in.t)) {
+    const auto o1 = kernel::body(O1_), o2 = kernel::body(O2_);
+    const auto p = kernel::marker<kMoving, kMoving>(P_), s = kernel::marker<kMoving, kMoving>(S_);
     if constexpr (reads(kReads, Reads::translation)) {
-      const auto at = kernel::position(O1_, O2_, P_, S_);
-      const auto moving = kernel::velocity(O1_, O2_, P_, at);
+      const kernel::NoShift none{};
+      const auto at = kernel::position(o1, o2, p, s);
+      const auto moving = kernel::velocity(o1, o2, p, at);
       s_ = at.s;
-      put<0>(y_, at.rho), put<0>(yd_, kernel::position_rate(S_, at, moving));
-      if constexpr (kMoving) put<0>(Ct_, kernel::translation_Ct(O1_, O2_, P_, S_, kernel::NoShift{}, at));
-      put<0>(Qhat_, kernel::translation_Qhat(O1_, O2_, P_, S_, kernel::NoShift{}, at, moving));
+      put<0>(y_, at.rho), put<0>(yd_, kernel::position_rate(s, at, moving));
+      put<0>(Qhat_, kernel::translation_Qhat(o1, o2, p, s, none, at, moving));
+      if constexpr (kMoving) put<0>(Ct_, kernel::translation_Ct(o1, o2, p, s, none, at));
     }
     if constexpr (reads(kReads, Reads::rotation)) {
       const kernel::NoTurn none{};
-      const auto r = kernel::rotation_error(O1_, O2_, P_, S_, none);
-      const auto w = kernel::angular_velocities(O1_, O2_, P_, S_, none);
+      const auto r = kernel::rotation_error(o1, o2, p, s, none);
+      const auto w = kernel::angular_velocities(o1, o2, p, s, none);
       const auto rd = kernel::rotation_rate(r, w);
       h_ = 0.5 * r;
       put(y_, r), put(yd_, rd), put(Qhat_, kernel::rotation_Qhat(r, rd, w));
-      if constexpr (kMoving) put(Ct_, kernel::rotation_Ct(r, P_, S_, none));
+      if constexpr (kMoving) put(Ct_, kernel::rotation_Ct(r, p, s, none));
     }
   }
 
@@ -53,13 +65,14 @@ class RelativePair {
     constexpr int kFirst = reads(kReads, Reads::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
     PulledRow row;
     if constexpr (reads(kReads, Reads::translation)) {
-      const auto n2 = S_.A * vec::Vector<double>{g[0], g[1], g[2]};
-      const auto r = kernel::translation_row(O1_.A, P_.u, s_, O2_.A * n2, n2);
+      const auto n2 = vec::matrix(S_.A) * vec::Vector{g[0], g[1], g[2]};
+      const auto n = vec::matrix(O2_.A) * n2;
+      const auto r = kernel::translation_row(vec::matrix(O1_.A), vec::vector(P_.u), s_, n, n2);
       row.v = vec::as<Vec3>(r.v), row.w1 = vec::as<Vec3>(r.w1), row.w2 = vec::as<Vec3>(r.w2);
     }
     if constexpr (reads(kReads, Reads::rotation)) {
-      const auto r = kernel::rotation_row(
-          h_, P_.A, S_.A, vec::Quaternion{g[kN - 4], vec::Vector<double>{g[kN - 3], g[kN - 2], g[kN - 1]}});
+      const vec::Quaternion gr{g[kN - 4], vec::Vector{g[kN - 3], g[kN - 2], g[kN - 1]}};
+      const auto r = kernel::rotation_row(h_, vec::matrix(P_.A), vec::matrix(S_.A), gr);
       row.w1 += vec::as<Vec3>(r.w1), row.w2 += vec::as<Vec3>(r.w2);
     }
     if constexpr (kMoving) row.Ct = g.dot(Ct_.template segment<kN>(kFirst));
@@ -68,12 +81,6 @@ class RelativePair {
   }
 
  private:
-  static auto marker(const MarkerFrame& m, double t) {
-    if constexpr (kMoving)
-      return kernel::marker<true, true>(m.at(t));
-    else
-      return kernel::Marker{vec::vector(m.u0), vec::matrix(m.A0), vec::quaternion(m.q0)};
-  }
   template <int kFirst, class V>
   static void put(Vec7T<double>& y, const V& v) {
     y[kFirst] = v.x, y[kFirst + 1] = v.y, y[kFirst + 2] = v.z;
@@ -82,14 +89,13 @@ class RelativePair {
   static void put(Vec7T<double>& y, const vec::Quaternion<W, V>& q) {
     y[3] = q.w, put<4>(y, q.v);
   }
-  using Body = decltype(kernel::body(Motion{}));
-  using Marker = decltype(marker(MarkerFrame{}, 0.0));
 
-  Body O1_, O2_;
-  Marker P_, S_;
-  vec::Vector<double> s_{};
+  const Motion &O1_, &O2_;
+  std::conditional_t<kMoving, MarkerMotion, const MarkerMotion&> P_, S_;
+  vec::Vector<double> s_;
   vec::Quaternion<double, vec::Vector<double>> h_{};
-  Vec7T<double> y_, yd_, Ct_, Qhat_;
+  Vec7T<double> y_, yd_, Qhat_;
+  std::conditional_t<kMoving, Vec7T<double>, vec::Zero> Ct_;
 };
 
 template <Reads kReads>
