@@ -16,3 +16,6 @@
 #else
 #define LOCKSTEP_FLAT_CLONES
 #endif
+
+// Before what a cloned function calls in its loops: always drawn in, so that it is compiled for the caller's set.
+#define LOCKSTEP_INLINE [[gnu::always_inline]] inline

@@ -1,12 +1,13 @@
-// The lock, all of it: C, Ct, rows and right side of one marker pair (theory, (3.8)-(3.12) and (4.10)-(4.14)).
+// The rows of one marker pair in space: C, Ct, Qhat and jacobian of the translational and of the rotational half, by
+// the equations of equations.h on numbers of any kind (double, jet, complex, counting number).
 //
 // Two functions, translation and rotation, so that a joint with one half never pays for the other; templates on the
-// scalar (double, jet, counting number) and on the laws that are present. A law that is absent costs nothing; a row
-// that is masked costs no jacobian.
+// scalar and on the laws that are present. A law that is absent costs nothing; a row that is masked costs no jacobian.
 #pragma once
 
-#include "framework/mechanism/lock/mask.h"
 #include "framework/foundation/math/quaternion.h"
+#include "framework/mechanism/lock/equations.h"
+#include "framework/mechanism/lock/mask.h"
 #include "framework/mechanism/model/inputs.h"
 
 namespace lockstep {
@@ -27,6 +28,7 @@ template <class T>
 struct ImposedTranslationT {
   Vec3T<T> p = Vec3T<T>::Zero(), pd = Vec3T<T>::Zero(), pdd = Vec3T<T>::Zero();
 };
+using ImposedTranslation = ImposedTranslationT<double>;
 /// Imposed rotation q_D(t) of frame D against S (q_sDelta of the paper); A = A(q); w, a: delta, deltad in D axes.
 template <class T>
 struct ImposedRotationT {
@@ -34,6 +36,7 @@ struct ImposedRotationT {
   Mat3T<T> A = Mat3T<T>::Identity();
   Vec3T<T> w = Vec3T<T>::Zero(), a = Vec3T<T>::Zero();
 };
+using ImposedRotation = ImposedRotationT<double>;
 
 /// What the kernel is compiled for. Laws that are present; `parallel`: none on the markers and A_P = A_S = 1; `rates`:
 /// yd = d/dt of the rows' values as well; `scalar_row`: the fourth component of e too (section 7 of the theory);
@@ -72,243 +75,146 @@ struct RotationRowsT {
   Vec3T<T> Jw1_0, Jw2_0;
 };
 
-/// Translational half. rows: bits 0..2 of a Mask say which jacobian rows are wanted.
-template <unsigned kWith, class T>
-inline void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                        const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Mask rows,
-                        TranslationRowsT<T>& out) {
-  using V = Vec3T<T>;
-  constexpr bool kParallel = kWith & with::parallel;
-  static_assert(!kParallel || !(kWith & with::qS), "a marker that turns is not parallel to its body");
-  const T two(2);
-  const auto to_S = [&](const V& b) -> V {  // A_S^T b
-    if constexpr (kParallel)
-      return b;
-    else
-      return S.A.transpose() * b;
-  };
+namespace kernel {
 
-  // (3.8) s = A2^T (x1 + A1 uP - x2),  rho = A_S^T (s - uS),  C = rho - p
-  const V s = O2.A.transpose() * (O1.x + O1.A * P.u - O2.x);
-  const V rho = to_S(s - S.u);
-  if constexpr (kWith & with::p)
-    out.C = rho - D.p;
-  else
-    out.C = rho;
-
-  // (3.9) rows: R^T = A_S^T A2^T | uP x (R^T A1) | -R^T | A_S^T x s
-  for (int k = 0; k < 3; ++k) {
-    if (!has(rows, row_bit(k))) continue;
-    V Rt;
-    if constexpr (kParallel)
-      Rt = O2.A.col(k);
-    else
-      Rt = O2.A * S.A.col(k);
-    out.Jv.row(k) = Rt;
-    if constexpr (kWith & with::world_rows) {  // R times (3.9): 1 | -A1 uP~ | -1 | A2 s~
-      out.Jw1.row(k) = cross(P.u, V(O1.A.row(k).transpose()));
-      out.Jw2.row(k) = cross(V(O2.A.row(k).transpose()), s);
-      continue;
-    }
-    if constexpr (kParallel)
-      out.Jw2.row(k) = Vec3T<T>(k == 0   ? T(0)
-                                : k == 1 ? s[2]
-                                         : -s[1],
-                                k == 1   ? T(0)
-                                : k == 2 ? s[0]
-                                         : -s[2],
-                                k == 2   ? T(0)
-                                : k == 0 ? s[1]
-                                         : -s[0]);
-    else
-      out.Jw2.row(k) = cross(S.A.col(k), s);
-    out.Jw1.row(k) = cross(P.u, V(O1.A.transpose() * Rt));
-  }
-
-  // (3.10) vP = v1 + A1 (w1 x uP + uPd),  sd = A2^T (vP - v2) - w2 x s,  rhod = A_S^T (sd - uSd) - sigma x rho
-  const V w1uP = cross(O1.w, P.u), w2s = cross(O2.w, s);
-  V vP;
-  if constexpr (kWith & with::uP)
-    vP = O1.v + O1.A * (w1uP + P.ud);
-  else
-    vP = O1.v + O1.A * w1uP;
-  const V sd = O2.A.transpose() * (vP - O2.v) - w2s;
-
-  // (3.12) b = w1 x (w1 x uP + 2 uPd) + uPdd,  sdd0 = A2^T A1 b - w2 x (2 sd + w2 x s)
-  V b;
-  if constexpr (kWith & with::uP)
-    b = cross(O1.w, V(w1uP + two * P.ud)) + P.udd;
-  else
-    b = cross(O1.w, w1uP);
-  V sdd = O2.A.transpose() * (O1.A * b) - cross(O2.w, V(two * sd + w2s));
-
-  // rhodd0 = A_S^T (sdd0 - uSdd) - sigma x (2 rhod + sigma x rho) - sigmad x rho,  Qhat = pdd - rhodd0
-  if constexpr (kWith & with::uS) sdd -= S.udd;
-  V rhodd = to_S(sdd);
-  V rhod, sigma_rho;
-  if constexpr (kWith & (with::qS | with::rates)) {
-    if constexpr (kWith & with::uS)
-      rhod = to_S(sd - S.ud);
-    else
-      rhod = to_S(sd);
-  }
-  if constexpr (kWith & with::qS) {
-    sigma_rho = cross(S.w, rho);
-    rhod -= sigma_rho;
-    rhodd -= cross(S.w, V(two * rhod + sigma_rho)) + cross(S.a, rho);
-  }
-  if constexpr (kWith & with::p)
-    out.Qhat = D.pdd - rhodd;
-  else
-    out.Qhat = -rhodd;
-  if constexpr (kWith & with::rates) {
-    if constexpr (kWith & with::p)
-      out.yd = rhod - D.pd;
-    else
-      out.yd = rhod;
-  }
-
-  // (3.11) Ct = R^T A1 uPd - A_S^T uSd - sigma x rho - pd
-  if constexpr (kWith & (with::uP | with::uS | with::qS | with::p)) {
-    if constexpr (kWith & with::uP)
-      out.Ct = to_S(O2.A.transpose() * (O1.A * P.ud));
-    else
-      out.Ct = V::Zero();
-    if constexpr (kWith & with::uS) out.Ct -= to_S(S.ud);
-    if constexpr (kWith & with::qS) out.Ct -= sigma_rho;
-    if constexpr (kWith & with::p) out.Ct -= D.pd;
-  } else {
-    out.Ct = V::Zero();
-  }
-}
-
-namespace kernel_detail {
-/// Row k of (h0 1 + hv~), times A: the jacobian rows (4.12), 15 operations a row.
+/// What the equations take, from Eigen's types.
 template <class T>
-inline Vec3T<T> half_row(int k, const T& h0, const Vec3T<T>& hv) {
-  if (k == 0) return {h0, -hv[2], hv[1]};
-  if (k == 1) return {hv[2], h0, -hv[0]};
-  return {-hv[1], hv[0], h0};
+LOCKSTEP_INLINE auto body(const MotionT<T>& O) {
+  return Body{vec::vector(O.x), vec::matrix(O.A), vec::quaternion(O.e), vec::vector(O.v), vec::vector(O.w)};
 }
-}  // namespace kernel_detail
-
-/// Rotational half. rows: bits 3..5 of a Mask say which jacobian rows are wanted.
+template <bool kPresent, class T>
+LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
+  if constexpr (kPresent)
+    return vec::vector(a);
+  else
+    return vec::None{};
+}
+/// Whether the marker's origin and its axes move on their body.
+template <bool kSlides, bool kSpins, class T>
+LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
+  return Marker{vec::vector(m.u),        vec::matrix(m.A),     vec::quaternion(m.q), present<kSlides>(m.ud),
+                present<kSlides>(m.udd), present<kSpins>(m.w), present<kSpins>(m.a)};
+}
+/// A marker for the laws of kWith, of which kSlides and kSpins are its own.
+template <unsigned kWith, unsigned kSlides, unsigned kSpins, class T>
+LOCKSTEP_INLINE auto marker_for(const MarkerMotionT<T>& m) {
+  static_assert(!(kWith & with::parallel) || !(kWith & kSpins), "a marker that turns is not parallel to its body");
+  if constexpr (kWith & with::parallel)
+    return Marker{vec::vector(m.u), vec::Identity{}, vec::NoTurn{}};
+  else
+    return marker<(kWith & kSlides) != 0, (kWith & kSpins) != 0>(m);
+}
 template <unsigned kWith, class T>
-inline void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P, const MarkerMotionT<T>& S,
-                     const ImposedRotationT<T>& D, Mask rows, RotationRowsT<T>& out) {
+LOCKSTEP_INLINE auto imposed(const ImposedTranslationT<T>& D) {
+  if constexpr (kWith & with::p)
+    return Shift{vec::vector(D.p), vec::vector(D.pd), vec::vector(D.pdd)};
+  else
+    return NoShift{};
+}
+template <unsigned kWith, class T>
+LOCKSTEP_INLINE auto imposed(const ImposedRotationT<T>& D) {
+  if constexpr (kWith & with::qD)
+    return Turn{vec::quaternion(D.q), vec::matrix(D.A), vec::vector(D.w), vec::vector(D.a)};
+  else
+    return NoTurn{};
+}
+/// f<k>() for the axes k = 0, 1, 2 whose bit is in the mask.
+template <class F>
+LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
+  if (has(rows, row_bit(first))) f.template operator()<0>();
+  if (has(rows, row_bit(first + 1))) f.template operator()<1>();
+  if (has(rows, row_bit(first + 2))) f.template operator()<2>();
+}
+
+}  // namespace kernel
+
+/// Translational half: take(C, Ct, Qhat, row, rate), row(k) the jacobian of row k, an Axis<k>, rate() = d/dt C.
+/// What `take` does not ask for is not computed.
+template <unsigned kWith, class T, class Take>
+LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                 const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Take&& take) {
+  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
+  const auto p = kernel::marker_for<kWith, with::uP, with::nothing>(P);
+  const auto s = kernel::marker_for<kWith, with::uS, with::qS>(S);
+  const auto d = kernel::imposed<kWith>(D);
+  const auto at = kernel::position(o1, o2, p, s);
+  const auto moving = kernel::velocity(o1, o2, p, at);
+  const auto row = [&](auto axis) __attribute__((always_inline)) {
+    const auto n2 = s.A * axis, n = o2.A * n2;
+    if constexpr (kWith & with::world_rows) {
+      const auto world = kernel::translation_row(o1.A, p.u, at.s, axis, transpose_times(o2.A, axis));
+      return kernel::Row{n, world.w1, world.w2};
+    } else {
+      return kernel::translation_row(o1.A, p.u, at.s, n, n2);
+    }
+  };
+  take(
+      at.rho - d.p, kernel::translation_Ct(o1, o2, p, s, d, at), kernel::translation_Qhat(o1, o2, p, s, d, at, moving),
+      row, [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
+}
+
+/// The same on matrices; rows: bits 0..2 of a Mask say which jacobian rows are wanted.
+template <unsigned kWith, class T>
+LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                 const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Mask rows,
+                                 TranslationRowsT<T>& out) {
   using V = Vec3T<T>;
-  constexpr bool kParallel = kWith & with::parallel, kScalar = kWith & with::scalar_row;
-  constexpr bool kQD = kWith & with::qD, kQS = kWith & with::qS, kQP = kWith & with::qP;
-  static_assert(!kParallel || !(kQP || kQS), "markers that turn are not parallel to their bodies");
-  const T half(0.5), quarter(0.25);
+  const auto take = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
+      __attribute__((always_inline)) {
+    out.C = vec::as<V>(C), out.Ct = vec::as<V>(Ct), out.Qhat = vec::as<V>(Qhat);
+    if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate());
+    kernel::for_rows(
+        rows, 0, [&]<int k>() __attribute__((always_inline)) {
+          const auto r = row(vec::Unit<k>{});
+          out.Jv.row(k) = vec::as<V>(r.v), out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+        });
+  };
+  translation<kWith>(O1, O2, P, S, D, take);
+}
 
-  // (4.1), (4.2) r = q_S' q_2' q_1 q_P,  e = q_D' r,  C = vec(e)
-  QuatT<T> e = conjugate(O2.e) * O1.e;
-  if constexpr (kQD && kParallel)
-    e = conjugate(D.q) * e;
-  else if constexpr (kQD)
-    e = conjugate(S.q * D.q) * (e * P.q);
-  else if constexpr (!kParallel)
-    e = conjugate(S.q) * (e * P.q);
-  const V ev = e.vec();
-  out.e = e;
-  out.C = ev;
+/// Rotational half: take(C, Ct, Qhat, row, rate), all but the rows quaternions of which C = e; row(g) the jacobian of
+/// g.e, g a quaternion (for row k its k-th unit vector).
+template <unsigned kWith, class T, class Take>
+LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                              const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Take&& take) {
+  const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
+  const auto p = kernel::marker_for<kWith, with::nothing, with::qP>(P);
+  const auto s = kernel::marker_for<kWith, with::nothing, with::qS>(S);
+  const auto d = kernel::imposed<kWith>(D);
+  const auto e = kernel::rotation_error(o1, o2, p, s, d);
+  const auto w = kernel::angular_velocities(o1, o2, p, s, d);
+  const auto ed = kernel::rotation_rate(e, w);
+  const auto h = 0.5 * e;
+  const auto A_SD = s.A * d.A;
+  take(
+      e, kernel::rotation_Ct(e, p, s, d), kernel::rotation_Qhat(e, ed, w),
+      [&](const auto& g) __attribute__((always_inline)) { return kernel::rotation_row(h, p.A, A_SD, g); },
+      [&]() __attribute__((always_inline)) { return ed; });
+}
 
-  // (4.12) Jw1 = +(1/2)(e0 1 + ev~) A_P^T,  Jw2 = -(1/2)(e0 1 - ev~) A_SD^T
-  const T h0 = half * e.w;
-  const V hv = half * ev;
-  Mat3T<T> A_SD;
-  if constexpr (kQD && kParallel)
-    A_SD = D.A;
-  else if constexpr (kQD)
-    A_SD = S.A * D.A;
-  for (int k = 0; k < 3; ++k) {
-    if (!has(rows, row_bit(k + 3))) continue;
-    const V n1 = kernel_detail::half_row<T>(k, h0, hv), n2 = kernel_detail::half_row<T>(k, T(-h0), hv);
-    if constexpr (kParallel)
-      out.Jw1.row(k) = n1;
-    else
-      out.Jw1.row(k) = P.A * n1;
-    if constexpr (kQD)
-      out.Jw2.row(k) = A_SD * n2;
-    else if constexpr (kParallel)
-      out.Jw2.row(k) = n2;
-    else
-      out.Jw2.row(k) = S.A * n2;
-  }
-  if constexpr (kScalar) {
-    if constexpr (kParallel)
-      out.Jw1_0 = -hv;
-    else
-      out.Jw1_0 = -(P.A * hv);
-    if constexpr (kQD)
-      out.Jw2_0 = A_SD * hv;
-    else if constexpr (kParallel)
-      out.Jw2_0 = hv;
-    else
-      out.Jw2_0 = S.A * hv;
-  }
-
-  // (4.10) W_P = A_P^T w1 + pi,  W_S = A_S^T w2 + sigma,  W_D = A_D^T W_S + delta, and their rates with al1 = al2 = 0
-  V WP = O1.w, WD = O2.w, WPd, WDd;
-  if constexpr (!kParallel) WP = P.A.transpose() * O1.w, WD = S.A.transpose() * O2.w;
-  if constexpr (kQP) WPd = P.a - cross(P.w, WP), WP += P.w;
-  if constexpr (kQS) WDd = S.a - cross(S.w, WD), WD += S.w;
-  if constexpr (kQD) {
-    WD = D.A.transpose() * WD;
-    if constexpr (kQS)
-      WDd = D.A.transpose() * WDd + D.a - cross(D.w, WD);
-    else
-      WDd = D.a - cross(D.w, WD);
-    WD += D.w;
-  }
-
-  // e0 a + ev x a + ev x b - e0 b: the vector part of e b' - a e with pure a, b, for (4.11), (4.13), (4.14)
-  const auto turn = [&](const V& a) -> V { return e.w * a + cross(ev, a); };  // vec(e a)
-  const auto back = [&](const V& a) -> V { return e.w * a - cross(ev, a); };  // vec(a e)
-
-  // (4.14) Qhat = vec[ (1/4)(|W_P|^2 + |W_D|^2) e + (1/2) W_D e W_P - (1/2)(e W_P0d - W_D0d e) ]
-  const T k = quarter * (WP.dot(WP) + WD.dot(WD));
-  const V t = turn(WP);
-  const T ev_WP = ev.dot(WP);
-  V mid = cross(WD, t) - ev_WP * WD;
-  T mid0(0);
-  if constexpr (kScalar) mid0 = -WD.dot(t);
-  if constexpr (kQP) {
-    mid -= turn(WPd);
-    if constexpr (kScalar) mid0 += ev.dot(WPd);
-  }
-  if constexpr (kQS || kQD) {
-    mid += back(WDd);
-    if constexpr (kScalar) mid0 -= ev.dot(WDd);
-  }
-  out.Qhat = k * ev + half * mid;
-  if constexpr (kScalar) out.Qhat0 = k * e.w + half * mid0;
-
-  // (4.11) ed = (1/2)(e W_P - W_D e)
-  if constexpr (kWith & with::rates) {
-    out.yd = half * (t - back(WD));
-    out.yd0 = half * (ev.dot(WD) - ev_WP);
-  }
-
-  // (4.13) Ct: (4.11) with w1 = w2 = 0, W_P -> pi, W_D -> A_D^T sigma + delta
-  out.Ct = V::Zero();
-  out.Ct0 = T(0);
-  if constexpr (kQP) {
-    out.Ct = half * turn(P.w);
-    if constexpr (kScalar) out.Ct0 = -half * ev.dot(P.w);
-  }
-  if constexpr (kQS || kQD) {
-    V wD;
-    if constexpr (kQS && kQD)
-      wD = D.A.transpose() * S.w + D.w;
-    else if constexpr (kQS)
-      wD = S.w;
-    else
-      wD = D.w;
-    out.Ct -= half * back(wD);
-    if constexpr (kScalar) out.Ct0 += half * ev.dot(wD);
-  }
+/// The same on matrices; rows: bits 3..5 of a Mask say which jacobian rows are wanted.
+template <unsigned kWith, class T>
+LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                              const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Mask rows,
+                              RotationRowsT<T>& out) {
+  using V = Vec3T<T>;
+  const auto take = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto& rate)
+      __attribute__((always_inline)) {
+    out.e = QuatT<T>::from(e.w, vec::as<V>(e.v));
+    out.C = vec::as<V>(e.v), out.Ct = vec::as<V>(Ct.v), out.Qhat = vec::as<V>(Qhat.v);
+    if constexpr (kWith & with::rates) out.yd = vec::as<V>(rate().v), out.yd0 = rate().w;
+    kernel::for_rows(
+        rows, 3, [&]<int k>() __attribute__((always_inline)) {
+          const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+          out.Jw1.row(k) = vec::as<V>(r.w1), out.Jw2.row(k) = vec::as<V>(r.w2);
+        });
+    if constexpr (kWith & with::scalar_row) {
+      const auto r = row(vec::Quaternion{vec::One{}, vec::None{}});
+      out.Ct0 = vec::number<T>(Ct.w), out.Qhat0 = Qhat.w;
+      out.Jw1_0 = vec::as<V>(r.w1), out.Jw2_0 = vec::as<V>(r.w2);
+    }
+  };
+  rotation<kWith>(O1, O2, P, S, D, take);
 }
 
 }  // namespace lockstep

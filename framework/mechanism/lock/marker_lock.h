@@ -44,6 +44,9 @@ class LOCKSTEP_API MarkerLock : public Lock,
   Mask rows() const override { return rows_; }
   /// with::Bits of the laws present, and of parallel markers; after setup().
   unsigned laws() const { return laws_; }
+  /// Values of all its laws now: moved and driven by, turned and driven by.
+  ImposedTranslation imposed_translation(const Inputs&) const;
+  ImposedRotation imposed_rotation(const Inputs&) const;
   const Marker& p() const { return *p_; }
   const Marker& s() const { return *s_; }
 
@@ -83,11 +86,20 @@ class LOCKSTEP_API MarkerLock : public Lock,
   RowPlan plan_rows() override;
 
  private:
-  friend struct MarkerLockGather;
   void add_drive(Drive drive);
   double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
   void refuse_when_set_up(const std::string& what) const;
-  Quat imposed_turn(const Inputs&) const;
+  LawValue value(const Drive&, const Inputs&) const;
+  template <unsigned kWith>
+  static void gather_translations(Group, const Inputs&, RowSpan out);
+  template <unsigned kWith>
+  static void gather_rotations(Group, const Inputs&, RowSpan out);
+  void gather_all(Group, const Inputs&, RowSpan out) const;
+  void gather_flat(Group, const Inputs&, RowSpan out) const;
+  void refuse_leaving_plane(const Inputs&) const;
+  void flat_translations(const Inputs&, const RowBlock&) const;
+  template <class Law>
+  void flat_turn(const Inputs&, const Law&, const RowBlock&) const;
 
   Marker* p_;
   Marker* s_;
@@ -105,16 +117,17 @@ class LOCKSTEP_API MarkerLock : public Lock,
   unsigned laws_ = 0;         // with::Bits of the laws present
   std::vector<double> speed_start_;
 
-  /// The lock in the plane of a planar mechanism: numbers where the plane's i and j stand for x and y.
+  /// The lock in the plane of a planar mechanism: numbers in the plane's axes i and j, in place of x and y.
   struct Flat {
     Plane plane;
-    int turn_axis = 0;                                    ///< the axis of S and P along the normal
-    bool pair = false;                                    ///< both axes of S in the plane are held
-    int n_translations = 0, axes[2] = {0, 0};             ///< those that are held, and which
-    bool turn = false;                                    ///< the turn is held
-    double uP[2] = {0, 0}, uS[2] = {0, 0}, S[2][2] = {};  ///< origins; axes[k] of S in its slot
-    double sign_P = 1, sign_S = 1;                        ///< of the turn axes along the normal
-    double e[4] = {1, 0, 0, 0};  ///< (e0, e_a) = (e[0] w + e[1] r, e[2] w + e[3] r) of q2' q1 = (w, n r)
+    int turn_axis = 0;                            ///< the axis of S and P along the normal
+    bool pair = false;                            ///< both axes of S in the plane are held
+    int n_translations = 0, axes[2] = {0, 0};     ///< those that are held, and which
+    bool turn = false;                            ///< the turn is held
+    double uP[2] = {0, 0}, uS[2] = {0, 0};        ///< origins
+    double S[2][2] = {};                          ///< axes[k] of S in its slot
+    double sign = 1;                              ///< of the turn axis along the normal
+    double q[2] = {1, 0};                         ///< q_S' q_P: scalar part, and along the turn axis
   } flat_;
 };
 

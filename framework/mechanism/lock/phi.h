@@ -16,7 +16,7 @@
 
 #include "framework/foundation/math/jet.h"
 #include "framework/mechanism/lock/lock.h"
-#include "framework/mechanism/lock/look.h"
+#include "framework/mechanism/lock/relative_kinematics.h"
 #include "framework/mechanism/model/motion_law.h"
 
 namespace lockstep {

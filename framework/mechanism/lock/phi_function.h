@@ -84,7 +84,7 @@ class PhiFunction {
     const MatV H = second_derivatives(y, in, memory, lambda);
     std::array<Eigen::Matrix<double, 7, 6>, 2 * static_cast<std::size_t>(kPairs)> J;
     each_pair([&](auto k) {
-      const LockPoint& L = y[k];
+      const RelativeKinematics& L = y[k];
       J[2 * k] << L.Jv1, L.Jw1;
       J[2 * k + 1] << -L.Jv1, L.Jw2;
       Vec7T<double> phi_y = Vec7T<double>::Zero();
@@ -132,7 +132,7 @@ class PhiFunction {
   struct FramePair {
     MarkerFrame P, S;
   };
-  using Points = std::array<LockPoint, static_cast<std::size_t>(kPairs)>;
+  using Points = std::array<RelativeKinematics, static_cast<std::size_t>(kPairs)>;
   static constexpr int kV = Traits::kVariables;
   using MatV = Eigen::Matrix<double, kV, kV>;
   template <class T>
@@ -165,8 +165,8 @@ class PhiFunction {
     for (int k = 0; k < kPairs; ++k) {
       const FramePair& frames = frames_[static_cast<std::size_t>(k)];
       y[static_cast<std::size_t>(k)] =
-          look(in.slot(frames.P.slot), in.slot(frames.S.slot), frames.P.at(in.t), frames.S.at(in.t), moving_ ? 1u : 0u,
-               Traits::kReads[static_cast<std::size_t>(k)]);
+          relative_kinematics(in.slot(frames.P.slot), in.slot(frames.S.slot), frames.P.at(in.t), frames.S.at(in.t),
+                              moving_ ? 1u : 0u, Traits::kReads[static_cast<std::size_t>(k)]);
     }
     return y;
   }
@@ -200,7 +200,7 @@ class PhiFunction {
     const Points points = look_at(in);
     Coords<Time> y;
     for (std::size_t k = 0; k < y.size(); ++k) {
-      const LockPoint& L = points[k];
+      const RelativeKinematics& L = points[k];
       const auto v = [&](int i) { return Time(L.y[i], L.yd[i], 0); };
       y[k] = {v(0), v(1), v(2), v(3), v(4), v(5), v(6), Time(in.t, 1, 0)};
       expect(y[k], k, in.t, memory);

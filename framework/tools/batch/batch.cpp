@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/lock/marker_lock_gather.h"
+#include "framework/mechanism/lock/marker_lock.h"
 #include "framework/mechanism/model/body_mass.h"
 
 namespace lockstep::lanes {
@@ -128,18 +128,17 @@ void Batch::fill_laws(const double* y, const Numbers8& t) {
   if (!has_laws_) return;
   for (int l = 0; l < kLanes; ++l) {
     const Inputs in = inputs(l, y, t[l]);
-    const MarkerLockGather laws{in};
     for (const Link& node : plan_.links) {
       if (!node.moved && node.turn != Turn::law) continue;
       const auto& lock = static_cast<const MarkerLock&>(
           *systems_[l]->links()[node.link]);
       if (node.moved) {
-        const ImposedTranslationT<double> D = laws.imposed_translation(lock);
+        const ImposedTranslation D = lock.imposed_translation(in);
         put_numbers(law_, node.law + law::p, l, D.p), put_numbers(law_, node.law + law::pd, l, D.pd);
         put_numbers(law_, node.law + law::pdd, l, D.pdd);
       }
       if (node.turn != Turn::law) continue;
-      const ImposedRotationT<double> D = laws.imposed_rotation(lock);
+      const ImposedRotation D = lock.imposed_rotation(in);
       put_numbers(law_, node.law + law::q, l, D.q.coefficients()), put_matrix(law_, node.law + law::A, l, D.A);
       put_numbers(law_, node.law + law::w, l, D.w), put_numbers(law_, node.law + law::a, l, D.a);
     }

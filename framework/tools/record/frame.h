@@ -2,7 +2,7 @@
 #pragma once
 
 #include "framework/dynamics/simulate/observer.h"
-#include "framework/mechanism/lock/look.h"
+#include "framework/mechanism/lock/relative_kinematics.h"
 #include "framework/mechanism/lock/marker_frame.h"
 
 namespace lockstep::channels {

@@ -1,5 +1,5 @@
-// look: the seven raw coordinates of P seen from S, with all that a function of them needs (theory, (7.1)): no imposed
-// law is taken off, the markers' own laws are in.
+// The relative kinematics of a marker pair: the seven coordinates of P as seen from S, with all that a function of them
+// needs (theory, (7.1)). The markers' own laws are in; no imposed law is taken off.
 #pragma once
 
 #include "framework/mechanism/lock/kernel.h"
@@ -11,25 +11,25 @@ using Vec7T = Eigen::Matrix<T, 7, 1>;
 template <class T>
 using Mat73T = Eigen::Matrix<T, 7, 3>;
 
-/// Which coordinates are wanted; the others stay unset and cost nothing.
+/// Which coordinates are wanted; the others stay zero and cost nothing.
 enum class Reads { translation = 1, rotation = 2, both = 3 };
 
 /// y = (x y z | e0 e1 e2 e3): position of P in S axes, relative quaternion r = q_S' q_2' q_1 q_P; yd, partial Ct and
 /// Qhat; jacobians on v1 (world), w1, w2 (slot axes); those on v2 are minus those on v1.
 template <class T>
-struct LockPointT {
+struct RelativeKinematicsT {
   Vec7T<T> y = Vec7T<T>::Zero(), yd = Vec7T<T>::Zero(), Ct = Vec7T<T>::Zero(), Qhat = Vec7T<T>::Zero();
   Mat73T<T> Jv1 = Mat73T<T>::Zero(), Jw1 = Mat73T<T>::Zero(), Jw2 = Mat73T<T>::Zero();
 };
-using LockPoint = LockPointT<double>;
+using RelativeKinematics = RelativeKinematicsT<double>;
 
-/// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers that stand still on their bodies.
+/// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers at rest on their bodies.
 template <class T>
-inline LockPointT<T> look(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                          const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
+inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                                  const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
   constexpr unsigned kStill = with::rates | with::scalar_row;
   constexpr unsigned kMoving = kStill | with::uP | with::qP | with::uS | with::qS;
-  LockPointT<T> L;
+  RelativeKinematicsT<T> L;
   if (unsigned(which) & unsigned(Reads::translation)) {
     TranslationRowsT<T> r;
     if (laws)
