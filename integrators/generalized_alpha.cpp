@@ -28,7 +28,7 @@ constexpr double kSlow = 0.2;        // a worse ratio of two changes asks for a 
 // out -= Jh^T lambda
 void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
   for (const RowEntry& e : rows.entries) {
-    const RowBlock block = rows.block(e);
+    const RowView block = rows.block(e);
     for (int i = 0; i < e.slots.n; ++i)
       for (int k = 0; k < e.m; ++k) {
         const auto r = block.J(i, k);

@@ -252,10 +252,10 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     m.system.setup();
     const State state = m.system.start();
     Dynamics dynamics(m.system, std::make_unique<DenseSolver>());
-    dynamics.gather(state);
+    const Evaluation& at = dynamics.gather(state);
     KktAssembler matrix(m.system, Formulation::quaternion);
-    matrix.lay_out(dynamics.rows(), false);
-    matrix.update(dynamics.rows(), dynamics.inputs().motions);
+    matrix.lay_out(at.rows(), false);
+    matrix.update(at.rows(), at.inputs().motions);
     const KktLink& link = matrix.kkt().pattern.links.front();
     REQUIRE(link.m == 6);
     REQUIRE(link.n_slots == 2);

@@ -14,7 +14,7 @@ class Sample {
   const StepReport& report;
   const System& system() const { return dynamics_.system(); }
   /// a, lambda, rows and inputs at this state; solved at the first call.
-  const Evaluated& values() const {
+  const Solution& values() const {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
@@ -22,7 +22,7 @@ class Sample {
 
  private:
   Dynamics& dynamics_;
-  mutable const Evaluated* values_ = nullptr;
+  mutable const Solution* values_ = nullptr;
 };
 
 class LOCKSTEP_API Observer {

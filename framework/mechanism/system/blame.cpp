@@ -131,7 +131,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& rows, 
                            in.t);
   }
   for (const RowEntry& e : rows.entries) {
-    const RowBlock block = rows.block(e);
+    const RowView block = rows.block(e);
     double sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (std::isfinite(sum)) continue;
