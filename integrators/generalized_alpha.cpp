@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/foundation/support/error.h"
 #include "integrators/increments.h"
 
 namespace lockstep {
@@ -17,9 +15,7 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostIterations = 25;
-constexpr int kFailures = 8;             // tries that cannot be evaluated before the error goes on its way
-constexpr double kSmallestStep = 1e-12;  // of max(|t|, 1 ms)
-constexpr double kNewton = 1e-11;        // of the scene's length and the step's move: what Newton may leave of a step
+constexpr double kNewton = 1e-11;   // of the scene's length and the step's move: what Newton may leave of a step
 constexpr double kStalled = 1e-8;   // of the same and of the first change: what shrinks no more is round-off below this
 constexpr int kMostReactions = 30;  // solutions with friction at the new multipliers
 constexpr double kReactions = 1e-6;  // of its first change: what they may leave; Newton does the rest
@@ -54,10 +50,10 @@ TypeInfo GeneralizedAlpha::type_info() {
           {{"rho_infinity",
             Form::number,
             Unit::none,
-            "0.8",
+            0.8,
             "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
             {}},
-           {"adaptive", Form::boolean, Unit::none, "false", "chooses its steps by the tolerance", {}}}};
+           {"adaptive", Form::boolean, Unit::none, false, "chooses its steps by the tolerance", {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
@@ -67,7 +63,8 @@ std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
   return std::make_unique<GeneralizedAlpha>(rho, params.boolean("adaptive"));
 }
 
-GeneralizedAlpha::GeneralizedAlpha(double rho_infinity, bool adaptive) : rho_(rho_infinity), adaptive_(adaptive) {
+GeneralizedAlpha::GeneralizedAlpha(double rho_infinity, bool adaptive)
+    : AdaptiveStepper(2, adaptive ? std::make_unique<PiControl>(3) : nullptr), rho_(rho_infinity) {
   alpha_m_ = (2 * rho_ - 1) / (1 + rho_);
   alpha_f_ = rho_ / (1 + rho_);
   gamma_ = 0.5 + alpha_f_ - alpha_m_;
@@ -75,64 +72,25 @@ GeneralizedAlpha::GeneralizedAlpha(double rho_infinity, bool adaptive) : rho_(rh
   kappa_ = (1 - alpha_f_) / (1 - alpha_m_);
 }
 
-IntegratorInfo GeneralizedAlpha::info() const { return {"generalized_alpha", 2, true, adaptive_, 3}; }
+IntegratorInfo GeneralizedAlpha::info() const { return {"generalized_alpha", 2, true, !fixed(), 3}; }
 
 void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
-  start_ = end_ = state;
+  AdaptiveStepper::begin(dynamics, state);
   const Eigen::Index n = state.v.size(), n_s = state.s.size();
   for (VecX* v : {&vd_, &a_, &vd1_, &a1_, &a0_, &bend_, &u_, &force_, &zero_, &du_, &al_, &friction_, &friction1_})
     v->setZero(n);
   for (VecX* v : {&sd_, &as_, &sd1_, &as1_, &as0_, &sd_now_}) v->setZero(n_s);
   y_.setZero(n_increments(state));
   rate_ = difference_ = sized_like(state);
-  norm_.set_states(dynamics.system().n_steering_states());
-  norm_.scale(state, 1.0);
-  control_.begin();
   output_.begin(state);
   matrix_.set_residual(1e-6);  // Newton does the rest
   h_ = 0;
 }
 
-StepReport GeneralizedAlpha::step(Dynamics& dynamics, State& state, double h) {
-  StepReport report;
-  copy_motion(state, start_);
-  start_.z = end_.z = state.z;
-  output_.forget();
-  prepare(dynamics);
-  for (int failures = 0;; ++report.rejected) {
-    double factor = 0.5;
-    try {
-      const bool found = solve(dynamics, h);
-      if (!found && !adaptive_) fail(h);
-      if (found && adaptive_) report.error = estimate(h);
-      if (found && report.error <= 1) break;
-      if (found) factor = control_.reject(report.error);
-    } catch (const NonFiniteError&) {
-      if (!adaptive_ || ++failures > kFailures) throw;
-    } catch (const SolveError&) {
-      if (!adaptive_ || ++failures > kFailures) throw;
-    }
-    h *= factor;
-    if (h < kSmallestStep * std::max(std::abs(state.t), 1e-3)) fail(h);
-  }
-  if (adaptive_) report.h_next = h * control_.accept(report.error, report.rejected > 0);
-  dynamics.normalize(end_);
-  report.h = h;
-  report.violation = report.violation_after = dynamics.violation(end_);
-  output_.set(start_, vd_, sd_, end_, vd1_, sd1_);
-  if (report.violation > dynamics.options().stabilization.tolerance)
-    report.violation_after = land_or_throw(dynamics, end_, "generalized_alpha", state.t, h).after;
-  bend_ = (vd1_ - vd_) / h;
-  vd_ = vd1_, a_ = a1_, sd_ = sd1_, as_ = as1_, lambda_ = lambda1_;
-  h_ = h;
-  copy_motion(end_, state);
-  t_ = state.t;
-  return report;
-}
-
 // Consistent accelerations at the start, and wherever the state was moved since the last step (the jump of a law).
-void GeneralizedAlpha::prepare(Dynamics& dynamics) {
-  if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) return;
+double GeneralizedAlpha::start_step(Dynamics& dynamics, double h) {
+  output_.forget();
+  if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) return h;
   const Evaluated& values = dynamics.evaluate(start_);
   vd_ = a_ = values.a;
   lambda_ = values.lambda;
@@ -140,6 +98,38 @@ void GeneralizedAlpha::prepare(Dynamics& dynamics) {
   as_ = sd_;
   h_ = 0;
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());
+  return h;
+}
+
+Attempt GeneralizedAlpha::attempt(Dynamics& dynamics, double h) {
+  Attempt made;
+  const bool found = solve(dynamics, h);
+  if (!found && fixed())
+    newton_failed(h, "another method (--integrator radau5), or look for a singular position (lockstep check)");
+  if (found && !fixed()) made.error = estimate(h);
+  made.accepted = found && made.error <= 1;
+  return made;
+}
+
+// Its end is on the constraints already, but for what Newton left.
+ProjectReport GeneralizedAlpha::project_end(Dynamics& dynamics, State& y) {
+  ProjectReport report;
+  dynamics.normalize(y);
+  report.before = report.after = dynamics.violation(y);
+  if (report.before <= dynamics.options().stabilization.tolerance) return report;
+  const double before = report.before;
+  report = AdaptiveStepper::project_end(dynamics, y);
+  report.before = before;
+  return report;
+}
+
+void GeneralizedAlpha::finish_step(Dynamics& dynamics, StepReport& report) {
+  dynamics.normalize(end_);
+  output_.set(start_, vd_, sd_, end_, vd1_, sd1_);
+  h_ = report.h;
+  t_ = landed_.t;
+  bend_ = (vd1_ - vd_) / h_;
+  vd_ = vd1_, a_ = a1_, sd_ = sd1_, as_ = as1_, lambda_ = lambda1_;
 }
 
 // Newton until theta/(1 - theta) |change| is small. a0 - v0' is h (alpha_m - alpha_f) v0'' + ...: it goes with h.
@@ -151,12 +141,12 @@ bool GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
   sd1_ = sd_;
   lambda1_ = lambda_;
   u_.setZero();
-  place(h);
+  update_end(h);
   double before = 0, first = 0;
   bool anew = true;
   for (int i = 1; i <= kMostIterations; ++i) {
     const double now = correct(dynamics, h, anew);
-    place(h);
+    update_end(h);
     const double theta = i > 1 ? now / before : 0.5;
     if (!std::isfinite(now) || (i > 8 && theta > 2)) return false;
     if (i == 1) first = now;
@@ -199,7 +189,7 @@ void GeneralizedAlpha::filter(Eigen::Ref<VecX> out) {
 }
 
 /// a1 and the state at the end of the step from v1', s1' and u.
-void GeneralizedAlpha::place(double h) {
+void GeneralizedAlpha::update_end(double h) {
   const double m = 1 / (1 - alpha_m_);
   a1_ = m * ((1 - alpha_f_) * vd1_ + alpha_f_ * vd_ - alpha_m_ * a0_);
   as1_ = m * ((1 - alpha_f_) * sd1_ + alpha_f_ * sd_ - alpha_m_ * as0_);
@@ -275,28 +265,14 @@ void GeneralizedAlpha::settle_reactions(Dynamics& dynamics) {
   }
 }
 
-void GeneralizedAlpha::fail(double h) const {
-  throw StepError(
-      fmt::format(
-          "generalized_alpha: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s; take {}, "
-          "another method (--integrator radau5), or look for a singular place (lockstep check)",
-          h, start_.t, adaptive_ ? "a wider tolerance" : "a smaller step (--step)"),
-      start_.t);
-}
-
-double GeneralizedAlpha::first_step(Dynamics& dynamics, const State& state, double largest) {
-  if (!adaptive_) return 0;
-  return guess_first_step(dynamics, state, 2, largest, norm_, rate_, difference_, end_);
-}
-
 void GeneralizedAlpha::save(Snapshot& out) const {
-  control_.save(out);
+  AdaptiveStepper::save(out);
   out.put(h_), out.put(t_);
   for (const VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) out.put_all(*v);
 }
 
 void GeneralizedAlpha::restore(const Snapshot& in) {
-  control_.restore(in);
+  AdaptiveStepper::restore(in);
   h_ = in.get(), t_ = in.get();
   for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) in.get_all(*v);
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());

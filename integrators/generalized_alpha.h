@@ -12,8 +12,7 @@
 #include <memory>
 
 #include "framework/dynamics/evaluate/implicit.h"
-#include "framework/dynamics/integrate/integrator.h"
-#include "framework/dynamics/integrate/step_control.h"
+#include "framework/dynamics/integrate/adaptive_stepper.h"
 #include "framework/mechanism/params/params.h"
 #include "integrators/quintic_output.h"
 
@@ -23,7 +22,7 @@ namespace lockstep {
 /// fast. rho_infinity: what is left of an infinitely stiff mode after a step, 0 (all damped) ... 1 (nothing damped).
 /// Starts from consistent accelerations; a step of another length than the one before rescales a - v'. `adaptive`: it
 /// chooses its steps, by the leading terms of its own error in positions and velocities.
-class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
+class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
@@ -31,10 +30,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
 
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
-  StepReport step(Dynamics&, State&, double h) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
-  void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
-  double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
 
@@ -42,22 +38,20 @@ class LOCKSTEP_API GeneralizedAlpha final : public Integrator {
   const VecX& lambda() const { return lambda_; }  ///< of the end of the last step, one a row; order 2
 
  private:
-  void prepare(Dynamics&);
+  double start_step(Dynamics&, double h) override;
+  Attempt attempt(Dynamics&, double h) override;
+  void finish_step(Dynamics&, StepReport&) override;
+  ProjectReport project_end(Dynamics&, State&) override;
   bool solve(Dynamics&, double h);
-  void place(double h);
+  void update_end(double h);
   double correct(Dynamics&, double h, bool anew);
   void settle_reactions(Dynamics&);
   double estimate(double h);
   void filter(Eigen::Ref<VecX> out);
-  [[noreturn]] void fail(double h) const;
 
   double rho_, alpha_m_, alpha_f_, beta_, gamma_, kappa_;
-  bool adaptive_;
-  ErrorNorm norm_;
-  StepControl control_{3};
   NewtonMatrix matrix_;
   QuinticOutput output_;
-  State start_, end_;
   VecX vd_, a_, sd_, as_, lambda_;       // v', a, s', its own, multipliers at the beginning of the step
   VecX vd1_, a1_, sd1_, as1_, lambda1_;  // and at its end
   VecX a0_, as0_;                        // a_ and as_ for the length of this step

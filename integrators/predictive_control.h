@@ -2,22 +2,19 @@
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 #pragma once
 
-#include "framework/foundation/support/export.h"
-#include "framework/foundation/support/snapshot.h"
+#include "framework/dynamics/integrate/step_control.h"
 
 namespace lockstep {
 
 /// For an estimate that goes with h^4. A step that took many iterations is followed by a more careful one; safety 0.9,
 /// factors 0.2 ... 5, no growth after a rejection.
-class LOCKSTEP_API PredictiveControl {
+class LOCKSTEP_API PredictiveControl final : public StepControl {
  public:
-  void begin() { h_ = 0; }
-  /// Factor for the next step after one of h was accepted with this error (1 = just met) and so many iterations.
-  double accept(double h, double error, int iterations, bool after_rejection);
-  /// Factor for the next try after one was rejected for this error (> 1, or not finite).
-  double reject(double error, int iterations) const;
-  void save(Snapshot& out) const { out.put(h_), out.put(error_); }
-  void restore(const Snapshot& in) { h_ = in.get(), error_ = in.get(); }
+  void begin() override { h_ = 0; }
+  double accept(double h, double error, int iterations, bool after_rejection) override;
+  double reject(double error, int iterations) const override;
+  void save(Snapshot& out) const override { out.put(h_), out.put(error_); }
+  void restore(const Snapshot& in) override { h_ = in.get(), error_ = in.get(); }
 
   static constexpr int kMostIterations = 10;
 

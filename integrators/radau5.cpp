@@ -2,23 +2,17 @@
 // (transformed Newton iteration, its stop rule, error estimate).
 #include "integrators/radau5.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/foundation/support/error.h"
 #include "integrators/increments.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr int kFailures = 8;             // tries whose stages cannot be evaluated before the error goes on its way
-constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
-constexpr double kViolation = 1e-3;      // of the scene's length, before projection
-constexpr double kTurn = 2.5;            // rad a step: the rotation vector must stay well away from a full turn
+constexpr double kTurn = 2.5;  // rad a step: the rotation vector must stay well away from a full turn
 constexpr double kSqrt6 = 2.4494897427831780982;
 
 constexpr double kC[3] = {(4 - kSqrt6) / 10, (4 + kSqrt6) / 10, 1};
@@ -48,33 +42,33 @@ void collocation_weights(double x, double (&w)[3]) {
   }
 }
 
-bool creeps(double t, double h) { return h < 1e-10 * std::max(std::abs(t), 1e-3); }
-
 }  // namespace
 
 TypeInfo Radau5::type_info() {
   return {"radau5",
           "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
-          {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+          {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
 }
 
 std::unique_ptr<Integrator> Radau5::make(const Params& params) {
   return std::make_unique<Radau5>(params.boolean("fixed"));
 }
 
-IntegratorInfo Radau5::info() const { return {"radau5", 5, true, !fixed_, kStages}; }
+Radau5::Radau5(bool fixed) : AdaptiveStepper(3, fixed ? nullptr : std::make_unique<PredictiveControl>()) {
+  set_tolerance({});
+}
+
+IntegratorInfo Radau5::info() const { return {"radau5", 5, true, !fixed(), kStages}; }
 
 void Radau5::begin(Dynamics& dynamics, const State& state) {
-  start_ = stage_ = end_ = landed_ = state;
+  AdaptiveStepper::begin(dynamics, state);
+  stage_ = state;
   rate0_ = rate_ = difference_ = sized_like(state);
   const Eigen::Index n = n_increments(state), n_v = state.v.size();
   for (Columns* c : {&Z_, &W_, &F_, &before_}) c->setZero(n, kStages);
   for (VecX* v : {&f0_, &r_, &r2_, &y_, &y2_, &error_}) v->setZero(n);
   end_rate_v_.setZero(n_v), end_rate_s_.setZero(state.s.size());
   linear_.begin(state);
-  norm_.set_states(dynamics.system().n_steering_states());
-  norm_.scale(state, 1.0);
-  control_.begin();
   output_.begin(state);
   h_before_ = 0;
 }
@@ -83,82 +77,35 @@ void Radau5::begin(Dynamics& dynamics, const State& state) {
 // so estimates up to c tol^-2/5 or c tol^-1/5 tolerances are to pass if the error of a run shall follow the tolerance
 // with slope one. The exponent between them serves both.
 void Radau5::set_tolerance(const Tolerance& tolerance) {
-  norm_.set(fixed_ ? Tolerance{1e-8, 1e-10} : tolerance);
-  loose_ = fixed_ ? 1 : std::max(1.0, 0.12 / std::cbrt(tolerance.relative + tolerance.atol_x));
+  norm_.set(fixed() ? Tolerance{1e-8, 1e-10} : tolerance);
+  loose_ = fixed() ? 1 : std::max(1.0, 0.12 / std::cbrt(tolerance.relative + tolerance.atol_x));
 }
 
-StepReport Radau5::step(Dynamics& dynamics, State& state, double h) {
-  StepReport report;
-  const double smallest = kSmallestStep * std::max(std::abs(state.t), h);
-  int failures = 0;
-  copy_motion(state, start_);
-  start_.z = stage_.z = end_.z = landed_.z = state.z;
+double Radau5::start_step(Dynamics& dynamics, double h) {
+  stage_.z = start_.z;
   output_.forget();
   dynamics.rate(start_, rate0_);
   y_.setZero();
   increment_rates(y_, start_, rate0_, f0_);
-  for (;; ++report.rejected) {
-    Try t;
-    try {
-      careful_ = h_before_ == 0 || report.rejected > 0;
-      t = attempt(dynamics, h);
-      if (t.landed && (fixed_ || t.error <= 1)) {
-        report.h = h;
-        report.error = t.error;
-        report.violation = t.violation;
-        report.violation_after = t.violation_after;
-        if (!fixed_) report.h_next = h * control_.accept(h, t.error, t.iterations, report.rejected > 0);
-        break;
-      }
-    } catch (const NonFiniteError&) {
-      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
-    } catch (const SolveError&) {
-      if (fixed_ || ++failures > kFailures || creeps(state.t, 0.5 * h)) throw;
-    }
-    if (fixed_)
-      throw StepError(fmt::format("radau5: Newton's method found no end for the step of {:.6g} s from t = {:.9g} s; "
-                                  "take a smaller step (--step), or let the method choose it (\"fixed\": false)",
-                                  h, state.t),
-                      state.t);
-    h *= t.shorter;
-    if (h < smallest || state.t + h == state.t)
-      throw StepError(
-          fmt::format("radau5: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; take another method "
-                      "(--integrator), a wider tolerance, or look for a singular place (lockstep check)",
-                      h, state.t, report.rejected + 1),
-          state.t);
-  }
-  finish(report.h);
-  copy_motion(landed_, state);
-  return report;
+  again_ = false;
+  return h;
 }
 
-Radau5::Try Radau5::attempt(Dynamics& dynamics, double h) {
-  Try t;
+Attempt Radau5::attempt(Dynamics& dynamics, double h) {
+  Attempt made;
+  careful_ = std::exchange(again_, true) || h_before_ == 0;
   norm_.scale(start_, rate0_, h, start_);
   guess(h);
   linearize(dynamics, h);
-  if (!solve_stages(dynamics, h, t)) return t;
-  displace(start_, Z_.col(2), end_);
-  end_.t = start_.t + h;
-  if (!fixed_) {
-    t.error = estimate(dynamics, h) / loose_;
-    if (!(t.error <= 1)) {
-      t.shorter = control_.reject(t.error, t.iterations);
-      return t;
-    }
+  if (solve_stages(dynamics, h, made)) {
+    displace(start_, Z_.col(2), end_);
+    end_.t = start_.t + h;
+    if (!fixed()) made.error = estimate(dynamics, h) / loose_;
+    made.accepted = made.error <= 1;
+  } else if (fixed()) {
+    newton_failed(h, "or let the method choose it (\"fixed\": false)");
   }
-  copy_motion(end_, landed_);
-  if (fixed_) {
-    const ProjectReport report = land_or_throw(dynamics, landed_, "radau5", start_.t, h);
-    t.violation = report.before, t.violation_after = report.after, t.landed = true;
-    return t;
-  }
-  const bool projected = dynamics.options().stabilization.kind == Stabilization::Kind::project;
-  const ProjectReport report = land(dynamics, landed_);
-  t.violation = report.before, t.violation_after = report.after;
-  t.landed = !projected || (report.converged && report.before <= kViolation * dynamics.system().length());
-  return t;
+  return made;
 }
 
 // Tangents at the second stage, as far as it is known: the middle of what the three see.
@@ -192,26 +139,26 @@ void Radau5::guess(double h) {
 }
 
 // Newton until theta/(1 - theta) |dZ| is small against the tolerance, IV.8 (8.10), (8.11).
-bool Radau5::solve_stages(Dynamics& dynamics, double h, Try& t) {
+bool Radau5::solve_stages(Dynamics& dynamics, double h, Attempt& made) {
   const double goal = newton_goal();
   double before = 0, theta = 0;
-  for (t.iterations = 1; t.iterations <= PredictiveControl::kMostIterations; ++t.iterations) {
+  for (made.iterations = 1; made.iterations <= PredictiveControl::kMostIterations; ++made.iterations) {
     for (int i = 0; i < kStages; ++i)
       if (largest_turn(Z_.col(i), start_.v.size()) > kTurn) return false;
     evaluate_stages(dynamics, h);
     const double now = correct(h);
     if (!std::isfinite(now)) return false;
     if (now == 0) return true;
-    if (t.iterations > 1) {
+    if (made.iterations > 1) {
       const double ratio = now / before;
-      theta = t.iterations == 2 ? ratio : std::sqrt(theta * ratio);
-      const double left = PredictiveControl::kMostIterations - t.iterations;
+      theta = made.iterations == 2 ? ratio : std::sqrt(theta * ratio);
+      const double left = PredictiveControl::kMostIterations - made.iterations;
       if (theta >= 0.99) return now <= 10 * goal;  // round-off, or no end
       const double remains = theta / (1 - theta) * now;
       if (remains <= goal) return true;
       const double expected = remains * std::pow(theta, left);
       if (expected > goal) {
-        t.shorter = std::clamp(0.8 * std::pow(expected / goal, -1 / (4 + left)), 0.1, 0.8);
+        made.next = h * std::clamp(0.8 * std::pow(expected / goal, -1 / (4 + left)), 0.1, 0.8);
         return false;
       }
     } else if (now <= 1e-2 * goal) {
@@ -260,7 +207,7 @@ double Radau5::size_of(const VecX& y) {
 // In tolerances; kappa = sqrt(tolerance) between round-off and 0.03.
 double Radau5::newton_goal() const {
   const double tolerance = norm_.tolerance().relative + norm_.tolerance().atol_x;
-  if (fixed_) return 1e-3;
+  if (fixed()) return 1e-3;
   return loose_ * std::max(1e-15 / tolerance, std::min(0.03, std::sqrt(loose_ * tolerance)));
 }
 
@@ -283,7 +230,8 @@ double Radau5::estimate(Dynamics& dynamics, double h) {
 
 // The rates at the end are those of the collocation polynomial, h y'(1) = sum (A^-1)_3j Z_j: no stiff term magnifies
 // what Newton left over.
-void Radau5::finish(double h) {
+void Radau5::finish_step(Dynamics&, StepReport& report) {
+  const double h = report.h;
   r_ = row(kEndRate, Z_) / h;
   const Eigen::Index n = start_.v.size();
   end_rate_v_ = r_.segment(n, n);
@@ -294,19 +242,14 @@ void Radau5::finish(double h) {
   t_before_ = start_.t + h;
 }
 
-double Radau5::first_step(Dynamics& dynamics, const State& state, double largest) {
-  if (fixed_) return 0;
-  return guess_first_step(dynamics, state, 3, largest, norm_, rate_, difference_, end_);
-}
-
 void Radau5::save(Snapshot& out) const {
-  control_.save(out);
+  AdaptiveStepper::save(out);
   out.put(h_before_), out.put(t_before_);
   for (int i = 0; i < kStages; ++i) out.put_all(before_.col(i));
 }
 
 void Radau5::restore(const Snapshot& in) {
-  control_.restore(in);
+  AdaptiveStepper::restore(in);
   h_before_ = in.get(), t_before_ = in.get();
   for (int i = 0; i < kStages; ++i) {
     in.get_all(y_);

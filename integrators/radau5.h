@@ -9,8 +9,7 @@
 
 #include <memory>
 
-#include "framework/dynamics/integrate/integrator.h"
-#include "framework/dynamics/integrate/step_control.h"
+#include "framework/dynamics/integrate/adaptive_stepper.h"
 #include "framework/mechanism/params/params.h"
 #include "integrators/linearized_motion.h"
 #include "integrators/predictive_control.h"
@@ -21,55 +20,45 @@ namespace lockstep {
 /// Simplified Newton: one real and one complex factor a step (tangents of forces and constraints at its beginning; the
 /// curvature of the rows is left out, which costs an iteration). Error estimate of order 3 by one more solve, step
 /// control with prediction (Gustafsson 1994), dense output of local order 6. With `fixed` it steps as told.
-class LOCKSTEP_API Radau5 final : public Integrator {
+class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
  public:
   static TypeInfo type_info();
   static std::unique_ptr<Integrator> make(const Params&);
-  explicit Radau5(bool fixed = false) : fixed_(fixed) { set_tolerance({}); }
+  explicit Radau5(bool fixed = false);
 
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
-  StepReport step(Dynamics&, State&, double h) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
   void set_tolerance(const Tolerance&) final;
-  double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
 
  private:
   static constexpr int kStages = 3;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, kStages>;
-  struct Try {
-    double error = 0, violation = 0, violation_after = 0;
-    int iterations = 0;    ///< of Newton's method
-    double shorter = 0.5;  ///< what to make of h when it was not good
-    bool landed = false;   ///< projected, and near enough before
-  };
-
-  Try attempt(Dynamics&, double h);
+  double start_step(Dynamics&, double h) override;
+  Attempt attempt(Dynamics&, double h) override;
+  void finish_step(Dynamics&, StepReport&) override;
   void guess(double h);
   void linearize(Dynamics&, double h);
-  bool solve_stages(Dynamics&, double h, Try&);
+  bool solve_stages(Dynamics&, double h, Attempt&);
   void evaluate_stages(Dynamics&, double h);
   double correct(double h);
   double estimate(Dynamics&, double h);
-  void finish(double h);
   double size_of(const VecX& y);
   double newton_goal() const;
 
-  bool fixed_;
-  ErrorNorm norm_;
   double loose_ = 1;  // errors up to this many tolerances are accepted: see set_tolerance
-  PredictiveControl control_;
   LinearizedMotion linear_;
   QuinticOutput output_;
 
-  State start_, stage_, end_, landed_;  // of the step; its end before and after the projection
+  State stage_;
   StateRate rate0_, rate_, difference_;
   Columns Z_, W_, F_, before_;  // stages, transformed, their rates; stages of the step before
   VecX f0_, r_, r2_, y_, y2_, error_, end_rate_v_, end_rate_s_;
   double h_before_ = 0, t_before_ = 0;  // length and end of the step before; 0: there was none
-  bool careful_ = true;                 // first step, or one after a rejection
+  bool again_ = false;                  // an attempt at this step was rejected
+  bool careful_ = true;                 // so, or the first step of a run
 };
 
 }  // namespace lockstep

@@ -78,12 +78,12 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
   const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
-  if (system.n_steering_states() > 0) {
+  if (system.n_error_controlled_states() > 0) {
     std::string who;
     for (const auto& link : system.links())
-      if (link->n_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
+      if (link->n_own_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
     for (const auto& auxiliary : system.auxiliaries())
-      if (auxiliary->steers() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+      if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
     throw ModelError(
         fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
   }
@@ -164,7 +164,7 @@ const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double 
       left_ = left;
       if (left <= dynamics.options().stabilization.tolerance) return e;
       ready_ = false;
-      blame(h, left);
+      fail(h, left);
     }
     before = left;
     C_ /= -h;
@@ -210,7 +210,7 @@ void Rattle::kick(const Evaluation& e, double h) {
   guess_ = (2 / h) * d_;
 }
 
-void Rattle::blame(double h, double left) const {
+void Rattle::fail(double h, double left) const {
   throw StepError(
       fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s were not found ({:.3g} m of the "
                   "constraints remain); take a smaller step (--step), or, where the mechanism passes a singular "

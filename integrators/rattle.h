@@ -46,7 +46,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   const Evaluation& gather_next(Dynamics&);
   void kick(const Evaluation&, double h);
   bool goes_on_from(const State&) const;
-  [[noreturn]] void blame(double h, double left) const;
+  [[noreturn]] void fail(double h, double left) const;
 
   const RattleScheme& scheme_;
   std::vector<Turning> turning_;

@@ -1,8 +1,6 @@
 // Source of the scheme: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), I.1.2.
 #include "integrators/semi_implicit_euler.h"
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-
 namespace lockstep {
 
 TypeInfo SemiImplicitEuler::type_info() {
@@ -12,26 +10,23 @@ TypeInfo SemiImplicitEuler::type_info() {
 
 IntegratorInfo SemiImplicitEuler::info() const { return {"semi_implicit_euler", 1, false, false, 1}; }
 
-void SemiImplicitEuler::begin(Dynamics&, const State& state) {
+void SemiImplicitEuler::begin(Dynamics& dynamics, const State& state) {
+  AdaptiveStepper::begin(dynamics, state);
   rate_ = sized_like(state);
-  end_ = state;
 }
 
-StepReport SemiImplicitEuler::step(Dynamics& dynamics, State& state, double h) {
-  dynamics.rate(state, rate_);
-  copy_motion(state, end_);
-  end_.z = state.z;
+double SemiImplicitEuler::start_step(Dynamics& dynamics, double h) {
+  dynamics.rate(start_, rate_);
+  return h;
+}
+
+Attempt SemiImplicitEuler::attempt(Dynamics& dynamics, double h) {
+  copy_motion(start_, end_);
   end_.v += h * rate_.v;
   end_.s += h * rate_.s;
   dynamics.advance(end_, h, end_.v);
-  end_.t = state.t + h;
-  const ProjectReport landed = land_or_throw(dynamics, end_, "semi_implicit_euler", state.t, h);
-  take_motion(end_, state);
-  StepReport report;
-  report.h = h;
-  report.violation = landed.before;
-  report.violation_after = landed.after;
-  return report;
+  end_.t = start_.t + h;
+  return {.accepted = true};
 }
 
 }  // namespace lockstep

@@ -7,6 +7,7 @@
 // step. An undamped oscillation must be followed by any method, a mode that is decaying now as well.
 #pragma once
 
+#include "framework/foundation/math/pose.h"
 #include "framework/foundation/support/export.h"
 #include "framework/foundation/support/snapshot.h"
 
@@ -16,12 +17,14 @@ class LOCKSTEP_API StiffnessWatch {
  public:
   /// `limit`: h |lambda| at the end of the method's interval of stability on the negative axis.
   explicit StiffnessWatch(double limit) : limit_(limit) {}
-  void begin() { *this = StiffnessWatch(limit_); }
-  /// The next step is the first of a window.
-  bool fresh() const { return n_ == 0; }
-  /// One accepted step of h: |dv|^2, |da|^2 and da . dv over all bodies, turns as lengths; `change`: of the
-  /// accelerations since the window began, relative.
-  void look(double h, double dv2, double da2, double da_dv, double change);
+  /// Forgets everything; sizes its scratch for so many velocities.
+  void begin(Eigen::Index n_velocities = 0);
+  /// One accepted step of h: velocities at its end less those of a stage at c = 1, the accelerations of that stage and
+  /// of the end. Turns count as lengths, times `length`.
+  void observe(double h, const VecX& dv, const VecX& a_stage, const VecX& a_end, double length);
+  /// The same by its sums |dv|^2, |da|^2 and da . dv over all bodies; `change`: of the accelerations since the window
+  /// began, relative.
+  void add(double h, double dv2, double da2, double da_dv, double change);
   /// Whether damped fast modes limited the last window of 15 steps.
   bool stiff() const { return stiff_; }
   void save(Snapshot& out) const;
@@ -31,6 +34,7 @@ class LOCKSTEP_API StiffnessWatch {
   double limit_;
   double n_ = 0, rate2_ = 0, damped_ = 0;  // steps, and sums over them: (h |lambda|)^2, h times the damped part
   bool stiff_ = false;
+  VecX a_before_;  // at the beginning of the window
 };
 
 }  // namespace lockstep

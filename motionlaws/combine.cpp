@@ -74,46 +74,46 @@ void ShiftedLaw::breakpoints(double t0, double t1, std::vector<double>& out) con
 }
 
 const TypeInfo& SumLaw::info() {
-  static const TypeInfo info{"sum", "y = y_1 + y_2 + ...", {{"laws", Form::laws, Unit::none, "", "the addends"}}};
+  static const TypeInfo info{"sum", "y = y_1 + y_2 + ...", {{"laws", Form::laws, Unit::none, kRequired, "the addends"}}};
   return info;
 }
 
 const TypeInfo& ProductLaw::info() {
-  static const TypeInfo info{"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, "", "the factors"}}};
+  static const TypeInfo info{"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}};
   return info;
 }
 
 const TypeInfo& ScaledLaw::info() {
   static const TypeInfo info{"scale",
                              "y = offset + factor law(t)",
-                             {{"law", Form::law, Unit::none, "", "the law that is scaled"},
-                              {"factor", Form::number, Unit::any, "1", "what its value is multiplied by"},
-                              {"offset", Form::number, Unit::any, "0", "what is added then"}}};
+                             {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
+                              {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
+                              {"offset", Form::number, Unit::any, 0, "what is added then"}}};
   return info;
 }
 
 const TypeInfo& ShiftedLaw::info() {
   static const TypeInfo info{"shift",
                              "y(t) = law(t - delay)",
-                             {{"law", Form::law, Unit::none, "", "the law that is delayed"},
-                              {"delay", Form::number, Unit::time, "", "by how much; negative: sooner"}}};
+                             {{"law", Form::law, Unit::none, kRequired, "the law that is delayed"},
+                              {"delay", Form::number, Unit::time, kRequired, "by how much; negative: sooner"}}};
   return info;
 }
 
 LawPtr<MotionLaw> SumLaw::make(const Params& p) {
-  return built(p, [&] { return sum(p.laws("laws")); });
+  return sum(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ProductLaw::make(const Params& p) {
-  return built(p, [&] { return product(p.laws("laws")); });
+  return product(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ScaledLaw::make(const Params& p) {
-  return built(p, [&] { return scale(p.law("law"), p.number("factor"), p.number("offset")); });
+  return scale(p.law("law"), p.number("factor"), p.number("offset"));
 }
 
 LawPtr<MotionLaw> ShiftedLaw::make(const Params& p) {
-  return built(p, [&] { return shift(p.law("law"), p.number("delay")); });
+  return shift(p.law("law"), p.number("delay"));
 }
 
 }  // namespace lockstep

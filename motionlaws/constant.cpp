@@ -10,12 +10,12 @@ LawValue Constant::at(double) const { return {value_, 0.0, 0.0}; }
 
 const TypeInfo& Constant::info() {
   static const TypeInfo info{
-      "constant", "y = value", {{"value", Form::number, Unit::any, "", "the value, in the unit of what it drives"}}};
+      "constant", "y = value", {{"value", Form::number, Unit::any, kRequired, "the value, in the unit of what it drives"}}};
   return info;
 }
 
 LawPtr<MotionLaw> Constant::make(const Params& p) {
-  return built(p, [&] { return constant(p.number("value")); });
+  return constant(p.number("value"));
 }
 
 }  // namespace lockstep

@@ -36,11 +36,11 @@ const TypeInfo& Fourier::info() {
   static const TypeInfo info{
       "fourier",
       "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
-      {{"omega", Form::number, Unit::angular_speed, "absent", "base circular frequency; this or frequency"},
-       {"frequency", Form::number, Unit::frequency, "absent", "base cycles per second; this or omega"},
-       {"offset", Form::number, Unit::any, "0", "mean value"},
-       {"cosines", Form::numbers, Unit::any, "[]", "a_1, a_2, ..."},
-       {"sines", Form::numbers, Unit::any, "[]", "b_1, b_2, ..."}}};
+      {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},
+       {"frequency", Form::number, Unit::frequency, kOptional, "base cycles per second; this or omega"},
+       {"offset", Form::number, Unit::any, 0, "mean value"},
+       {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ..."},
+       {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ..."}}};
   return info;
 }
 
@@ -48,7 +48,7 @@ LawPtr<MotionLaw> Fourier::make(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return built(p, [&] { return fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")}); });
+  return fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
 }
 
 }  // namespace lockstep

@@ -37,18 +37,18 @@ const TypeInfo& PathLaw::info() {
   static const TypeInfo info = [] {
     TypeInfo i{"path",
                "smooth through points [t, x, y, z] or four columns of a CSV file, in axes of the frame",
-               {{"points", Form::points, Unit::any, "absent", "[[t, x, y, z], ...], times rising; this or file"},
-                {"file", Form::text, Unit::none, "absent", "CSV file in SI units, path from the scene's folder"},
-                {"t_column", Form::text, Unit::none, "\"t\"", "name or number of the column of times"},
-                {"x_column", Form::text, Unit::none, "\"x\"", "name or number of the column of x"},
-                {"y_column", Form::text, Unit::none, "\"y\"", "name or number of the column of y"},
-                {"z_column", Form::text, Unit::none, "\"z\"", "name or number of the column of z"}}};
+               {{"points", Form::points, Unit::any, kOptional, "[[t, x, y, z], ...], times rising; this or file"},
+                {"file", Form::text, Unit::none, kOptional, "CSV file in SI units, path from the scene's folder"},
+                {"t_column", Form::text, Unit::none, "t", "name or number of the column of times"},
+                {"x_column", Form::text, Unit::none, "x", "name or number of the column of x"},
+                {"y_column", Form::text, Unit::none, "y", "name or number of the column of y"},
+                {"z_column", Form::text, Unit::none, "z", "name or number of the column of z"}}};
     add_spline_keys(i.keys);
     for (const char* key : {"start_velocity", "end_velocity"})
-      i.keys.push_back({key, Form::vector3, Unit::speed, "[0, 0, 0]", "velocity at a clamped end"});
+      i.keys.push_back({key, Form::vector3, Unit::speed, Value::List{0, 0, 0}, "velocity at a clamped end"});
     for (const char* key : {"start_acceleration", "end_acceleration"})
       i.keys.push_back(
-          {key, Form::vector3, Unit::acceleration, "[0, 0, 0]", "acceleration at a clamped end of degree 5"});
+          {key, Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "acceleration at a clamped end of degree 5"});
     return i;
   }();
   return info;
@@ -60,9 +60,7 @@ LawPtr<TranslationLaw> PathLaw::make(const Params& p) {
   Columns table = points_of(p, 3, p.text("t_column"), {p.text("x_column"), p.text("y_column"), p.text("z_column")});
   const PathEndValues ends{p.vector3("start_velocity"), p.vector3("end_velocity"), p.vector3("start_acceleration"),
                            p.vector3("end_acceleration")};
-  return built(p, [&]() -> LawPtr<TranslationLaw> {
-    return std::make_shared<const PathLaw>(SplineCurve("path", std::move(table.t), table.y, k, rates_of(ends)));
-  });
+  return std::make_shared<const PathLaw>(SplineCurve("path", std::move(table.t), table.y, k, rates_of(ends)));
 }
 
 }  // namespace lockstep

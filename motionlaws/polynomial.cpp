@@ -27,13 +27,13 @@ LawValue Polynomial::at(double t) const {
 const TypeInfo& Polynomial::info() {
   static const TypeInfo info{"polynomial",
                              "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
-                             {{"coefficients", Form::numbers, Unit::any, "", "c0, c1, c2, ..."},
-                              {"t0", Form::number, Unit::time, "0", "origin of time"}}};
+                             {{"coefficients", Form::numbers, Unit::any, kRequired, "c0, c1, c2, ..."},
+                              {"t0", Form::number, Unit::time, 0, "origin of time"}}};
   return info;
 }
 
 LawPtr<MotionLaw> Polynomial::make(const Params& p) {
-  return built(p, [&] { return polynomial(p.numbers("coefficients"), p.number("t0")); });
+  return polynomial(p.numbers("coefficients"), p.number("t0"));
 }
 
 }  // namespace lockstep

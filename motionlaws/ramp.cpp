@@ -15,14 +15,14 @@ LawValue Ramp::at(double t) const { return {y0_ + slope_ * (t - t0_), slope_, 0.
 const TypeInfo& Ramp::info() {
   static const TypeInfo info{"ramp",
                              "y = y0 + slope (t - t0)",
-                             {{"slope", Form::number, Unit::any, "", "rate of y, its unit per second"},
-                              {"t0", Form::number, Unit::time, "0", "instant at which y = y0"},
-                              {"y0", Form::number, Unit::any, "0", "value at t0"}}};
+                             {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second"},
+                              {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
+                              {"y0", Form::number, Unit::any, 0, "value at t0"}}};
   return info;
 }
 
 LawPtr<MotionLaw> Ramp::make(const Params& p) {
-  return built(p, [&] { return ramp(p.number("slope"), p.number("t0"), p.number("y0")); });
+  return ramp(p.number("slope"), p.number("t0"), p.number("y0"));
 }
 
 }  // namespace lockstep

@@ -44,16 +44,16 @@ void Repeat::breakpoints(double t0, double t1, std::vector<double>& out) const {
 const TypeInfo& Repeat::info() {
   static const TypeInfo info{"repeat",
                              "one period of a law, over and over",
-                             {{"law", Form::law, Unit::none, "", "the law, used from its time 0 to period"},
-                              {"period", Form::number, Unit::time, "", "length of the period"},
-                              {"drift", Form::boolean, Unit::none, "false",
+                             {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period"},
+                              {"period", Form::number, Unit::time, kRequired, "length of the period"},
+                              {"drift", Form::boolean, Unit::none, false,
                                "each period goes on from the value at which the one before ended"},
-                              {"t0", Form::number, Unit::time, "0", "start of a period"}}};
+                              {"t0", Form::number, Unit::time, 0, "start of a period"}}};
   return info;
 }
 
 LawPtr<MotionLaw> Repeat::make(const Params& p) {
-  return built(p, [&] { return repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")}); });
+  return repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
 }
 
 }  // namespace lockstep

@@ -50,10 +50,10 @@ namespace {
 TypeInfo rise_info(const char* name, const char* help) {
   return {name,
           help,
-          {{"rise", Form::number, Unit::any, "", "h, what y gains; may be negative"},
-           {"duration", Form::number, Unit::time, "", "T, time that the rise takes"},
-           {"t0", Form::number, Unit::time, "0", "start of the rise"},
-           {"y0", Form::number, Unit::any, "0", "value before"}}};
+          {{"rise", Form::number, Unit::any, kRequired, "h, what y gains; may be negative"},
+           {"duration", Form::number, Unit::time, kRequired, "T, time that the rise takes"},
+           {"t0", Form::number, Unit::time, 0, "start of the rise"},
+           {"y0", Form::number, Unit::any, 0, "value before"}}};
 }
 
 RiseSettings rise_settings(const Params& p) {
@@ -78,15 +78,15 @@ const TypeInfo& HarmonicRise::info() {
 }
 
 LawPtr<MotionLaw> Poly345::make(const Params& p) {
-  return built(p, [&] { return poly345(rise_settings(p)); });
+  return poly345(rise_settings(p));
 }
 
 LawPtr<MotionLaw> Cycloid::make(const Params& p) {
-  return built(p, [&] { return cycloid(rise_settings(p)); });
+  return cycloid(rise_settings(p));
 }
 
 LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {
-  return built(p, [&] { return harmonic_rise(rise_settings(p)); });
+  return harmonic_rise(rise_settings(p));
 }
 
 }  // namespace lockstep

@@ -44,36 +44,36 @@ const TypeInfo& ConstantRotation::info() {
   static const TypeInfo info{
       "constant",
       "a fixed orientation",
-      {{"orientation", Form::orientation, Unit::none, "", "the orientation, against the frame"}}};
+      {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation, against the frame"}}};
   return info;
 }
 
 const TypeInfo& AxisRotation::info() {
   static const TypeInfo info{"axis_rotation",
                              "turn about an axis by a scalar law",
-                             {{"axis", Form::axis, Unit::none, "", "direction, in axes of the frame"},
-                              {"law", Form::law, Unit::none, "", "scalar law of the angle"}}};
+                             {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+                              {"law", Form::law, Unit::none, kRequired, "scalar law of the angle"}}};
   return info;
 }
 
 const TypeInfo& RotationProduct::info() {
   static const TypeInfo info{"product",
                              "two rotations one after the other, q = q1 q2",
-                             {{"first", Form::rotation_law, Unit::none, "", "q1, against the frame"},
-                              {"second", Form::rotation_law, Unit::none, "", "q2, about the axes turned by q1"}}};
+                             {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame"},
+                              {"second", Form::rotation_law, Unit::none, kRequired, "q2, about the axes turned by q1"}}};
   return info;
 }
 
 LawPtr<RotationLaw> ConstantRotation::make(const Params& p) {
-  return built(p, [&] { return constant_rotation(p.orientation("orientation")); });
+  return constant_rotation(p.orientation("orientation"));
 }
 
 LawPtr<RotationLaw> AxisRotation::make(const Params& p) {
-  return built(p, [&] { return axis_rotation(p.vector3("axis"), p.law("law")); });
+  return axis_rotation(p.vector3("axis"), p.law("law"));
 }
 
 LawPtr<RotationLaw> RotationProduct::make(const Params& p) {
-  return built(p, [&] { return rotation_product(p.rotation_law("first"), p.rotation_law("second")); });
+  return rotation_product(p.rotation_law("first"), p.rotation_law("second"));
 }
 
 }  // namespace lockstep

@@ -76,17 +76,17 @@ void Sequence::breakpoints(double t0, double t1, std::vector<double>& out) const
 const TypeInfo& Sequence::info() {
   static const TypeInfo info{"sequence",
                              "laws one after another, each on its own time from 0",
-                             {{"durations", Form::numbers, Unit::time, "", "how long each law runs"},
-                              {"laws", Form::laws, Unit::none, "", "as many laws"},
-                              {"continue", Form::boolean, Unit::none, "false",
+                             {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
+                              {"laws", Form::laws, Unit::none, kRequired, "as many laws"},
+                              {"continue", Form::boolean, Unit::none, false,
                                "each law goes on from the value at which the one before ended"},
                               {"outside",
                                Form::choice,
                                Unit::none,
-                               "\"hold\"",
+                               "hold",
                                "before and after: value held, or first and last law run on",
                                {"hold", "run_on"}},
-                              {"t0", Form::number, Unit::time, "0", "start of the first law"}}};
+                              {"t0", Form::number, Unit::time, 0, "start of the first law"}}};
   return info;
 }
 
@@ -98,9 +98,7 @@ LawPtr<MotionLaw> Sequence::make(const Params& p) {
                               " laws; give one each");
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
-  return built(p, [&] {
-    return sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
-  });
+  return sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
 }
 
 }  // namespace lockstep

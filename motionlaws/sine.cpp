@@ -24,11 +24,11 @@ const TypeInfo& Sine::info() {
   static const TypeInfo info{
       "sine",
       "y = offset + amplitude sin(omega t + phase)",
-      {{"amplitude", Form::number, Unit::any, "1", "half of the swing, in the unit of what it drives"},
-       {"omega", Form::number, Unit::angular_speed, "absent", "circular frequency; this or frequency"},
-       {"frequency", Form::number, Unit::frequency, "absent", "cycles per second; this or omega"},
-       {"phase", Form::number, Unit::angle, "0", "angle at t = 0"},
-       {"offset", Form::number, Unit::any, "0", "mean value"}}};
+      {{"amplitude", Form::number, Unit::any, 1, "half of the swing, in the unit of what it drives"},
+       {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
+       {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
+       {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
+       {"offset", Form::number, Unit::any, 0, "mean value"}}};
   return info;
 }
 
@@ -36,7 +36,7 @@ LawPtr<MotionLaw> Sine::make(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return built(p, [&] { return sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")}); });
+  return sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
 }
 
 }  // namespace lockstep

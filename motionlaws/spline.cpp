@@ -38,15 +38,15 @@ const TypeInfo& Spline::info() {
   static const TypeInfo info = [] {
     TypeInfo i{"spline",
                "smooth through points [t, y] or two columns of a CSV file",
-               {{"points", Form::points, Unit::any, "absent", "[[t, y], ...], times rising; this or file"},
-                {"file", Form::text, Unit::none, "absent", "CSV file in SI units, path from the scene's folder"},
-                {"t_column", Form::text, Unit::none, "\"t\"", "name or number of the column of times"},
-                {"y_column", Form::text, Unit::none, "\"y\"", "name or number of the column of values"}}};
+               {{"points", Form::points, Unit::any, kOptional, "[[t, y], ...], times rising; this or file"},
+                {"file", Form::text, Unit::none, kOptional, "CSV file in SI units, path from the scene's folder"},
+                {"t_column", Form::text, Unit::none, "t", "name or number of the column of times"},
+                {"y_column", Form::text, Unit::none, "y", "name or number of the column of values"}}};
     add_spline_keys(i.keys);
     for (const char* key : {"start_rate", "end_rate"})
-      i.keys.push_back({key, Form::number, Unit::any, "0", "yd at a clamped end"});
+      i.keys.push_back({key, Form::number, Unit::any, 0, "yd at a clamped end"});
     for (const char* key : {"start_acceleration", "end_acceleration"})
-      i.keys.push_back({key, Form::number, Unit::any, "0", "ydd at a clamped end of degree 5"});
+      i.keys.push_back({key, Form::number, Unit::any, 0, "ydd at a clamped end of degree 5"});
     return i;
   }();
   return info;
@@ -58,9 +58,7 @@ LawPtr<MotionLaw> Spline::make(const Params& p) {
   Columns table = points_of(p, 1, p.text("t_column"), {p.text("y_column")});
   const SplineEndRates rates = rates_of(
       {p.number("start_rate"), p.number("end_rate"), p.number("start_acceleration"), p.number("end_acceleration")});
-  return built(p, [&]() -> LawPtr<MotionLaw> {
-    return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
-  });
+  return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
 }
 
 }  // namespace lockstep

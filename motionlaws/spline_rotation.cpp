@@ -76,7 +76,7 @@ const TypeInfo& SplineRotation::info() {
     TypeInfo i{
         kLaw,
         "smooth through given orientations",
-        {{"points", Form::any, Unit::none, "", "[[t, orientation], ...], times rising, orientations as everywhere"}}};
+        {{"points", Form::any, Unit::none, kRequired, "[[t, orientation], ...], times rising, orientations as everywhere"}}};
     add_spline_keys(i.keys);
     return i;
   }();
@@ -94,7 +94,7 @@ LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
     const double t = read_number((*point.list())[0], Unit::time, place);
     points.emplace_back(t, read_orientation((*point.list())[1], place));
   }
-  return built(p, [&] { return spline_rotation(points, spline_settings(p)); });
+  return spline_rotation(points, spline_settings(p));
 }
 
 }  // namespace lockstep

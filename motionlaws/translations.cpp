@@ -45,38 +45,38 @@ void AlongLaw::breakpoints(double t0, double t1, std::vector<double>& out) const
 
 const TypeInfo& ConstantTranslation::info() {
   static const TypeInfo info{
-      "constant", "x = value", {{"value", Form::vector3, Unit::length, "", "the translation, in axes of the frame"}}};
+      "constant", "x = value", {{"value", Form::vector3, Unit::length, kRequired, "the translation, in axes of the frame"}}};
   return info;
 }
 
 const TypeInfo& ComponentsLaw::info() {
   static const TypeInfo info{"components",
                              "a scalar law for each component, in axes of the frame",
-                             {{"x", Form::law, Unit::none, "0", "law of x"},
-                              {"y", Form::law, Unit::none, "0", "law of y"},
-                              {"z", Form::law, Unit::none, "0", "law of z"}}};
+                             {{"x", Form::law, Unit::none, 0, "law of x"},
+                              {"y", Form::law, Unit::none, 0, "law of y"},
+                              {"z", Form::law, Unit::none, 0, "law of z"}}};
   return info;
 }
 
 const TypeInfo& AlongLaw::info() {
   static const TypeInfo info{"along",
                              "x = origin + axis law(t)",
-                             {{"axis", Form::axis, Unit::none, "", "direction, in axes of the frame"},
-                              {"law", Form::law, Unit::none, "", "scalar law of the way"},
-                              {"origin", Form::vector3, Unit::length, "[0, 0, 0]", "where the way is zero"}}};
+                             {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+                              {"law", Form::law, Unit::none, kRequired, "scalar law of the way"},
+                              {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the way is zero"}}};
   return info;
 }
 
 LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
-  return built(p, [&] { return constant_translation(p.vector3("value")); });
+  return constant_translation(p.vector3("value"));
 }
 
 LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {
-  return built(p, [&] { return components(p.law("x"), p.law("y"), p.law("z")); });
+  return components(p.law("x"), p.law("y"), p.law("z"));
 }
 
 LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
-  return built(p, [&] { return along(p.vector3("axis"), p.law("law"), p.vector3("origin")); });
+  return along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
 }
 
 }  // namespace lockstep

@@ -66,12 +66,12 @@ const TypeInfo& Trapezoid::info() {
   static const TypeInfo info{
       "trapezoid",
       "speed that rises, stays and falls linearly, over a distance; held outside",
-      {{"distance", Form::number, Unit::any, "", "what y gains; may be negative"},
-       {"speed", Form::number, Unit::any, "absent", "largest speed; two of speed, acceleration, duration"},
-       {"acceleration", Form::number, Unit::any, "absent", "size of the acceleration while it is not zero"},
-       {"duration", Form::number, Unit::time, "absent", "time that the whole takes"},
-       {"t0", Form::number, Unit::time, "0", "start"},
-       {"y0", Form::number, Unit::any, "0", "value before"}}};
+      {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative"},
+       {"speed", Form::number, Unit::any, kOptional, "largest speed; two of speed, acceleration, duration"},
+       {"acceleration", Form::number, Unit::any, kOptional, "size of the acceleration while it is not zero"},
+       {"duration", Form::number, Unit::time, kOptional, "time that the whole takes"},
+       {"t0", Form::number, Unit::time, 0, "start"},
+       {"y0", Form::number, Unit::any, 0, "value before"}}};
   return info;
 }
 
@@ -82,10 +82,8 @@ LawPtr<MotionLaw> Trapezoid::make(const Params& p) {
     if (!(value > 0)) p.refuse(key, "is " + number(value) + "; must be above 0");
     return value;
   };
-  return built(p, [&] {
-    return trapezoid({p.number("distance"), given("speed"), given("acceleration"), given("duration"), p.number("t0"),
-                      p.number("y0")});
-  });
+  return trapezoid({p.number("distance"), given("speed"), given("acceleration"), given("duration"), p.number("t0"),
+                    p.number("y0")});
 }
 
 }  // namespace lockstep

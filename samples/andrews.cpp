@@ -24,7 +24,7 @@ Run run_with(const std::string& integrator, const Registry& registry) {
   Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry));
   State start = mechanism.system.start();
   assemble(dynamics, start);
-  Simulation run(dynamics, make_integrator(mechanism.run, registry),
+  StepLoop run(dynamics, make_integrator(mechanism.run, registry),
                  {.tolerance = mechanism.run.tolerance, .output = mechanism.run.output});
   run.set_state(start);
   run.add_observer(*recorder);

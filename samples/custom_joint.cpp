@@ -9,11 +9,11 @@
 
 using namespace lockstep;
 
-namespace {
+namespace mine {
 
 /// phi = z - lead * turns. The whole joint: constraint, row, Ct and right side follow from it.
 struct ScrewThread {
-  double lead;  // m a turn
+  double lead;  // m per turn
   static constexpr bool kCountsTurns = true;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
@@ -21,7 +21,7 @@ struct ScrewThread {
   }
 };
 
-/// Free: turning about z of S, advancing along it by the lead a turn.
+/// Free: turning about z of S, advancing along it by the lead per turn.
 class Screw final : public PhiLock<ScrewThread> {
  public:
   Screw(std::string name, Marker& p, Marker& s, double lead)
@@ -29,18 +29,18 @@ class Screw final : public PhiLock<ScrewThread> {
   std::string_view type() const override { return "screw"; }
 };
 
-}  // namespace
+}  // namespace mine
 
 int main() {
   const double m = 2, J = 0.004, lead = 0.1, g = 9.81, k = kTwoPi / lead;
   System sys({.gravity = {0, 0, -g}});
   Body& nut = sys.add_body("nut", MassProperties{m, Vec3::Zero(), Vec3(0.003, 0.003, J).asDiagonal()});
-  sys.add<Screw>("thread", nut, sys.ground(), at({0, 0, 0}), lead);
+  sys.add<mine::Screw>("thread", nut, sys.ground(), at({0, 0, 0}), lead);
 
   Recorder recorder(
       sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
   run.add_observer(recorder);
   run.run_until(2.0);
 

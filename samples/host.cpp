@@ -33,7 +33,7 @@ int main() {
     Dynamics dynamics(sys, registry.solvers.make("schur", Params{}, &registry, "host"));
     State start = sys.start();
     assemble(dynamics, start);
-    Simulation run(dynamics, registry.integrators.make("dopri5", Params{}, &registry, "host"), {.output = 0.01});
+    StepLoop run(dynamics, registry.integrators.make("dopri5", Params{}, &registry, "host"), {.output = 0.01});
     run.set_state(start);
     run.add_observer(recorder);
     run.run_until(2.0);

@@ -28,7 +28,7 @@ int main() {
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
-  Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 5e-3});
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 5e-3});
   run.set_state(start);
   run.add_observer(recorder);
   run.run_until(kTwoPi / w);

@@ -15,7 +15,7 @@ int main() {
 
   Recorder recorder(sys, {"rod.angle_z", "hinge.force_on_p_world_x", "hinge.force_on_p_world_y", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});
   run.add_observer(recorder);
 
   // The rod is back at rest where it began: its angular velocity about z (of the only slot) falls through zero again.

@@ -22,7 +22,7 @@ Table run(samples::Arm& arm) {
   Dynamics dynamics(arm.sys, std::make_unique<SchurSolver>());
   State start = arm.sys.start();
   assemble(dynamics, start);
-  Simulation simulation(dynamics, std::make_unique<Rk4>(), {.step = kStep, .output = kStep});
+  StepLoop simulation(dynamics, std::make_unique<Rk4>(), {.step = kStep, .output = kStep});
   simulation.set_state(start);
   simulation.add_observer(recorder);
   simulation.run_until(kEnd);

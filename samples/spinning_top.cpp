@@ -21,7 +21,7 @@ int main() {
 
   Recorder recorder(sys, {"top.center_x", "top.center_y", "top.center_z", "energy.total", "angular_momentum.z"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
   run.add_observer(recorder);
   run.run_until(5.0);
 

@@ -8,7 +8,7 @@ foreach(folder motionlaws integrators)
     target_link_libraries(lockstep_${folder} INTERFACE lockstep_core)
   else()
     add_library(lockstep_${folder} SHARED ${folder_sources})
-    target_link_libraries(lockstep_${folder} PUBLIC lockstep_core PRIVATE lockstep_own nlohmann_json::nlohmann_json)
+    target_link_libraries(lockstep_${folder} PUBLIC lockstep_core PRIVATE lockstep_own)
     target_link_options(lockstep_${folder} PRIVATE
                         "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
     set_target_properties(lockstep_${folder} PROPERTIES

@@ -22,7 +22,9 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/framework/version.h
 
 install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
-install(FILES framework/description/scene/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
+if(NOT CMAKE_CROSSCOMPILING)  # the program writes it when it is built
+  install(FILES ${PROJECT_BINARY_DIR}/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
+endif()
 install(FILES LICENSE README.md framework/CHANGELOG.md framework/mechanism/lock/THEORY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 

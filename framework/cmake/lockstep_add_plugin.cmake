@@ -3,19 +3,11 @@
 include_guard(GLOBAL)
 include(GNUInstallDirs)
 
-# lockstep_seal_plugin(target): writes a checksum into the module after each link, by which the loader knows a damaged
-# file. It survives `strip`, not a changed run path: hence BUILD_WITH_INSTALL_RPATH.
-function(lockstep_seal_plugin name)
-  if(CMAKE_CROSSCOMPILING)
-    return()  # the program is for another machine; an unsealed plugin is loaded too
+# A name that no library defines is an error of the link, not of the first run. Sanitizers leave their own to the program.
+function(lockstep_refuse_undefined target)
+  if(NOT "${CMAKE_CXX_FLAGS} ${CMAKE_MODULE_LINKER_FLAGS}" MATCHES "-fsanitize")
+    target_link_options(${target} PRIVATE LINKER:-z,defs)
   endif()
-  foreach(program lockstep_program lockstep::program)  # of this tree, or installed
-    if(TARGET ${program})
-      add_custom_command(TARGET ${name} POST_BUILD VERBATIM
-                         COMMAND ${program} plugins seal $<TARGET_FILE:${name}>)
-      return()
-    endif()
-  endforeach()
 endfunction()
 
 function(lockstep_add_plugin name)
@@ -25,11 +17,11 @@ function(lockstep_add_plugin name)
   add_library(${name} MODULE ${ARGN})
   target_link_libraries(${name} PRIVATE lockstep::lockstep $<TARGET_NAME_IF_EXISTS:lockstep_own>)
   target_compile_options(${name} PRIVATE -ffp-contract=off)
+  lockstep_refuse_undefined(${name})
   set_target_properties(${name} PROPERTIES
     PREFIX "" SUFFIX ".so" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON CXX_EXTENSIONS OFF
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/plugins
     INSTALL_RPATH "$ORIGIN/../..;$ORIGIN/../lib" INSTALL_RPATH_USE_LINK_PATH ON BUILD_WITH_INSTALL_RPATH ON)
-  lockstep_seal_plugin(${name})
   set_property(GLOBAL APPEND PROPERTY lockstep_plugin_targets ${name})
   install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lockstep/plugins COMPONENT plugins)
 endfunction()

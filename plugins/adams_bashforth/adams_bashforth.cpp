@@ -27,7 +27,7 @@ class AdamsBashforth final : public Integrator {
   static TypeInfo type_info() {
     return {"adams_bashforth",
             "explicit multistep of order 2 to 4, fixed step: one evaluation a step, for smooth motions without events",
-            {{"order", Form::integer, Unit::none, "4", "2, 3 or 4"}}};
+            {{"order", Form::integer, Unit::none, 4, "2, 3 or 4"}}};
   }
   static std::unique_ptr<Integrator> make(const Params& p) {
     const int order = p.integer("order");
@@ -53,7 +53,7 @@ class AdamsBashforth final : public Integrator {
       add_up(h, end_);
     else
       runge_kutta(dynamics, h);
-    end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes;
+    end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes, end_.watched = state.watched;
     StepReport report;
     report.h = h;
     land(dynamics, report);

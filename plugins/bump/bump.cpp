@@ -21,9 +21,9 @@ class Bump final : public MotionLaw {
   static TypeInfo info() {
     return {"bump",
             "one smooth bump: height (1 - u^2)^3, u = (t - at)/width, zero outside",
-            {{"height", Form::number, Unit::any, "", "value at the top"},
-             {"at", Form::number, Unit::time, "", "instant of the top"},
-             {"width", Form::number, Unit::time, "", "half of its duration, above zero"}}};
+            {{"height", Form::number, Unit::any, kRequired, "value at the top"},
+             {"at", Form::number, Unit::time, kRequired, "instant of the top"},
+             {"width", Form::number, Unit::time, kRequired, "half of its duration, above zero"}}};
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {

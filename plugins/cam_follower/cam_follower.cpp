@@ -9,7 +9,7 @@ using namespace lockstep;
 /// No derivative is written here: lockstep evaluates phi on jets.
 struct CamProfile {
   double base, lift, lobes;
-  static constexpr Needs kNeeds = Needs::translation;     // the turn of P does not matter
+  static constexpr Reads kReads = Reads::translation;     // the turn of P does not matter
   static constexpr RowKind kKind = RowKind::translation;  // phi is a length
 
   template <class T>
@@ -31,9 +31,9 @@ class CamFollower final : public PhiLock<CamProfile> {
   static TypeInfo info() {
     return {"cam_follower",
             "P rides on a disc cam about z of S: r = base + (lift/2)(1 - cos(lobes psi)); free: all else",
-            {{"base", Form::number, Unit::length, "", "smallest radius, above zero"},
-             {"lift", Form::number, Unit::length, "", "largest radius less the smallest"},
-             {"lobes", Form::integer, Unit::none, "1", "rises per turn, at least 1"}}};
+            {{"base", Form::number, Unit::length, kRequired, "smallest radius, above zero"},
+             {"lift", Form::number, Unit::length, kRequired, "largest radius less the smallest"},
+             {"lobes", Form::integer, Unit::none, 1, "rises per turn, at least 1"}}};
   }
 
   static std::unique_ptr<Lock> make(const Site& site, const Params& p) {

@@ -13,6 +13,7 @@
 #include <exception>
 #include <limits>
 
+#include "framework/dynamics/integrate/runge_kutta.h"
 #include "framework/dynamics/integrate/step_control.h"
 #include "framework/description/registry/plugin.h"
 #include "ida_memory.h"
@@ -45,7 +46,7 @@ class Ida final : public Integrator {
   static TypeInfo type_info() {
     return {"ida",
             "BDF of orders 1 to 5 with error control and dense output, from SUNDIALS: stiff mechanisms",
-            {{"max_order", Form::integer, Unit::none, "5", "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
+            {{"max_order", Form::integer, Unit::none, 5, "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) {
@@ -61,7 +62,7 @@ class Ida final : public Integrator {
     rate_ = difference_ = {state.q, state.v, state.s};  // for their sizes
     const Eigen::Index n = state.q.size() + state.v.size() + state.s.size();
     for (VecX* x : {&y_, &f_, &shift_, &shift_before_, &scale_}) x->setZero(n);
-    norm_.set_states(dynamics.system().n_steering_states());
+    norm_.set_states(dynamics.system().n_error_controlled_states());
     memory_ = std::make_unique<Memory>(n);
     started_ = followed_ = false;
   }
@@ -89,7 +90,7 @@ class Ida final : public Integrator {
   }
 
   bool dense(double t, State& out) const override {
-    out.z = start_.z, out.modes = start_.modes;
+    out.z = start_.z, out.modes = start_.modes, out.watched = start_.watched;
     out.t = t;
     if (!followed_) {
       out.q = start_.q, out.v = start_.v, out.s = start_.s;
@@ -173,7 +174,7 @@ class Ida final : public Integrator {
       ida.set_scale({v.linear, 0.5 * v.angular}, a);  // e' = e (0, w)/2
       ida.scale_.tail(n_s) = ida.f_.tail(n_s).cwiseAbs();
       ida.scale_ = (ida.tolerance_.atol_x + kTiny + ida.tolerance_.relative * ida.h_ * ida.scale_.array()).matrix();
-      ida.scale_.tail(n_s - ida.dynamics_->system().n_steering_states()).setConstant(kNoWeight);
+      ida.scale_.tail(n_s - ida.dynamics_->system().n_error_controlled_states()).setConstant(kNoWeight);
       numbers(w) = std::sqrt(static_cast<double>(ida.y_.size())) * ida.scale_.cwiseInverse();
     });
   }
@@ -254,14 +255,9 @@ class Ida final : public Integrator {
   /// Unit quaternions, then onto the constraints where the dynamics says so; the move goes into the shift. False: that
   /// was too far away.
   bool land(StepReport& report) {
-    if (dynamics_->options().stabilization.kind != Stabilization::Kind::project) {
-      dynamics_->normalize(end_);
-      report.violation = report.violation_after = dynamics_->violation(end_);
-    } else {
-      const ProjectReport landed = dynamics_->project(end_);
-      report.violation = landed.before, report.violation_after = landed.after;
-      if (!landed.converged || landed.before > 1e-3 * dynamics_->system().length()) return false;
-    }
+    const ProjectReport landed = project_end(*dynamics_, end_);
+    report.violation = landed.before, report.violation_after = landed.after;
+    if (!end_is_near(*dynamics_, landed)) return false;
     flatten(end_, y_);
     shift_ = y_ - numbers(memory_->u);
     return true;

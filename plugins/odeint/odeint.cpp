@@ -10,6 +10,7 @@
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 
+#include "framework/dynamics/integrate/runge_kutta.h"
 #include "framework/dynamics/integrate/step_control.h"
 #include "framework/description/registry/plugin.h"
 
@@ -46,7 +47,7 @@ class CashKarp final : public Integrator {
   static TypeInfo type_info() {
     return {"odeint_cash_karp54",
             "explicit Runge-Kutta of order 5 with error control, from Boost.odeint: the example of wrapping",
-            {{"fixed", Form::boolean, Unit::none, "false", "steps as told, without error control", {}}}};
+            {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) { return std::make_unique<CashKarp>(p.boolean("fixed")); }
@@ -58,7 +59,7 @@ class CashKarp final : public Integrator {
     rate_ = error_ = {state.q, state.v, state.s};  // for their sizes
     y_.resize(static_cast<std::size_t>(state.q.size() + state.v.size() + state.s.size()));
     y_end_ = y_;
-    norm_.set_states(dynamics.system().n_steering_states());
+    norm_.set_states(dynamics.system().n_error_controlled_states());
   }
 
   StepReport step(Dynamics& dynamics, State& state, double h) override {
@@ -116,14 +117,9 @@ class CashKarp final : public Integrator {
 
   /// Unit quaternions, then onto the constraints where the dynamics says so. False: that was too far away.
   bool land(Dynamics& dynamics, StepReport& report) {
-    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
-      dynamics.normalize(end_);
-      report.violation = report.violation_after = dynamics.violation(end_);
-      return true;
-    }
-    const ProjectReport landed = dynamics.project(end_);
+    const ProjectReport landed = project_end(dynamics, end_);
     report.violation = landed.before, report.violation_after = landed.after;
-    return landed.converged && (fixed_ || landed.before <= 1e-3 * dynamics.system().length());
+    return end_is_near(dynamics, landed, fixed_);
   }
 
   [[noreturn]] static void refuse(double t, double h, const char* what) {

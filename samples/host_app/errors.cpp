@@ -1,5 +1,4 @@
-// Every type of error of framework/foundation/support/error.h and user_code_error.h: how to catch it, what it carries, and what
-// provokes it.
+// Every type of error of framework/foundation/support/error.h: how to catch it, what it carries, and what provokes it.
 #include "errors.h"
 
 #include <cmath>
@@ -60,7 +59,7 @@ struct Slider {
   }
   void run(const char* method, double step, const Registry& registry) {
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
-    Simulation simulation(dynamics, registry.integrators.make(method, Params{}, &registry, "host_app"), {.step = step});
+    StepLoop simulation(dynamics, registry.integrators.make(method, Params{}, &registry, "host_app"), {.step = step});
     simulation.run_until(1.0);
   }
   System system;

@@ -26,7 +26,7 @@ class SoftStart final : public MotionLaw {
     return {
         "soft_start",
         "the speed rises smoothly and stays",
-        {{"speed", Form::number, Unit::any, "", "at the end"}, {"time", Form::number, Unit::time, "", "until then"}}};
+        {{"speed", Form::number, Unit::any, kRequired, "at the end"}, {"time", Form::number, Unit::time, kRequired, "until then"}}};
   }
   static LawPtr<MotionLaw> make(const Params& p) {
     if (!(p.number("time") > 0)) p.refuse("time", "is " + brief(p.number("time")) + " s; it must be above zero");
@@ -71,7 +71,7 @@ bool cam_in_cpp(const Registry& registry) {
   Dynamics dynamics(sys, registry.solvers.make("schur", Params{}, &registry, "host_app"));
   State start = sys.start();
   assemble(dynamics, start);
-  Simulation run(dynamics, registry.integrators.make("dopri5", Params{}, &registry, "host_app"));
+  StepLoop run(dynamics, registry.integrators.make("dopri5", Params{}, &registry, "host_app"));
   run.set_state(start);
   Highest highest(follower);
   run.add_observer(highest);
@@ -93,7 +93,7 @@ bool crank_from_scene(const Registry& registry) {
   Dynamics dynamics(crank.system, make_solver(crank.run, registry));
   State start = crank.system.start();
   assemble(dynamics, start, crank.start_speeds);
-  Simulation run(dynamics, make_integrator(crank.run, registry),
+  StepLoop run(dynamics, make_integrator(crank.run, registry),
                  {.tolerance = crank.run.tolerance, .output = crank.run.output});
   run.set_state(start);
   run.add_observer(*recorder);

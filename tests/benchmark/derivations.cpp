@@ -124,11 +124,11 @@ WorkPrecision trajectory(Way way) {
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
   options.reference_tolerance = 1e-12;
   options.budget = 20;
-  const Course course{.make = [way] { return subject_of(way, false); },
+  const Trajectory trajectory{.make = [way] { return subject_of(way, false); },
                       .length = 1.0,
                       .outputs = 20,
                       .truth = [way] { return subject_of(way, true); }};
-  return work_precision(course, options);
+  return work_precision(trajectory, options);
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ double microseconds_recorded(const std::vector<Request>& columns) {
     Chain chain = plain();
     Recorder recorder(*chain.sys, columns);
     Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
-    Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .tolerance = {}});
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .tolerance = {}});
     run.add_observer(recorder);
     run.step();
     const double begin = thread_seconds();

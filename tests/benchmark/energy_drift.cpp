@@ -60,7 +60,7 @@ Drift drift_of(const Way& way) {
   if (way.tolerance > 0) scene.run.tolerance = {way.tolerance, 1e-2 * way.tolerance};
   Mechanism m = build(scene, registry);
   Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
-  Simulation sim(dynamics, make_integrator(m.run, registry),
+  StepLoop sim(dynamics, make_integrator(m.run, registry),
                  {.step = way.h, .tolerance = m.run.tolerance, .output = kLength});
   Watch watch(make_channel(m.system, "energy.total"));
   sim.add_observer(watch);

@@ -10,7 +10,7 @@
 #include "framework/tools/analysis/work_precision.h"
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/gears.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/mechanism/links/screw.h"

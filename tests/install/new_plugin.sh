@@ -9,11 +9,11 @@ rm -rf "$place"
 mkdir -p "$place"
 lockstep="$prefix/bin/lockstep"
 
-for kind in link law force integrator; do
+for kind in link coupling law force integrator; do
   name="my_$kind"
   folder="$place/$name"
   "$lockstep" new-plugin "$kind" "$name" --into "$place" >/dev/null
-  if grep -rniE 'template_|Template(Link|Law|Force|Integrator)' "$folder"; then
+  if grep -rniE 'template_|Template(Link|Coupling|Law|Force|Integrator)' "$folder"; then
     echo "$name: the template's own name is left in it" >&2
     exit 1
   fi

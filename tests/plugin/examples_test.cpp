@@ -6,7 +6,7 @@
 #include "framework/tools/check/check_integrator.h"
 #include "framework/tools/check/check_law.h"
 #include "framework/tools/check/check_lock.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/description/registry/loader.h"
 #include "framework/foundation/support/error.h"
@@ -64,7 +64,7 @@ TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal s
   Marker& p = system.add_marker("p", ball);
   system.add(registry.forces.make("drag", {"drag", {{&p, nullptr}}}, {{"coefficient", 0.3}}, &registry, "force"));
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, registry.integrators.make("dopri5", {}, &registry, "integrator"),
+  StepLoop run(dynamics, registry.integrators.make("dopri5", {}, &registry, "integrator"),
                  {.tolerance = {1e-10, 1e-12}});
   run.run_until(1.5);
   const double vt = std::sqrt(2.0 * 9.81 / 0.3);

@@ -11,7 +11,6 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/description/registry/loader.h"
-#include "framework/description/registry/seal.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -27,7 +26,7 @@ namespace {
 const std::string kProbe = kModules + "/probe.so";
 
 std::string changed(std::size_t at, const std::string& bytes) {
-  std::string all = unsealed(kProbe);
+  std::string all = bytes_of(kProbe);
   REQUIRE(at + bytes.size() <= all.size());
   return all.replace(at, bytes.size(), bytes);
 }
@@ -124,31 +123,21 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
        [] { return foreign("fast", [](auto& r) { std::strcpy(r.flags, "fast-math "); }); }},
       {"no exceptions", "settings no-exceptions no-rtti",
        [] { return foreign("noexcept", [](auto& r) { std::strcpy(r.flags, "no-exceptions no-rtti "); }); }},
-      {"a broken seal", "was changed after it was built",
-       [] { return foreign("broken", [](auto& r) { r.seal ^= 1; }); }},
-      {"half a seal", "was changed after it was built",
-       [] { return foreign("halfseal", [](auto& r) { r.sealed = 0; }); }},
-      {"one byte of code changed", "was changed after it was built",
-       [&] {
-         std::string bytes = sound;
-         bytes[place_of_record(kProbe) + sizeof(lockstep_abi_record) + 1] ^= 1;
-         return hostile("byte", bytes);
-       }},
       {"a record without a register function", "it exports no \"lockstep_register_plugin\"",
        [] { return kModules + "/mute.so"; }},
       {"nothing to register", "it registers nothing", [] { return kModules + "/empty.so"; }},
       {"gives up half way", "plugin 'half': the other half is missing", [] { return kModules + "/half.so"; }},
       {"a library that it needs is not there", "libgcc_x.so.1",
-       [] { return hostile("orphan", replaced(unsealed(kProbe), "libgcc_s.so.1", "libgcc_x.so.1")); }},
+       [] { return hostile("orphan", replaced(bytes_of(kProbe), "libgcc_s.so.1", "libgcc_x.so.1")); }},
       {"versions without their table", "versions that no table names",
        [] {
-         std::string bytes = unsealed(kProbe);
+         std::string bytes = bytes_of(kProbe);
          for (const std::uint64_t tag : {DT_VERNEED, DT_VERNEEDNUM})  // entries that the system's loader passes over
            bytes = replaced(bytes, eight_bytes(tag), eight_bytes(DT_LOPROC + 5 + (tag - DT_VERNEED)));
          return hostile("versions", bytes);
        }},
       {"a file with the name of what is built in", "the name of what lockstep brings itself",
-       [] { return hostile("built in", unsealed(kProbe)); }},
+       [] { return hostile("built in", bytes_of(kProbe)); }},
       {"a folder", "is a folder, no plain file",
        [] {
          const std::string path = kModules + "/hostile/folder.so";
@@ -244,19 +233,10 @@ TEST_CASE("two registries in one process do not see each other", "[plugin]") {
   CHECK(other.laws.find("probe_law") == nullptr);
 }
 
-TEST_CASE("a plugin without a seal is loaded, and a seal can be set again", "[plugin]") {
-  const std::string open = plugin_file("unsealed", "probe.so", unsealed(kProbe));
-  CHECK(record_in(open).sealed == 0);
-  CHECK(answer_of(open) == "loaded");
-  const std::string file = plugin_file("sealed", "probe.so", unsealed(kProbe));  // what was loaded is left as it is
-  seal_plugin(file);
-  CHECK(record_in(file).sealed == 1);
-  CHECK(bytes_of(file) == bytes_of(kProbe));
-  const Called r = call("plugins seal '" + kModules + "/stranger.so'");
-  CHECK(r.exit == 4);
-  CHECK(contains(r.text, "is no plugin of lockstep"));
+TEST_CASE("a plugin stays one when it is stripped", "[plugin]") {
+  const std::string file = plugin_file("stripped", "probe.so", bytes_of(kProbe));
   if (shell("strip --version").exit != 0) return;
-  CHECK(shell("strip '" + file + "'").exit == 0);  // what debuggers read is not under the seal
+  CHECK(shell("strip '" + file + "'").exit == 0);
   CHECK(bytes_of(file).size() < bytes_of(kProbe).size());
   CHECK(answer_of(file) == "loaded");
 }

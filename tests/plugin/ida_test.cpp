@@ -81,7 +81,7 @@ TEST_CASE("ida goes on from a state that an event has changed", "[plugin][ida]")
   system.add<Revolute>("hinge", bar, system.ground(), at({0, 0, 0}));
   const auto kind = GENERATE(Stabilization::Kind::project, Stabilization::Kind::baumgarte);
   Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, {kind}});
-  Simulation run(dynamics, with_ida().integrators.make("ida", {}, nullptr, "integrator"), {.tolerance = {1e-9, 1e-11}});
+  StepLoop run(dynamics, with_ida().integrators.make("ida", {}, nullptr, "integrator"), {.tolerance = {1e-9, 1e-11}});
   const State start = run.state();
   double turned = 0;
   Event back;

@@ -42,7 +42,7 @@ std::string refusal(const std::string& kind, const std::string& name) {
 
 TEST_CASE("new-plugin writes a folder of each kind under its own name", "[plugin][new_plugin]") {
   fs::remove_all(kPlace);
-  const std::string kind = GENERATE("link", "law", "force", "integrator");
+  const std::string kind = GENERATE("link", "coupling", "law", "force", "integrator");
   const std::string name = "my_" + kind, folder = kPlace + "/" + name;
   const testing::Called r = call("new-plugin " + kind + " " + name + " --into '" + kPlace + "'");
   INFO(r.text);

@@ -171,7 +171,10 @@ TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code
     caught = true;
     CHECK(std::string(error.what()) == "t = 0 s: force 'F' (wind) threw: too long");
     CHECK(error.t == 0);
-    CHECK(error.origin.empty());
+    CHECK(error.thing.origin.empty());
+    CHECK(error.thing.kind == "force");
+    CHECK(error.thing.name == "F");
+    CHECK(error.thing.type == "wind");
     CHECK_THROWS_AS(std::rethrow_if_nested(error), std::length_error);
   }
   CHECK(caught);

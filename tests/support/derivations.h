@@ -275,20 +275,18 @@ class DerivedLock final : public Lock {
       : Lock(std::move(name)), p_(&p), s_(&s), mask_(mask), way_(way), steps_(steps) {}
   std::string_view type() const override { return "derived"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
-  int row_count() const override { return count(mask_); }
-  RowKind row_kind(int k) const override { return lock_row(k) < 3 ? RowKind::translation : RowKind::rotation; }
-  std::string row_name(int k) const override { return std::string(lockstep::row_name(lock_row(k))); }
-  SlotList slots() const override { return slots_; }
-  unsigned pattern() const override {
-    return static_cast<unsigned>(mask_) | static_cast<unsigned>(way_) << 6 | (side1_ < 0 ? 1u : 0u) << 8 |
-           (side2_ < 0 ? 1u : 0u) << 9;
-  }
-
-  void setup() override {
+  RowPlan plan_rows() override {
     P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
-    slots_ = {};
-    slots_.add(P_.slot), slots_.add(S_.slot);
-    side1_ = slots_.position(P_.slot), side2_ = slots_.position(S_.slot);
+    RowPlan plan;
+    plan.slots.add(P_.slot), plan.slots.add(S_.slot);
+    side1_ = plan.slots.position(P_.slot), side2_ = plan.slots.position(S_.slot);
+    for (int k = 0; k < count(mask_); ++k) {
+      const int row = lock_row(k);
+      plan.add({row < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(row))});
+    }
+    const int grounded = (side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0);
+    plan.pattern = {static_cast<unsigned>(way_), mask_, mask_, static_cast<unsigned char>(grounded)};
+    return plan;
   }
 
   void gather(Group links, const Inputs& in, RowSpan out) const override {
@@ -318,7 +316,6 @@ class DerivedLock final : public Lock {
   Way way_;
   Steps steps_;
   MarkerFrame P_, S_;
-  SlotList slots_;
   int side1_ = -1, side2_ = -1;
 };
 

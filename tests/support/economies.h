@@ -10,7 +10,7 @@
 
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "motionlaws/ramp.h"
 #include "motionlaws/sine.h"
@@ -89,7 +89,7 @@ inline Chain stayed(bool active) {
     const std::string name = "stay" + std::to_string(i);
     Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[static_cast<std::size_t>(i)], at(Vec3(i + 1, 0, 0)));
     Marker& S = c.sys->add_marker_at(name + ".S", c.sys->ground(), at(Vec3(i, 0, 1)));
-    c.sys->add<Distance>(name, P, S, std::sqrt(2.0)).active_at_start = active;
+    c.sys->add<Distance>(name, P, S, std::sqrt(2.0)).set_active_at_start(active);
   }
   return c;
 }

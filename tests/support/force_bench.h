@@ -132,7 +132,7 @@ struct ForceBench {
 
 /// Index of a quantity by its name; the number of quantities when there is none.
 inline int quantity_index(const Force& force, const std::string& name) {
-  const std::vector<Quantity> all = force.quantities();
+  const std::vector<Quantity> all = force.observable()->quantities();
   int k = 0;
   while (k < static_cast<int>(all.size()) && all[static_cast<std::size_t>(k)].name != name) ++k;
   return k;

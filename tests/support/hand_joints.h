@@ -24,27 +24,23 @@ class HandLock : public MarkerLock {
  public:
   using MarkerLock::MarkerLock;
   std::string_view type() const override { return "by hand"; }
-  int row_count() const override { return MarkerLock::row_count() + 1; }
-  RowKind row_kind(int k) const override {
-    return k == MarkerLock::row_count() ? RowKind::function : MarkerLock::row_kind(k);
-  }
-  std::string row_name(int k) const override {
-    return k == MarkerLock::row_count() ? "by hand" : MarkerLock::row_name(k);
-  }
-  void setup() override {
-    MarkerLock::setup();
-    P = MarkerFrame(p()), S = MarkerFrame(s());
-    one = slots().position(P.slot), two = slots().position(S.slot);
-  }
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const Self& link = static_cast<const Self&>(*links[i]);
-      link.row(in, out.lane(i), link.MarkerLock::row_count());
+      link.row(in, out.lane(i), link.row_count() - 1);
     }
   }
 
  protected:
+  RowPlan plan_rows() override {
+    RowPlan plan = MarkerLock::plan_rows();
+    Self::kTurnsOnly ? plan.add_turning({RowKind::function, "by hand"}) : plan.add({RowKind::function, "by hand"});
+    P = MarkerFrame(p()), S = MarkerFrame(s());
+    one = plan.slots.position(P.slot), two = plan.slots.position(S.slot);
+    return plan;
+  }
+  static constexpr bool kTurnsOnly = false;
   MarkerFrame P, S;
   int one = -1, two = -1;
 };
@@ -72,7 +68,7 @@ class Distance final : public HandLock<Distance> {
 class Universal final : public HandLock<Universal> {
  public:
   using HandLock::HandLock;
-  RowLayout layout() const override { return has(rows(), Mask::xyz) ? RowLayout::triple : RowLayout::dense; }
+  static constexpr bool kTurnsOnly = true;
   void row(const Inputs& in, const RowBlock& block, int k) const {
     const Motion &O1 = in.slot(P.slot), &O2 = in.slot(S.slot);
     const Vec3 a = O2.A * S.A0.col(0), b = O1.A * P.A0.col(1), w1 = O1.A * O1.w, w2 = O2.A * O2.w;
@@ -133,17 +129,15 @@ class Gear final : public Lock {
       : Lock(std::move(name)), pairs_{{&p1, &s1}, {&p2, &s2}} {}
   std::string_view type() const override { return "by hand"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return pairs_; }
-  int row_count() const override { return 1; }
-  RowKind row_kind(int) const override { return RowKind::function; }
-  std::string row_name(int) const override { return "by hand"; }
-  void setup() override {
-    slots_ = {};
+  RowPlan plan_rows() override {
+    RowPlan plan;
+    plan.add({RowKind::function, "by hand"});
     for (std::size_t k = 0; k < 2; ++k) {
       P[k] = MarkerFrame(*pairs_[k].first), S[k] = MarkerFrame(*pairs_[k].second);
-      slots_.add(P[k].slot), slots_.add(S[k].slot);
+      plan.slots.add(P[k].slot), plan.slots.add(S[k].slot);
     }
+    return plan;
   }
-  SlotList slots() const override { return slots_; }
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     for (std::size_t i = 0; i < links.size(); ++i) static_cast<const Gear&>(*links[i]).row(in, out.lane(i));
   }
@@ -154,19 +148,18 @@ class Gear final : public Lock {
     block.C(0) = one.angle + ratio * two.angle;
     block.Ct(0) = 0;
     block.Qhat(0) = -(one.bend + ratio * two.bend);
-    for (int i = 0; i < slots_.n; ++i) {
+    for (int i = 0; i < slots().n; ++i) {
       Vec3 g = Vec3::Zero();
       for (std::size_t k = 0; k < 2; ++k) {
         const Vec3 its = k == 0 ? one.g : Vec3(ratio * two.g);
-        if (P[k].slot == slots_[i]) g += its;
-        if (S[k].slot == slots_[i]) g -= its;
+        if (P[k].slot == slots()[i]) g += its;
+        if (S[k].slot == slots()[i]) g -= its;
       }
-      block.set(i, 0, Vec3(Vec3::Zero()), Vec3(in.slot(slots_[i]).A.transpose() * g));
+      block.set(i, 0, Vec3(Vec3::Zero()), Vec3(in.slot(slots()[i]).A.transpose() * g));
     }
   }
   std::vector<std::pair<const Marker*, const Marker*>> pairs_;
   std::array<MarkerFrame, 2> P, S;
-  SlotList slots_;
 };
 
 }  // namespace lockstep::hand

@@ -40,7 +40,7 @@ struct LinkBench {
   }
   void accept() { dynamics->accept(state); }
   double C(int k = 0) const { return here->rows().block(here->rows().entries.front()).C(k); }
-  double quantity(const Lock& link, int k) const { return link.quantity(k, here->inputs()); }
+  double quantity(const Lock& link, int k) const { return link.observable()->quantity(k, here->inputs()); }
 };
 
 /// The least value of f on [a, b]: looked for on a grid, then by golden section.

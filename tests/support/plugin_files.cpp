@@ -46,10 +46,6 @@ std::string with_record_bytes(const std::string& path, const lockstep_abi_record
   return bytes;
 }
 
-std::string unsealed(const std::string& path) {
-  return with_record(path, [](lockstep_abi_record& r) { r.sealed = 0, r.seal = 0; });
-}
-
 std::string replaced(std::string bytes, const std::string& from, const std::string& to) {
   REQUIRE(from.size() == to.size());
   std::size_t n = 0;

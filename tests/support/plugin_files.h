@@ -21,8 +21,6 @@ template <class Change>
 std::string with_record(const std::string& path, Change&& change);
 std::string with_record_bytes(const std::string& path, const lockstep_abi_record&);
 lockstep_abi_record record_in(const std::string& path);
-/// The bytes without the seal.
-std::string unsealed(const std::string& path);
 /// Every `from` replaced by `to`, of the same length.
 std::string replaced(std::string bytes, const std::string& from, const std::string& to);
 

@@ -30,7 +30,7 @@ SceneRun run_with_registry(const Registry& registry, const std::string& path,
   SceneRun result;
   State start = mechanism.system.start();
   if (run.assemble) result.assembly = assemble(dynamics, start, mechanism.start_speeds);
-  Simulation simulation(
+  StepLoop simulation(
       dynamics, make_integrator(run, registry),
       {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times});
   simulation.set_state(start);

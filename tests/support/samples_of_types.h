@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/mechanism/params/params.h"
 
 namespace lockstep {

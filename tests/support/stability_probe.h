@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/foundation/support/error.h"
@@ -46,7 +46,7 @@ inline double violation_ratio(const Limit& limit, double gain_h, int n_steps) {
   Marker& S = sys.add_marker("S", sys.ground(), {Vec3(kOff, 0, 0), {}});
   sys.add<PointOnLine>("wire", P, S);
   Dynamics dynamics(sys, std::make_unique<SchurSolver>(), baumgarte(gain_h / h));
-  Simulation run(dynamics, limit.make(), {.step = h, .tolerance = {}, .start_limit = 1.0});
+  StepLoop run(dynamics, limit.make(), {.step = h, .tolerance = {}, .start_limit = 1.0});
   for (int i = 0; i < n_steps; ++i) run.step();
   return dynamics.violation(run.state()) / kOff;
 }
@@ -65,7 +65,7 @@ inline constexpr double kSwing = 2.0;  // s
 inline Vec3 swung() {
   Pendulum p;
   Dynamics dynamics(p.sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
   run.run_until(kSwing);
   return run.state().q.head<3>();
 }
@@ -79,7 +79,7 @@ inline Verdict swing(const Limit& limit, double gain_h, double h, const Vec3& tr
   Pendulum p;
   const int n_steps = static_cast<int>(std::lround(kSwing / h));
   Dynamics dynamics(p.sys, std::make_unique<SchurSolver>(), baumgarte(gain_h / h));
-  Simulation run(dynamics, limit.make(), {.step = kSwing / n_steps, .tolerance = {}, .start_limit = 1e-3});
+  StepLoop run(dynamics, limit.make(), {.step = kSwing / n_steps, .tolerance = {}, .start_limit = 1e-3});
   State start = p.sys.start();
   start.q[1] += 1e-6;
   run.set_state(start);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/foundation/support/user_code_error.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep::testing {
 

@@ -93,9 +93,9 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
   assemble(dynamics, start);
   SECTION("in a run, with what was computed kept") {
     Recorder recorder(sys, {"body.z"});
-    SimulationOptions options;
+    StepLoopOptions options;
     options.step = 0.01;
-    Simulation run(dynamics, std::make_unique<Rk4>(), options);
+    StepLoop run(dynamics, std::make_unique<Rk4>(), options);
     run.set_state(start);
     run.add_observer(recorder);
     const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });
@@ -104,7 +104,7 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
   }
   SECTION("with error control too: it does not creep towards it for ever, nor look beyond the run for its first step") {
     Recorder recorder(sys, {"body.z"});
-    Simulation run(dynamics, std::make_unique<Dopri5>());
+    StepLoop run(dynamics, std::make_unique<Dopri5>());
     run.set_state(start);
     run.add_observer(recorder);
     const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });

@@ -51,7 +51,7 @@ TEST_CASE("a link between bodies gets both markers at one place in the world", "
   CHECK((rotation(A.s().local.q) * Vec3::UnitZ()).isApprox(Vec3(0, 1, 0)));
   CHECK(A.n_drives() == 1);
   CHECK(A.row_count() == 6);
-  CHECK_FALSE(A.active_at_start);
+  CHECK_FALSE(A.active_at_start());
 }
 
 TEST_CASE("a body beside a marker is given its marker where that one is", "[unit][scene]") {

@@ -8,7 +8,7 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/tools/check/check_lock.h"
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/error.h"
 #include "motionlaws/from.h"
 #include "motionlaws/spline.h"

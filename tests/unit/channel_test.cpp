@@ -123,7 +123,7 @@ Reaction by_formula(Arm& a, const MarkerLock& link, const Quat& q_D, bool of_dri
       v.rows.entries[static_cast<std::size_t>(v.rows.entry_of_link[static_cast<std::size_t>(link.number())])];
   Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
-    if ((link.drive_row(k) >= 0) != of_drives) continue;
+    if ((link.row(k).drive >= 0) != of_drives) continue;
     const std::string row = link.row_name(k);
     if (row[0] == 'e')
       lr[row[1] - '1'] = v.lambda[e.first_row + k];
@@ -355,7 +355,7 @@ TEST_CASE("angles run on past full turns", "[unit][record]") {
 
 TEST_CASE("a link that is not active gives no reaction", "[unit][record]") {
   Arm a;
-  a.B->active_at_start = false;
+  a.B->set_active_at_start(false);
   a.begin(0.1);
   for (const char* name : {"B.force_on_p_world_", "B.torque_on_p_link_", "B.force_on_s_world_"})
     CHECK(a.vector(name) == Vec3::Zero());

@@ -48,29 +48,31 @@ class Length final : public MotionLaw {
 };
 
 /// C = (d.d - f^2)/2, d = x_P - x_S, written by hand on the bare Lock; each fault is one that one makes.
-class Rod : public Lock {
+class Rod : public Lock, public Driven, public TangentFormula {
  public:
   Rod(std::string name, Marker& p, Marker& s, Fault fault) : Lock(std::move(name)), p_(p), s_(s), fault_(fault) {}
   std::string_view type() const override { return "rod"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{&p_, &s_}}; }
-  int row_count() const override { return fault_ == Fault::names ? 2 : 1; }
-  RowKind row_kind(int) const override { return fault_ == Fault::kind ? RowKind::rotation : RowKind::function; }
-  std::string row_name(int) const override { return "length"; }
+  const Driven* driven() const override { return this; }
+  std::string diagnose(double) const override { return {}; }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     if (fault_ != Fault::breakpoint) law_.breakpoints(t0, t1, out);
   }
-  void setup() override {
-    P_ = MarkerFrame(p_), S_ = MarkerFrame(s_), slots_ = {};
-    slots_.add(P_.slot);
-    if (fault_ != Fault::slots) slots_.add(S_.slot);
+  RowPlan plan_rows() override {
+    P_ = MarkerFrame(p_), S_ = MarkerFrame(s_);
+    RowPlan plan;
+    for (int k = 0; k < (fault_ == Fault::names ? 2 : 1); ++k)
+      plan.add({fault_ == Fault::kind ? RowKind::rotation : RowKind::function, "length"});
+    plan.slots.add(P_.slot);
+    if (fault_ != Fault::slots) plan.slots.add(S_.slot);
+    return plan;
   }
-  SlotList slots() const override { return slots_; }
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     for (std::size_t i = 0; i < links.size(); ++i)
       (fault_ == Fault::this_for_all ? *this : static_cast<const Rod&>(*links[i])).fill(in, out.lane(i));
   }
-  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
-    if (fault_ != Fault::tangent) return Lock::tangent(in, lambda, out);
+  const TangentFormula* tangent_formula() const override { return fault_ == Fault::tangent ? this : nullptr; }
+  void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override {
     out.add_K(P_.slot, Half::move, P_.slot, Half::move, 2 * lambda[0] * Mat3::Identity());
   }
 
@@ -94,10 +96,10 @@ class Rod : public Lock {
     Vec3 v1 = d, w1 = cross(u1, Vec3(O1.A.transpose() * d));
     if (fault_ == Fault::world_axes) w1 = O1.A * w1;
     if (fault_ == Fault::body_axes) v1 = O1.A.transpose() * v1;
-    b.set(slots_.position(P_.slot), 0, v1, w1);
+    b.set(slots().position(P_.slot), 0, v1, w1);
     const Vec3 w2 = -cross(u2, Vec3(O2.A.transpose() * d));
-    if (slots_.position(S_.slot) >= 0)
-      b.set(slots_.position(S_.slot), 0, Vec3(-d), fault_ == Fault::column_missing ? Vec3(Vec3::Zero()) : w2);
+    if (slots().position(S_.slot) >= 0)
+      b.set(slots().position(S_.slot), 0, Vec3(-d), fault_ == Fault::column_missing ? Vec3(Vec3::Zero()) : w2);
     if (fault_ == Fault::padding) b.C(1) = 1;
     if (fault_ == Fault::names) b.C(1) = b.Ct(1) = b.Qhat(1) = 0;
     if (fault_ == Fault::names)
@@ -108,7 +110,6 @@ class Rod : public Lock {
   Fault fault_;
   Length law_;
   MarkerFrame P_, S_;
-  SlotList slots_;
   mutable int n_calls_ = 0;
 };
 
@@ -309,7 +310,7 @@ namespace {
 struct AddsUp final : PhiLock<TurnsCounted> {
   AddsUp(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::y, TurnsCounted{}) {}
   std::string_view type() const override { return "adds_up"; }
-  void accept(const Inputs&, std::span<double> z) const override { z[0] += 0.3; }
+  void accept_step(const Inputs&, std::span<double> z) const override { z[0] += 0.3; }
 };
 
 }  // namespace

@@ -299,7 +299,7 @@ struct Ralston final : Integrator {
   StepReport step(Dynamics& dynamics, State& state, double h) override {
     stages.evaluate(dynamics, state, h, 0, 2);
     stages.end(state, h, end);
-    land_or_throw(dynamics, end, "ralston", state.t, h);
+    project_end_or_throw(dynamics, end, "ralston", state.t, h);
     take_motion(end, state);
     return {h};
   }

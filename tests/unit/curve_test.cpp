@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
 #include "framework/foundation/support/error.h"
+#include "framework/tools/check/check_lock.h"
 #include "motionlaws/from.h"
 #include "motionlaws/path.h"
 #include "motionlaws/translations.h"
@@ -97,7 +97,7 @@ TEST_CASE("A follower's rows are zero on its path with its path's axes, and nowh
     const double s = 0.3 * i + 0.1;
     const Pose on{helix()->at(s).x, turning()->at(s).q};
     LinkBench bench(on);
-    const auto& link = bench.system.add<PathFollower>("rail", bench.p(), bench.s(), helix(), turning(), s);
+    const auto& link = bench.system.add<PathFollower>("rail", bench.p(), bench.s(), {helix(), turning(), s});
     bench.begin();
     bench.put(on);
     CAPTURE(s);
@@ -123,7 +123,7 @@ TEST_CASE("Points on curves and followers pass the check of links", "[unit][link
         LinkBench bench({Vec3::Zero(), turning()->at(s).q});
         Lock& link =
             follower
-                ? static_cast<Lock&>(bench.system.add<PathFollower>("way", bench.p(), bench.s(), near, turning(), s))
+                ? static_cast<Lock&>(bench.system.add<PathFollower>("way", bench.p(), bench.s(), {near, turning(), s}))
                 : static_cast<Lock&>(bench.system.add<PointOnCurve>("way", bench.p(), bench.s(), near, s));
         const CheckReport report = check_lock(bench.system, link, {.seed = 5, .reach = 0.05, .turn = 0.2});
         INFO(report.text());
@@ -140,8 +140,9 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   };
   const auto rail = [](const LawPtr<TranslationLaw>& path, const LawPtr<RotationLaw>& turn) {
     LinkBench bench;
-    return message_of<ModelError>(
-        [&] { bench.system.add<PathFollower>("rail", bench.p(), bench.s(), path, turn), bench.begin(); });
+    return message_of<ModelError>([&] {
+      bench.system.add<PathFollower>("rail", bench.p(), bench.s(), {path, turn}), bench.begin();
+    });
   };
   CHECK(wire(helix(), 0) == "no error");
   CHECK(rail(helix(), turning()) == "no error");

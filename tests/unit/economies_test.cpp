@@ -1,7 +1,7 @@
 // A feature that a scene does not use costs nothing: unknowns, rows, operations and evaluations, absent and present.
 #include "tests/support/economies.h"
 
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/tools/record/recorder.h"
 #include "integrators/rk4.h"
 #include "tests/support/catch.h"
@@ -28,7 +28,7 @@ long evaluations(const std::vector<Request>& columns) {
   Chain chain = plain();
   Recorder recorder(*chain.sys, columns);
   Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 0.001, .tolerance = {}, .output = 0.005});
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.001, .tolerance = {}, .output = 0.005});
   run.add_observer(recorder);
   run.run_until(0.02);
   CHECK(recorder.table().n_rows() == 5);

@@ -1,7 +1,6 @@
 #include <limits>
 
-#include "framework/mechanism/forces/applied_force.h"
-#include "framework/mechanism/forces/applied_torque.h"
+#include "framework/mechanism/forces/applied.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

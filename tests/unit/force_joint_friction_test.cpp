@@ -77,7 +77,7 @@ void check_all() {
   TangentSum exact, differences;
   exact.lay_out(2), differences.lay_out(2);
   pair.friction->react_tangent(in, unloaded, exact);
-  pair.friction->Force::react_tangent(in, unloaded, differences);
+  pair.friction->Reacting::react_tangent(in, unloaded, differences);
   REQUIRE(exact.pairs().size() == differences.pairs().size());
   for (std::size_t i = 0; i < exact.pairs().size(); ++i)
     for (std::size_t j = 0; j < exact.pairs().size(); ++j) {

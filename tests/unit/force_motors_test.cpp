@@ -1,5 +1,4 @@
-#include "framework/mechanism/forces/force_motor.h"
-#include "framework/mechanism/forces/torque_motor.h"
+#include "framework/mechanism/forces/motor.h"
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

@@ -9,29 +9,27 @@ using namespace lockstep;
 using oracle::ForceBench;
 
 namespace {
-// Makes every law the constant 2.
-class Twos final : public LawSource {
- public:
-  LawPtr<MotionLaw> scalar_law(const Value&, const std::string&) const override {
-    return oracle::value_law([](double) { return 2.0; });
-  }
-  LawPtr<TranslationLaw> translation_law(const Value&, const std::string&) const override { return nullptr; }
-  LawPtr<RotationLaw> rotation_law(const Value&, const std::string&) const override { return nullptr; }
-};
+// Every constant law is the constant 2.
+void add_twos(Registry& registry) {
+  registry.laws.add({"constant", "", {{"value", Form::number, Unit::any, kRequired, ""}}},
+                    [](const Params&) -> LawPtr<MotionLaw> { return oracle::value_law([](double) { return 2.0; }); });
+}
 
 struct Shop {
   Registry registry;
-  Twos laws;
   ForceBench bench{7};
-  Shop() { register_forces(registry); }
+  Shop() {
+    register_forces(registry);
+    add_twos(registry);
+  }
   std::unique_ptr<Force> make(const std::string& type, const Params& params, bool with_s = true) {
     const Site site{"F", {{&bench.p, with_s ? &bench.s : nullptr}}};
-    auto force = registry.forces.make(type, site, params, &laws, "force 'F'");
+    auto force = registry.forces.make(type, site, params, &registry, "force 'F'");
     force->setup();
     return force;
   }
   double quantity(const Force& force, const std::string& name) {
-    return force.quantity(oracle::quantity_index(force, name), bench.in());
+    return force.observable()->quantity(oracle::quantity_index(force, name), bench.in());
   }
 };
 }  // namespace

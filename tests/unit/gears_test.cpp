@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/links/rack_and_pinion.h"
 #include "framework/mechanism/links/screw.h"
-#include "framework/foundation/support/error.h"
+#include "framework/tools/check/check_lock.h"
 #include "motionlaws/from.h"
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
@@ -69,15 +69,23 @@ Wheels two() {
 TEST_CASE("Gears and belts turn the way they should from any start", "[unit][links]") {
   struct Case {
     const char* name;
-    std::function<std::unique_ptr<Lock>(const Site&)> make;
+    std::function<std::unique_ptr<Lock>(const CoupledPairs&)> make;
     double second;  // turn of wheel 2 when wheel 1 turns by one
   };
   const std::vector<Case> cases = {
-      {"external", [](const Site& s) { return std::make_unique<Gear>(s, 2.5); }, -1 / 2.5},
-      {"internal", [](const Site& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::internal); }, 1 / 2.5},
-      {"bevel", [](const Site& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::bevel); }, -1 / 2.5},
-      {"open belt", [](const Site& s) { return std::make_unique<Belt>(s, 0.2, 0.5); }, 0.2 / 0.5},
-      {"crossed belt", [](const Site& s) { return std::make_unique<Belt>(s, 0.2, 0.5, true); }, -0.2 / 0.5}};
+      {"external", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5); }, -1 / 2.5},
+      {"internal", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::internal); }, 1 / 2.5},
+      {"bevel", [](const CoupledPairs& s) { return std::make_unique<Gear>(s, 2.5, Gear::Mesh::bevel); }, -1 / 2.5},
+      {"open belt",
+       [](const CoupledPairs& s) {
+         return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5});
+       },
+       0.2 / 0.5},
+      {"crossed belt",
+       [](const CoupledPairs& s) {
+         return std::make_unique<Belt>(s, Belt::Options{0.2, 0.5, true});
+       },
+       -0.2 / 0.5}};
   for (const Case& c : cases) {
     CAPTURE(c.name);
     Wheels w = two();
@@ -132,9 +140,9 @@ TEST_CASE("A pinion rolls along its rack, and a rack slides by its pinion", "[un
   Wheels w = two();
   Marker& p = w.system.add_marker_at("rack.p", w.system.add_body("rack", kMass), at(Vec3(0, 0, 0.3), Vec3(1, 0, 0.2)));
   Marker& s = w.system.add_marker_at("rack.s", w.carrier, at(Vec3(0, 0, 0.1), Vec3(1, 0, 0.2)));
-  const auto pinion = w.joints[0]->pairs().front();
-  Lock& link = w.system.add(std::make_unique<RackAndPinion>(
-      Site{"link", {{const_cast<Marker*>(pinion.first), const_cast<Marker*>(pinion.second)}, {&p, &s}}}, 0.3));
+  CoupledPairs pairs = across("link", {*w.joints[0]});
+  pairs.pairs.emplace_back(&p, &s);
+  Lock& link = w.system.add(std::make_unique<RackAndPinion>(pairs, 0.3));
   CHECK(std::abs(w.C({0, 0})) <= 1e-14);
   CHECK(std::abs(w.C({0.5, 0}) + 0.15) <= 1e-14);  // the rack has yet to follow by radius times turn
   const CheckReport report = check_lock(w.system, link);
@@ -158,31 +166,39 @@ TEST_CASE("A screw advances by its lead, and by its slip", "[unit][links]") {
       bench.accept();
     }
     CHECK(link.row_name(4) == "thread");
-    CHECK(link.blame(1).empty());
+    CHECK(link.diagnose(1).empty());
   }
   LinkBench bench;
   const auto& link =
       bench.system.add<Screw>("screw", bench.p(), bench.s(), 0.1, law([](auto t) { return log(t - 1.0); }));
-  CHECK(link.blame(0.5).rfind("the law of its slip gives ", 0) == 0);
-  CHECK(link.blame(2.5).empty());
+  CHECK(link.diagnose(0.5).rfind("the law of its slip gives ", 0) == 0);
+  CHECK(link.diagnose(2.5).empty());
 }
 
 TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words", "[unit][links]") {
-  const auto error = [](const std::function<void(const Site&)>& make) {
+  const auto error = [](const std::function<void(const CoupledPairs&)>& make) {
     Wheels w = two();
     w.wheel(Vec3(0, 0, 1), 0);
     return message_of<ModelError>([&] { make(across("link", {*w.joints[0], *w.joints[1], *w.joints[2]})); });
   };
-  const auto of_two = [](Site s) {
+  const auto of_two = [](CoupledPairs s) {
     s.pairs.pop_back();
     return s;
   };
-  CHECK(error([](const Site& s) { Differential{s}; }) == "no error");
-  check_words(error([](const Site& s) { Differential(s, 0); }), {"link 'link'", "ratio 0", "above zero"});
-  check_words(error([&](const Site& s) { Differential(of_two(s), 1); }), {"'link'", "pair 3", "add it"});
-  check_words(error([&](const Site& s) { Belt(of_two(s), 0, 0.1); }), {"link 'link'", "radius 1 0", "above zero"});
-  check_words(error([&](const Site& s) { Belt(of_two(s), 0.1, -2); }), {"link 'link'", "radius 2 -2", "above zero"});
-  check_words(error([&](const Site& s) { RackAndPinion(of_two(s), 0); }), {"link 'link'", "radius 0", "not zero"});
-  check_words(error([&](const Site& s) { RollingRack("link", s.p(), s.s(), 0); }),
+  CHECK(error([](const CoupledPairs& s) { Differential{s}; }) == "no error");
+  check_words(error([](const CoupledPairs& s) { Differential(s, 0); }), {"link 'link'", "ratio 0", "above zero"});
+  check_words(error([&](const CoupledPairs& s) { Differential(of_two(s), 1); }), {"'link'", "pair 3", "add it"});
+  check_words(error([&](const CoupledPairs& s) {
+                Belt(of_two(s), {0, 0.1});
+              }),
+              {"link 'link'", "radius 1 0", "above zero"});
+  check_words(error([&](const CoupledPairs& s) {
+                Belt(of_two(s), {0.1, -2});
+              }),
+              {"link 'link'", "radius 2 -2", "above zero"});
+  check_words(error([&](const CoupledPairs& s) { RackAndPinion(of_two(s), 0); }),
+              {"link 'link'", "radius 0", "not zero"});
+  LinkBench bench;
+  check_words(message_of<ModelError>([&] { RollingRack("link", bench.p(), bench.s(), 0); }),
               {"link 'link'", "radius 0", "not zero"});
 }

@@ -3,7 +3,7 @@
 #include "framework/mechanism/forces/function_force.h"
 #include "framework/mechanism/forces/spring_damper.h"
 #include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
@@ -253,8 +253,8 @@ TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say"
       const std::vector<double> lambda{1.3, -0.4, 0.8, -2.0, 0.7, 1.9};
       TangentSum exact, differenced;
       exact.lay_out(2), differenced.lay_out(2);
-      lock.tangent(gathered.inputs(), lambda, exact);
-      lock.Lock::tangent(gathered.inputs(), lambda, differenced);
+      add_tangent(lock, gathered.inputs(), lambda, exact);
+      difference_tangent(lock, gathered.inputs(), lambda, differenced);
       REQUIRE(exact.pairs().size() == differenced.pairs().size());
       for (std::size_t p = 0; p < exact.pairs().size(); ++p)
         for (std::size_t q = 0; q < exact.pairs().size(); ++q)

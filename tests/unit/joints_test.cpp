@@ -8,9 +8,9 @@
 
 #include <Eigen/SVD>
 
-#include "framework/mechanism/links/functions.h"
-#include "framework/mechanism/links/joints.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/links/distance.h"
+#include "framework/mechanism/links/joints.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_functions.h"
 #include "tests/support/lock_inputs.h"
@@ -113,7 +113,7 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
       CHECK(link.row_name(k) == e.rows[static_cast<std::size_t>(k)]);
       CHECK(link.row_kind(k) ==
             (e.rows[static_cast<std::size_t>(k)].size() == 1 ? RowKind::translation : RowKind::rotation));
-      CHECK(link.drive_row(k) == -1);
+      CHECK(link.row(k).drive == -1);
     }
     const Rows rows = gathered(pair.system, pair.system.start());
     CHECK(rows.C.norm() < 1e-14);  // the joint fits where it was put
@@ -178,27 +178,27 @@ TEST_CASE("a generic lock is its mask in words", "[unit][links]") {
   REQUIRE(link.row_count() == 5);
   // drives are in the order in which they were given; the joint's own rows belong to none
   CHECK(link.n_drives() == 2);
-  CHECK(link.drive_row(0) == 0);
-  CHECK(link.drive_row(1) == -1);
-  CHECK(link.drive_row(4) == 1);
+  CHECK(link.row(0).drive == 0);
+  CHECK(link.row(1).drive == -1);
+  CHECK(link.row(4).drive == 1);
   CHECK(link.drive(0).name == "x");
   CHECK(link.drive(0).unit == "m");
   CHECK(link.drive(1).name == "rz");
   CHECK(link.drive(1).unit == "rad");
 }
 
-// ------------------------------------------------------------------------------------------------ functions of the
-// coordinates
+// ------------------------------------------------------------------------------------------- functions of the coordinates
 
 namespace {
 
+namespace own {
 struct ScrewThread {  ///< oracle::Screw
   double pitch;
   LawPtr<MotionLaw> law;
   static constexpr bool kCountsTurns = true;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
-    return y.z - pitch / kTwoPi * y.angle_z() - of(*law, y.t);
+    return y.z - pitch / kTwoPi * y.angle_z() - law_at(*law, y.t);
   }
 };
 struct RackAndPinion {  ///< oracle::Rack
@@ -207,16 +207,17 @@ struct RackAndPinion {  ///< oracle::Rack
   static constexpr bool kCountsTurns = true;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
-    return y.x + radius * y.angle_z() - of(*law, y.t);
+    return y.x + radius * y.angle_z() - law_at(*law, y.t);
   }
 };
 struct Cross {  ///< oracle::Universal: x_S . y_P
-  static constexpr Needs kNeeds = Needs::rotation;
+  static constexpr Reads kReads = Reads::rotation;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
   }
 };
+}  // namespace own
 
 template <class Phi>
 class Test final : public PhiLock<Phi> {
@@ -271,7 +272,7 @@ TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   CHECK(link.row_count() == 1);
   CHECK(link.row_name(0) == "phi");
   CHECK(link.row_kind(0) == RowKind::translation);
-  CHECK(std::abs(link.phi().length->at(3.0).y - 1.3) < 1e-14);
+  CHECK(std::abs(link.phi().length_at(3.0) - 1.3) < 1e-14);
   const Rows rows = gathered(pair.system, pair.system.start());
   CHECK(rows.C.norm() < 1e-14);
   CHECK(rank(rows.J) == 1);
@@ -292,17 +293,17 @@ TEST_CASE("a joint from a function has the rows of the chain rule", "[unit][link
     for (unsigned laws : {0u, 2u, 8u, 15u}) {
       CAPTURE(seed, laws);
       CHECK(worst_of_function(seed, laws, oracle::Universal{}, [](TwoBodies& two, LawPtr<MotionLaw>) {
-              two.system.add<Test<Cross>>("universal", *two.P, *two.S, Mask::xyz, Cross{});
+              two.system.add<Test<own::Cross>>("universal", *two.P, *two.S, Mask::xyz, own::Cross{});
             }) < 1e-12);
       if (!within_half_turn(seed, laws)) continue;
       ++n;
-      CHECK(
-          worst_of_function(seed, laws, oracle::Screw{0.25}, [](TwoBodies& two, LawPtr<MotionLaw> law) {
-            two.system.add<Test<ScrewThread>>("screw", *two.P, *two.S, mask_from("x y e1 e2"), ScrewThread{0.25, law});
-          }) < 1e-12);
+      CHECK(worst_of_function(seed, laws, oracle::Screw{0.25}, [](TwoBodies& two, LawPtr<MotionLaw> law) {
+              two.system.add<Test<own::ScrewThread>>("screw", *two.P, *two.S, mask_from("x y e1 e2"),
+                                                     own::ScrewThread{0.25, law});
+            }) < 1e-12);
       CHECK(worst_of_function(seed, laws, oracle::Rack{0.4}, [](TwoBodies& two, LawPtr<MotionLaw> law) {
-              two.system.add<Test<RackAndPinion>>("rack", *two.P, *two.S, mask_from("y z e1 e2"),
-                                                  RackAndPinion{0.4, law});
+              two.system.add<Test<own::RackAndPinion>>("rack", *two.P, *two.S, mask_from("y z e1 e2"),
+                                                       own::RackAndPinion{0.4, law});
             }) < 1e-12);
     }
   CHECK(n > 10);
@@ -316,7 +317,7 @@ TEST_CASE("a universal joint keeps four rows at every pair of cross angles", "[u
       const Pose tilted{kJoint.x, kJoint.q * axis_angle(Vec3::UnitX(), a) * axis_angle(Vec3::UnitY(), b)};
       Marker& P = pair.system.add_marker_at("P", *pair.p, tilted);
       Marker& S = pair.system.add_marker_at("S", *pair.s, kJoint);
-      Test<Cross>& link = pair.system.add<Test<Cross>>("universal", P, S, Mask::xyz, Cross{});
+      Test<own::Cross>& link = pair.system.add<Test<own::Cross>>("universal", P, S, Mask::xyz, own::Cross{});
       pair.system.setup();
       const Rows rows = gathered(pair.system, pair.system.start());
       CAPTURE(a, b);
@@ -339,7 +340,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     Marker& P = system.add_marker("P", nut);
     Marker& S = system.add_marker("S", system.ground(), at(Vec3(0.3, 0, 0)));
     const auto none = std::make_shared<Number>(LawValue{0, 0, 0});
-    system.add<Test<ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), ScrewThread{pitch, none});
+    system.add<Test<own::ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), own::ScrewThread{pitch, none});
     system.setup();
     State state = system.start();
     REQUIRE(state.z.size() == 3);  // the angle, its rate and their instant
@@ -427,9 +428,10 @@ TEST_CASE("a particle cannot be held in its turns", "[unit][links]") {
              {"'hinge'", "e1 e2", "'bead'", "particle", "inertia"}));
   CHECK(says(refused([](System& s, Marker& P, Marker& S) { s.add<Homokinetic>("cv", S, P); }),
              {"'cv'", "e3", "'bead'", "particle"}));
-  CHECK(
-      says(refused([](System& s, Marker& P, Marker& S) { s.add<Test<Cross>>("universal", P, S, Mask::xyz, Cross{}); }),
-           {"'universal'", "phi", "'bead'", "particle"}));
+  CHECK(says(refused([](System& s, Marker& P, Marker& S) {
+               s.add<Test<own::Cross>>("universal", P, S, Mask::xyz, own::Cross{});
+             }),
+             {"'universal'", "phi", "'bead'", "particle"}));
   CHECK(refused([](System& s, Marker& P, Marker& S) { s.add<Spherical>("ball", P, S); }) == "no error");
   CHECK(refused([](System& s, Marker& P, Marker& S) { s.add<Distance>("rod", P, S); }) == "no error");
 }
@@ -462,12 +464,12 @@ TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
   Distance& rod = pair.system.add<Distance>("rod", far, pair.system.marker("bolt.S"), good);
   Distance& cord = pair.system.add<Distance>("cord", far, pair.system.marker("bolt.S"), bad);
   pair.system.setup();
-  CHECK(says(hinge.blame(0), {"drive rz"}));
-  CHECK(says(bolt.blame(0), {"translation law"}));
-  CHECK(says(weld.blame(0), {"rotation law"}));
-  CHECK(says(clamp.blame(0), {"marker 'clamp.S'"}));
-  CHECK(rod.blame(0).empty());
-  CHECK(says(cord.blame(0), {"law of its length"}));
+  CHECK(says(hinge.diagnose(0), {"drive rz"}));
+  CHECK(says(bolt.diagnose(0), {"translation law"}));
+  CHECK(says(weld.diagnose(0), {"rotation law"}));
+  CHECK(says(clamp.diagnose(0), {"marker 'clamp.S'"}));
+  CHECK(rod.diagnose(0).empty());
+  CHECK(says(cord.diagnose(0), {"law of its length"}));
 }
 
 TEST_CASE("a distance of zero is refused", "[unit][links]") {

@@ -28,7 +28,7 @@ State pushed(LawPtr<MotionLaw> force, double end, const std::string& method, dou
   sys.add<Prismatic>("slide", P, S);
   sys.add<ForceMotor>("push", P, S, {.force = std::move(force)});
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  Simulation run(dynamics, method_named(method), {.step = h, .tolerance = {1e-9, 1e-11}});
+  StepLoop run(dynamics, method_named(method), {.step = h, .tolerance = {1e-9, 1e-11}});
   run.run_until(end);
   return run.state();
 }
@@ -65,7 +65,7 @@ TEST_CASE("events are located in the dense output of implicit methods", "[unit][
   Body& stone = sys.add_body("stone", box(1, {0.1, 0.2, 0.3}), {{0, 0, height}, {}});
   stone.start.w = {0.4, 3, 0.2};  // tumbling costs nothing
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  Simulation run(dynamics, method_named(method), {.step = 0.05, .tolerance = {1e-9, 1e-11}});
+  StepLoop run(dynamics, method_named(method), {.step = 0.05, .tolerance = {1e-9, 1e-11}});
   std::vector<double> met;
   Event floor;
   floor.name = "floor";

@@ -116,7 +116,7 @@ TEST_CASE("what must stay a link stays one", "[unit][system]") {
   }
   {
     Bent m;  // in force only later
-    m.bolt.active_at_start = false;
+    m.bolt.set_active_at_start(false);
     m.system.set_merge(true);
     m.system.setup();
     CHECK(m.system.n_slots() == 2);

@@ -153,9 +153,9 @@ TEST_CASE("a drive costs its law and no more", "[unit][lock]") {
 
 TEST_CASE("look leaves out the half that is not needed", "[unit][lock]") {
   const Counting in = inputs_of(0, false);
-  const auto price = [&](Needs needs) {
-    return oracle::operations_of([&] { look(in.O1, in.O2, in.P, in.S, 0u, needs); }).total();
+  const auto price = [&](Reads reads) {
+    return oracle::operations_of([&] { look(in.O1, in.O2, in.P, in.S, 0u, reads); }).total();
   };
-  CHECK(price(Needs::translation) > 0);
-  CHECK(price(Needs::translation) + price(Needs::rotation) == price(Needs::both));
+  CHECK(price(Reads::translation) > 0);
+  CHECK(price(Reads::translation) + price(Reads::rotation) == price(Reads::both));
 }

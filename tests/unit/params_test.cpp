@@ -3,7 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/mechanism/params/json.h"
+#include "framework/description/registry/registry.h"
+#include "framework/description/scene/json.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
@@ -16,31 +17,31 @@ namespace {
 
 const TypeInfo kRamp{"ramp",
                      "a ramp",
-                     {{"slope", Form::number, Unit::speed, "", "rise a second"},
-                      {"start", Form::number, Unit::time, "0", "when it begins"},
-                      {"limit", Form::number, Unit::length, "absent", "where it ends"}}};
+                     {{"slope", Form::number, Unit::speed, kRequired, "rise a second"},
+                      {"start", Form::number, Unit::time, 0, "when it begins"},
+                      {"limit", Form::number, Unit::length, kOptional, "where it ends"}}};
 
 // One key of every form.
 const TypeInfo kAll{"all",
                     "",
-                    {{"number", Form::number, Unit::length, "\"5 mm\"", ""},
-                     {"integer", Form::integer, Unit::none, "3", ""},
-                     {"boolean", Form::boolean, Unit::none, "true", ""},
-                     {"text", Form::text, Unit::none, "\"words\"", ""},
-                     {"choice", Form::choice, Unit::none, "\"red\"", "", {"red", "green"}},
-                     {"vector", Form::vector3, Unit::length, "[1, 2, \"3 mm\"]", ""},
-                     {"axis", Form::axis, Unit::none, "\"z\"", ""},
-                     {"turn", Form::orientation, Unit::none, "[1, 0, 0, 0]", ""},
-                     {"numbers", Form::numbers, Unit::none, "[1, 2]", ""},
-                     {"points", Form::points, Unit::none, "[[0, 1], [2, 3]]", ""},
-                     {"law", Form::law, Unit::none, "2", ""},
-                     {"slide", Form::translation_law, Unit::none, "[1, 2, 3]", ""},
-                     {"spin", Form::rotation_law, Unit::none, "[1, 0, 0, 0]", ""},
-                     {"laws", Form::laws, Unit::none, "[1, 2]", ""},
-                     {"any", Form::any, Unit::none, "absent", ""}}};
+                    {{"number", Form::number, Unit::length, "5 mm", ""},
+                     {"integer", Form::integer, Unit::none, 3, ""},
+                     {"boolean", Form::boolean, Unit::none, true, ""},
+                     {"text", Form::text, Unit::none, "words", ""},
+                     {"choice", Form::choice, Unit::none, "red", "", {"red", "green"}},
+                     {"vector", Form::vector3, Unit::length, Value::List{1, 2, "3 mm"}, ""},
+                     {"axis", Form::axis, Unit::none, "z", ""},
+                     {"turn", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, ""},
+                     {"numbers", Form::numbers, Unit::none, Value::List{1, 2}, ""},
+                     {"points", Form::points, Unit::none, Value::List{Value::List{0, 1}, Value::List{2, 3}}, ""},
+                     {"law", Form::law, Unit::none, 2, ""},
+                     {"slide", Form::translation_law, Unit::none, Value::List{1, 2, 3}, ""},
+                     {"spin", Form::rotation_law, Unit::none, Value::List{1, 0, 0, 0}, ""},
+                     {"laws", Form::laws, Unit::none, Value::List{1, 2}, ""},
+                     {"any", Form::any, Unit::none, kOptional, ""}}};
 
-// Laws that remember where they stood: the value is the number of characters of their place.
-struct Laws final : LawSource {
+// A registry whose laws remember for whom they were made.
+struct Laws {
   struct Scalar final : MotionLaw {
     explicit Scalar(double y0) : y(y0) {}
     LawValue at(double) const override { return {y, 0, 0}; }
@@ -52,23 +53,32 @@ struct Laws final : LawSource {
   struct Spin final : RotationLaw {
     RotationValue at(double) const override { return {}; }
   };
-  LawPtr<MotionLaw> scalar_law(const Value& v, const std::string& owner) const override {
-    places.push_back(owner);
-    return std::make_shared<Scalar>(v.number() != nullptr ? *v.number() : -1);
+  Laws() {
+    registry.laws.add({"constant", "", {{"value", Form::number, Unit::any, kRequired, ""}}},
+                      [this](const Params& p) -> LawPtr<MotionLaw> {
+                        places.push_back(p.owner());
+                        return std::make_shared<Scalar>(p.number("value"));
+                      });
+    registry.laws.add({"x", "", {}}, [](const Params&) -> LawPtr<MotionLaw> { return std::make_shared<Scalar>(-1); });
+    registry.translation_laws.add({"constant", "", {{"value", Form::vector3, Unit::any, kRequired, ""}}},
+                                  [this](const Params& p) -> LawPtr<TranslationLaw> {
+                                    places.push_back(p.owner());
+                                    return std::make_shared<Slide>();
+                                  });
+    registry.rotation_laws.add({"constant", "", {{"value", Form::orientation, Unit::none, kRequired, ""}}},
+                               [this](const Params& p) -> LawPtr<RotationLaw> {
+                                 places.push_back(p.owner());
+                                 return std::make_shared<Spin>();
+                               });
   }
-  LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner) const override {
-    places.push_back(owner);
-    return std::make_shared<Slide>();
-  }
-  LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner) const override {
-    places.push_back(owner);
-    return std::make_shared<Spin>();
-  }
-  mutable std::vector<std::string> places;
+  Params all(const Value& v) const { return checked_params(Params::unchecked(v), kAll, "body 'B'", &registry); }
+
+  Registry registry;
+  std::vector<std::string> places;
 };
 
 Params ramp(const std::string& json) {
-  return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law", nullptr};
+  return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law"};
 }
 
 std::string ramp_problem(const std::string& json) {
@@ -77,9 +87,8 @@ std::string ramp_problem(const std::string& json) {
 
 // The message for {"<key>": <json>} of the type that has all forms.
 std::string problem_of(const std::string& key, const std::string& json) {
-  const Laws laws;
-  return message_of<SceneError>(
-      [&] { Params(read_json("{\"" + key + "\": " + json + "}", "a.json"), kAll, "body 'B'", &laws); });
+  Laws laws;
+  return message_of<SceneError>([&] { laws.all(read_json("{\"" + key + "\": " + json + "}", "a.json")); });
 }
 
 Vec3 axis_of(const std::string& json) { return read_axis(read_json(json, ""), "axis"); }
@@ -108,8 +117,8 @@ TEST_CASE("given and defaulted numbers are handed out in SI", "[unit][model]") {
 }
 
 TEST_CASE("every form has its default and its getter", "[unit][model]") {
-  const Laws laws;
-  const Params p({}, kAll, "body 'B'", &laws);
+  Laws laws;
+  const Params p = laws.all({});
   CHECK(p.number("number") == 0.005);
   CHECK(p.integer("integer") == 3);
   CHECK(p.boolean("boolean"));
@@ -129,14 +138,13 @@ TEST_CASE("every form has its default and its getter", "[unit][model]") {
 }
 
 TEST_CASE("given values stand before defaults in every form", "[unit][model]") {
-  const Laws laws;
-  const Params p(
+  Laws laws;
+  const Params p = laws.all(
       read_json(
           R"({"number": 7, "integer": -2, "boolean": false, "text": "t", "choice": "green", "vector": [0, "1 cm", 2],
       "axis": [0, 3, 4], "turn": {"axis": "x", "angle": "180 deg"}, "numbers": [], "points": [[1]], "law": 9, "laws": [4, {"type": "x"}],
       "any": {"a": 1}})",
-          "a.json"),
-      kAll, "body 'B'", &laws);
+          "a.json"));
   CHECK(p.number("number") == 7);
   CHECK(p.integer("integer") == -2);
   CHECK_FALSE(p.boolean("boolean"));
@@ -154,21 +162,21 @@ TEST_CASE("given values stand before defaults in every form", "[unit][model]") {
 
 TEST_CASE("parameters given in C++ are checked by the same table", "[unit][model]") {
   const Params raw{{"slope", 2.0}, {"start", "5 ms"}};
-  const Params p = raw.checked(kRamp, "law 'ramp'", nullptr);
+  const Params p = raw.checked(kRamp, "law 'ramp'");
   CHECK(p.number("slope") == 2);
   CHECK(p.number("start") == 0.005);
-  const std::string problem = message_of<SceneError>([] { Params{{"slop", 2}}.checked(kRamp, "law 'ramp'", nullptr); });
+  const std::string problem = message_of<SceneError>([] { Params{{"slop", 2}}.checked(kRamp, "law 'ramp'"); });
   CHECK(problem == "law 'ramp': unknown key \"slop\"; did you mean \"slope\"?");
   check_words(message_of<SceneError>([] {
-                Params{{"slope", 2}, {"slope", 3}}.checked(kRamp, "law 'ramp'", nullptr);
+                Params{{"slope", 2}, {"slope", 3}}.checked(kRamp, "law 'ramp'");
               }),
               {"\"slope\" is given twice"});
   check_words(message_of<SceneError>([] {
-                Params{{"slope", std::nan("")}}.checked(kRamp, "law 'ramp'", nullptr);
+                Params{{"slope", std::nan("")}}.checked(kRamp, "law 'ramp'");
               }),
               {"law 'ramp', slope: ", "nan", "finite"});
   check_words(message_of<SceneError>([] {
-                Params{{"slope", INFINITY}}.checked(kRamp, "law 'ramp'", nullptr);
+                Params{{"slope", INFINITY}}.checked(kRamp, "law 'ramp'");
               }),
               {"inf", "finite"});
   check_words(message_of<SceneError>([] { Params{{"slope", 1}}.number("slope"); }), {"\"slope\"", "checked"});
@@ -179,7 +187,7 @@ TEST_CASE("an unknown key is refused with its place and the closest one", "[unit
         "four_bar.json:2:3: link 'A', drive.law: unknown key \"slop\"; did you mean \"slope\"?");
   check_words(ramp_problem(R"({"radius": 2})"), {"unknown key \"radius\"", "known: slope, start, limit"});
   check_words(message_of<SceneError>([] {
-                Params(read_json(R"({"a": 1})", "a.json"), {"gravity", "", {}}, "force 'g'", nullptr);
+                Params(read_json(R"({"a": 1})", "a.json"), {"gravity", "", {}}, "force 'g'");
               }),
               {"force 'g'", "unknown key \"a\"", "takes no keys"});
 }
@@ -230,12 +238,14 @@ TEST_CASE("a wrong form is refused with what was expected and what was given", "
 }
 
 TEST_CASE("what is no object is refused", "[unit][model]") {
-  check_words(message_of<SceneError>([] { Params(read_json("[1]", "a.json"), kRamp, "link 'A'", nullptr); }),
+  check_words(message_of<SceneError>([] { Params(read_json("[1]", "a.json"), kRamp, "link 'A'"); }),
               {"a.json:1:1: link 'A': expected an object", "'ramp'", "a list of 1"});
 }
 
 TEST_CASE("a law where nothing makes laws is refused", "[unit][model]") {
-  check_words(message_of<SceneError>([] { Params(read_json(R"({"law": 1})", "a.json"), kAll, "body 'B'", nullptr); }),
+  check_words(message_of<SceneError>([] {
+                checked_params(Params::unchecked(read_json(R"({"law": 1})", "a.json")), kAll, "body 'B'", nullptr);
+              }),
               {"a.json:1:9: body 'B', law: ", "registry"});
 }
 
@@ -317,11 +327,11 @@ TEST_CASE("a table of keys that is not sound is refused", "[unit][model]") {
   };
   CHECK(message_of<ModelError>([] { check(kRamp); }) == "no error");
   CHECK(message_of<ModelError>([] { check(kAll); }) == "no error");
-  check_words(problem({{"", Form::number, Unit::none, "0", ""}}), {"'cam'", "no name"});
-  check_words(problem({{"a", Form::number, Unit::none, "0", ""}, {"a", Form::text, Unit::none, "", ""}}),
+  check_words(problem({{"", Form::number, Unit::none, 0, ""}}), {"'cam'", "no name"});
+  check_words(problem({{"a", Form::number, Unit::none, 0, ""}, {"a", Form::text, Unit::none, kRequired, ""}}),
               {"'a'", "twice"});
-  check_words(problem({{"a", Form::choice, Unit::none, "", ""}}), {"'a'", "without choices"});
-  check_words(problem({{"a", Form::text, Unit::none, "words", ""}}), {"'a'", "`words`", "quotes"});
-  check_words(problem({{"a", Form::number, Unit::length, "\"3 s\"", ""}}), {"'a'", "is a time"});
+  check_words(problem({{"a", Form::choice, Unit::none, kRequired, ""}}), {"'a'", "without choices"});
+  check_words(problem({{"a", Form::text, Unit::none, 3, ""}}), {"'a'", "a number (3)", "a text in quotes"});
+  check_words(problem({{"a", Form::number, Unit::length, "3 s", ""}}), {"'a'", "is a time"});
   check_words(message_of<ModelError>([] { check(TypeInfo{}); }), {"without a name"});
 }

@@ -12,6 +12,7 @@ WorkPrecisionRun run_of(const std::string& integrator, double setting, double er
   run.integrator = integrator, run.solver = "sparse", run.setting = setting;
   run.error = {error, 10 * error, 100 * error, 1000 * error};
   run.cpu = cpu, run.evaluations = static_cast<long>(1e6 * cpu), run.failure = failure;
+  run.given_up = failure.starts_with("given up");
   return run;
 }
 

@@ -8,7 +8,7 @@
 #include "framework/tools/check/check_lock.h"
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/gears.h"
 #include "framework/mechanism/links/screw.h"
 #include "framework/mechanism/links/universal.h"
@@ -121,7 +121,7 @@ MatX matrix_of(const TangentSum& sum) {
 /// Three pairs, two rows, everything that is read, of several kinds.
 struct Tangle {
   static constexpr int kPairs = 3, kRows = 2;
-  static constexpr std::array<Needs, 3> kNeeds = {Needs::both, Needs::translation, Needs::rotation};
+  static constexpr std::array<Reads, 3> kReads = {Reads::both, Reads::translation, Reads::rotation};
   static constexpr std::array<const char*, 2> kNames = {"one", "two"};
   template <class T>
   std::array<T, 2> operator()(const LockCoords<T>& a, const LockCoords<T>& b, const LockCoords<T>& c) const {
@@ -231,8 +231,8 @@ TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
       const std::span<const double> given(lambda.data(), static_cast<std::size_t>(lambda.size()));
       TangentSum exact, differences;
       exact.lay_out(b.system.n_slots()), differences.lay_out(b.system.n_slots());
-      link.tangent(here.inputs(), given, exact);
-      link.Lock::tangent(here.inputs(), given, differences);
+      add_tangent(link, here.inputs(), given, exact);
+      difference_tangent(link, here.inputs(), given, differences);
       MatX K = matrix_of(exact);
       const double size = K.cwiseAbs().maxCoeff();
       CHECK(size > 0.01);

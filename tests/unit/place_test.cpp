@@ -1,7 +1,7 @@
 #include "framework/description/scene/place.h"
 
 #include "framework/description/registry/builtins.h"
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,21 +1,11 @@
 #include "integrators/rattle.h"
 
 #include "framework/lockstep.h"
-#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
 using namespace lockstep;
-
-TEST_CASE("rattle converges with its order", "[unit][integrators]") {
-  const int order = GENERATE(2, 4);
-  Rattle method(order);
-  ThrownTop top;
-  CHECK(measured_order(top, method, 1.0, 50) == Approx(order).margin(0.05));
-  RodPendulum pendulum;
-  CHECK(measured_order(pendulum, method, 1.0, 50) == Approx(order).margin(0.05));
-}
 
 TEST_CASE("rattle ends on the constraints, positions and velocities", "[unit][integrators]") {
   RodPendulum pendulum;
@@ -83,17 +73,4 @@ TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrat
   Dynamics dynamics = dynamics_of(pendulum.system);
   testing::check_words(testing::message_of<ModelError>([&] { Rattle(2).begin(dynamics, pendulum.system.start()); }),
                        {"rattle2", "link 'motor'", "dopri5"});
-}
-
-TEST_CASE("a step of rattle allocates nothing", "[unit][integrators]") {
-  if (!allocations_are_counted()) return;
-  RodPendulum pendulum;
-  Dynamics dynamics = dynamics_of(pendulum.system);
-  Rattle method(4);
-  State s = pendulum.system.start();
-  method.begin(dynamics, s);
-  for (int i = 0; i < 3; ++i) method.step(dynamics, s, 0.01);
-  CHECK(allocations_of([&] {
-          for (int i = 0; i < 20; ++i) method.step(dynamics, s, 0.0123456789);
-        }) == 0);
 }

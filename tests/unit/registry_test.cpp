@@ -1,6 +1,6 @@
 #include "framework/description/registry/registry.h"
 
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/messages.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 struct Constant final : MotionLaw {
   explicit Constant(double y0) : y(y0) {}
-  static TypeInfo info() { return {"constant", "a number", {{"value", Form::number, Unit::any, "", "the number"}}}; }
+  static TypeInfo info() { return {"constant", "a number", {{"value", Form::number, Unit::any, kRequired, "the number"}}}; }
   static LawPtr<MotionLaw> make(const Params& p) { return std::make_shared<Constant>(p.number("value")); }
   LawValue at(double) const override { return {y, 0, 0}; }
   double y;
@@ -22,7 +22,7 @@ struct Scaled final : MotionLaw {
   static TypeInfo info() {
     return {"scale",
             "a law times a number",
-            {{"factor", Form::number, Unit::none, "2", ""}, {"base", Form::law, Unit::none, "", "scaled"}}};
+            {{"factor", Form::number, Unit::none, 2, ""}, {"base", Form::law, Unit::none, kRequired, "scaled"}}};
   }
   static LawPtr<MotionLaw> make(const Params& p) {
     auto law = std::make_shared<Scaled>();
@@ -36,7 +36,7 @@ struct Scaled final : MotionLaw {
 };
 
 struct Still final : TranslationLaw {
-  static TypeInfo info() { return {"constant", "", {{"value", Form::vector3, Unit::length, "", "the place"}}}; }
+  static TypeInfo info() { return {"constant", "", {{"value", Form::vector3, Unit::length, kRequired, "the place"}}}; }
   static LawPtr<TranslationLaw> make(const Params& p) {
     auto law = std::make_shared<Still>();
     law->x = p.vector3("value");
@@ -47,7 +47,7 @@ struct Still final : TranslationLaw {
 };
 
 struct Turned final : RotationLaw {
-  static TypeInfo info() { return {"constant", "", {{"value", Form::orientation, Unit::none, "", "the turn"}}}; }
+  static TypeInfo info() { return {"constant", "", {{"value", Form::orientation, Unit::none, kRequired, "the turn"}}}; }
   static LawPtr<RotationLaw> make(const Params& p) {
     auto law = std::make_shared<Turned>();
     law->q = p.orientation("value");
@@ -135,9 +135,9 @@ TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
   check_words(problem([&] { registry.laws.add({}, &Constant::make); }), {"a law has no name"});
   check_words(problem([&] { registry.forces.add({"wind", "", {}}, nullptr); }), {"force 'wind' has no maker"});
   check_words(problem([&] {
-                registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, "words", ""}}}, &Constant::make);
+                registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, 3, ""}}}, &Constant::make);
               }),
-              {"law 'bad' cannot be registered", "`words`"});
+              {"law 'bad' cannot be registered", "a number (3)"});
   CHECK(registry.laws.entries().size() == 2);
 }
 

@@ -5,14 +5,6 @@
 
 using namespace lockstep;
 
-TEST_CASE("semi-implicit Euler converges with order 1", "[unit][integrators]") {
-  SemiImplicitEuler method;
-  ThrownTop top;
-  CHECK(measured_order(top, method, 1.0, 2000) == Approx(1).margin(0.05));
-  RodPendulum pendulum;
-  CHECK(measured_order(pendulum, method, 1.0, 2000) == Approx(1).margin(0.05));
-}
-
 TEST_CASE("semi-implicit Euler takes the new velocity to move", "[unit][integrators]") {
   System system(System::Options{{0, 0, -10}});
   system.add_particle("stone", 3, {0, 0, 1});

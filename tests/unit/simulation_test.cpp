@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 
 #include <cmath>
 #include <functional>
@@ -79,11 +79,11 @@ TEST_CASE("output times are exact and the states between steps are the motion's"
   CAPTURE(name);
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.013;
   options.tolerance = {1e-10, 1e-12};
   options.output = 0.1;
-  Simulation run(dynamics, method_of(name), options);
+  StepLoop run(dynamics, method_of(name), options);
   struct : Observer {
     std::vector<double> times;
     double worst = 0, off = 0;
@@ -108,9 +108,9 @@ TEST_CASE("output times are exact and the states between steps are the motion's"
 TEST_CASE("listed output times are put out and nothing else", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.output_times = {0, 0.05, 0.3, 0.31, 0.4};
-  Simulation run(dynamics, method_of("dopri5"), options);
+  StepLoop run(dynamics, method_of("dopri5"), options);
   Log log;
   run.add_observer(log);
   run.run_until(0.5);
@@ -122,9 +122,9 @@ TEST_CASE("listed output times are put out and nothing else", "[unit][dynamics]"
 TEST_CASE("a run goes on where it ended, and every step is put out when no times were asked for", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.1;
-  Simulation run(dynamics, method_of("rk4"), options);
+  StepLoop run(dynamics, method_of("rk4"), options);
   Log log;
   run.add_observer(log);
   CHECK(run.run_until(0.3).steps == 3);
@@ -141,10 +141,10 @@ TEST_CASE("a run goes on where it ended, and every step is put out when no times
 TEST_CASE("thousands of fixed steps end where they shall", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 1e-3;
   options.output = 7;
-  Simulation run(dynamics, method_of("rk4"), options);
+  StepLoop run(dynamics, method_of("rk4"), options);
   CHECK(run.run_until(7).steps == 7000);
 }
 
@@ -158,9 +158,9 @@ TEST_CASE("the loop lands where a law jumps, with each side's own value", "[unit
                                                                     : 0.0; },
                                     std::vector<double>{0.3, 0.7}));
   Dynamics dynamics = dynamics_of(system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.11;
-  Simulation run(dynamics, method_of(name), options);
+  StepLoop run(dynamics, method_of(name), options);
   Log log;
   run.add_observer(log);
   run.run_until(1);
@@ -175,9 +175,9 @@ TEST_CASE("a condition is located to its tolerance and the motion goes on from t
   CAPTURE(name);
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.2;
-  Simulation run(dynamics, method_of(name), options);
+  StepLoop run(dynamics, method_of(name), options);
   std::vector<double> hits;
   Event event = floor_event();
   event.once = false;
@@ -195,7 +195,7 @@ TEST_CASE("a condition is located to its tolerance and the motion goes on from t
 TEST_CASE("an event that undoes itself does not loop for ever", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  Simulation run(dynamics, method_of("dopri5"));
+  StepLoop run(dynamics, method_of("dopri5"));
   Event event = floor_event();
   event.crossing = Event::Crossing::any;
   event.once = false;
@@ -212,10 +212,10 @@ TEST_CASE("an event at an instant switches a link off, the body flies on freely"
   CAPTURE(name);
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.01;
   options.tolerance = {1e-11, 1e-13};
-  Simulation run(dynamics, method_of(name), options);
+  StepLoop run(dynamics, method_of(name), options);
   State at_release;
   Event event;
   event.name = "let go";
@@ -236,7 +236,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
           "[unit][dynamics]") {
   Stone stone;
   Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), at({0, 0, 2}));
-  hook.active_at_start = false;
+  hook.set_active_at_start(false);
   Dynamics dynamics = dynamics_of(stone.system);
   Event event;
   event.name = "catch";
@@ -246,7 +246,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
     State s = stone.system.start();
     s.v[0] = 3;
     event.at = 0;
-    Simulation run(dynamics, method_of("dopri5"));
+    StepLoop run(dynamics, method_of("dopri5"));
     run.set_state(s);
     run.add_event(event);
     run.run_until(0.5);
@@ -256,7 +256,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
   }
   SECTION("far from it") {
     event.at = 0.2;
-    Simulation run(dynamics, method_of("dopri5"));
+    StepLoop run(dynamics, method_of("dopri5"));
     Log log;
     run.add_observer(log);
     run.add_event(event);
@@ -267,7 +267,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
   }
   SECTION("unknown") {
     event.activate = {"hok"};
-    Simulation run(dynamics, method_of("dopri5"));
+    StepLoop run(dynamics, method_of("dopri5"));
     CHECK_THROWS_AS(run.add_event(event), ModelError);
   }
 }
@@ -275,9 +275,9 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
 TEST_CASE("an event ends the run and says so, the last state is put out", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.output = 0.25;
-  Simulation run(dynamics, method_of("dop853"), options);
+  StepLoop run(dynamics, method_of("dop853"), options);
   Log log;
   run.add_observer(log);
   Event event = floor_event();
@@ -300,9 +300,9 @@ TEST_CASE("an error keeps what was computed and says when", "[unit][dynamics]") 
   system.add(std::make_unique<Push>([](double t) { return t < 0.5 ? 1.0 : std::numeric_limits<double>::quiet_NaN(); },
                                     std::vector<double>{}));
   Dynamics dynamics = dynamics_of(system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.03;
-  Simulation run(dynamics, method_of("rk4"), options);
+  StepLoop run(dynamics, method_of("rk4"), options);
   Log log;
   run.add_observer(log);
   try {
@@ -320,7 +320,7 @@ TEST_CASE("an error keeps what was computed and says when", "[unit][dynamics]") 
 TEST_CASE("a start off the constraints and settings that cannot be are refused", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
-  Simulation run(dynamics, method_of("dopri5"));
+  StepLoop run(dynamics, method_of("dopri5"));
   State off = pendulum.system.start();
   off.q[0] += 0.01;
   CHECK(says(message_of<AssemblyError>([&] { run.set_state(off); }), {"hinge", "0.01", "assemble"}));
@@ -329,8 +329,8 @@ TEST_CASE("a start off the constraints and settings that cannot be are refused",
   CHECK_THROWS_AS(run.set_state(off), AssemblyError);
   CHECK_THROWS_AS(run.set_state(State{}), ModelError);
   CHECK_THROWS_AS(run.add_event(Event{}), ModelError);
-  CHECK(says(message_of<ModelError>([&] { Simulation(dynamics, method_of("rk4")); }), {"rk4", "--step"}));
-  CHECK_THROWS_AS(Simulation(dynamics, nullptr), ModelError);
+  CHECK(says(message_of<ModelError>([&] { StepLoop(dynamics, method_of("rk4")); }), {"rk4", "--step"}));
+  CHECK_THROWS_AS(StepLoop(dynamics, nullptr), ModelError);
 }
 
 TEST_CASE("the loop allocates nothing in its steps and outputs", "[unit][dynamics]") {
@@ -339,10 +339,10 @@ TEST_CASE("the loop allocates nothing in its steps and outputs", "[unit][dynamic
   CAPTURE(name);
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = 0.0123456;
   options.output = 0.05;
-  Simulation run(dynamics, method_of(name), options);
+  StepLoop run(dynamics, method_of(name), options);
   run.run_until(0.3);
   run.step();
   const auto steps = [&] {

@@ -94,7 +94,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
   const char* stages = GENERATE("auto", "manifold");
   Bays bays(2, 0, 1.5);
   Dynamics dynamics = dynamics_of(bays.system);
-  Simulation run(dynamics,
+  StepLoop run(dynamics,
                  builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
                  {.tolerance = {1e-9, 1e-11}});
   run.run_until(0.5);
@@ -107,7 +107,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
 TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
   Dynamics dynamics = dynamics_of(bays.system);
-  Simulation run(dynamics,
+  StepLoop run(dynamics,
                  builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
                        {"dop853", "singular position", "start a little beside it"});

@@ -9,20 +9,20 @@
 using namespace lockstep;
 
 TEST_CASE("the controller's factors stay within 0.2 and 5", "[unit][integrators]") {
-  StepControl control(5);
-  CHECK(control.accept(0, false) == 5.0);
-  CHECK(control.accept(1e-12, true) == 1.0);
+  PiControl control(5);
+  CHECK(control.accept(0.1, 0, 0, false) == 5.0);
+  CHECK(control.accept(0.1, 1e-12, 0, true) == 1.0);
   CHECK(control.reject(1e30) == 0.2);
   CHECK(control.reject(HUGE_VAL) == 0.2);
   CHECK(control.reject(1.01) < 1);
 }
 
 TEST_CASE("the controller follows 0.9 err^(-0.7/p) before^(0.4/p)", "[unit][integrators]") {
-  StepControl control(8);
-  control.accept(0.5, false);
-  CHECK(control.accept(0.25, false) == Approx(0.9 * std::pow(0.25, -0.7 / 8) * std::pow(0.5, 0.4 / 8)));
+  PiControl control(8);
+  control.accept(0.1, 0.5, 0, false);
+  CHECK(control.accept(0.1, 0.25, 0, false) == Approx(0.9 * std::pow(0.25, -0.7 / 8) * std::pow(0.5, 0.4 / 8)));
   control.begin();
-  CHECK(control.accept(0.25, false) == Approx(0.9 * std::pow(0.25, -0.7 / 8) * std::pow(1e-4, 0.4 / 8)));
+  CHECK(control.accept(0.1, 0.25, 0, false) == Approx(0.9 * std::pow(0.25, -0.7 / 8) * std::pow(1e-4, 0.4 / 8)));
 }
 
 TEST_CASE("errors are weighed in metres, radians and their rates", "[unit][integrators]") {

@@ -20,7 +20,7 @@ SimulationReport pulled(const char* method, double stiffness, double damping, do
   sys.add<SpringDamper>("spring", P, anchor,
                         SpringDamper::Options{.stiffness = stiffness, .damping = damping, .free_length = 1});
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  Simulation run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
+  StepLoop run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
                  {.tolerance = {tolerance, 1e-2 * tolerance}});
   return run.run_until(0.5);
 }
@@ -31,7 +31,7 @@ TEST_CASE("stiff are damped modes that limit the step although they have decayed
   const auto look = [](double h_rate, double damped, double change, int steps) {
     StiffnessWatch watch(3.3);
     for (int i = 0; i < steps; ++i)
-      watch.look(0.1, 4.0, 4.0 * 100 * h_rate * h_rate, -4.0 * 10 * damped * h_rate, change);
+      watch.add(0.1, 4.0, 4.0 * 100 * h_rate * h_rate, -4.0 * 10 * damped * h_rate, change);
     return watch.stiff();
   };
   CHECK(look(3.3, 1, 1, 15));  // at the limit of stability

@@ -38,10 +38,10 @@ TEST_CASE("scene: stops of every coordinate are links of their own", "[unit][sce
     CAPTURE(name);
     CHECK(stop(name).type() == "stop");
     CHECK(stop(name).row_count() == 1);
-    CHECK(stop(name).one_sided.has_value());
+    CHECK(stop(name).unilateral() != nullptr);
   }
-  CHECK(stop("A.stop_rz_low").one_sided->restitution == 0.8);
-  CHECK(stop("A.stop_x_high").one_sided->restitution == 0);
+  CHECK(stop("A.stop_rz_low").unilateral()->restitution == 0.8);
+  CHECK(stop("A.stop_x_high").unilateral()->restitution == 0);
   CHECK(static_cast<const TurnStop&>(stop("A.stop_rz_low")).phi().limit == Approx(-kPi / 3));
   const State start = m.system.start();
   CHECK(start.modes[0]);
@@ -65,7 +65,7 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
     const Channel angle = make_channel(m.system, "arm.angle_z");
     Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
-    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.run_until(1);
     CHECK(simulation.report().impacts == 1);
     CHECK(angle.value(Sample(dynamics, simulation.state(), {})) == Approx(-0.4).epsilon(1e-10));
@@ -76,7 +76,7 @@ TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
   const Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
       "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_s": [0, 0, 0], "length": 1,
                  "one_sided": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
-  const OneSided& o = *m.system.link("rope").one_sided;
+  const Unilateral& o = *m.system.link("rope").unilateral();
   CHECK(o.restitution == 0.5);
   CHECK(o.rest_speed == Approx(0.002));
   CHECK(o.below);
@@ -85,10 +85,10 @@ TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
 TEST_CASE("scene: friction of a link, by its own key and by a force that names it", "[unit][scene]") {
   const Mechanism own = made(arm(R"("friction": {"mu": 0.1, "radius": "20 mm"})"));
   CHECK(own.system.force("A.friction").type() == "joint_friction");
-  CHECK(own.system.force("A.friction").reads().front() == &own.system.link("A"));
+  CHECK(own.system.force("A.friction").reacting()->reads().front() == &own.system.link("A"));
   const Mechanism named =
       made(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "A", "mu": 0.1, "radius": 0.02}])"));
-  CHECK(named.system.force("rub").reads().front() == &named.system.link("A"));
+  CHECK(named.system.force("rub").reacting()->reads().front() == &named.system.link("A"));
 }
 
 TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
@@ -130,7 +130,7 @@ TEST_CASE("scene: who starts on a stop and moves into it bounces", "[unit][scene
                "stops": [{"axis": "rz", "low": 0, "restitution": 1}]}]})");
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
   const Registry registry = builtin_registry();
-  Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+  StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
   simulation.run_until(0.5);
   CHECK(simulation.report().impacts == 1);
   CHECK(simulation.state().v[5] == Approx(1));
@@ -153,7 +153,7 @@ TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
     Recorder recorder(m.system, {"a.angle_z", "b.angle_z"});
     Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
-    Simulation simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
+    StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.add_observer(recorder);
     simulation.run_until(2);
     const auto last = [&](std::size_t k) { return recorder.table().columns()[k].values.back(); };

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/allocations.h"
@@ -30,16 +30,14 @@ class Counting : public Lock {
       : Lock(std::move(name)), p_(&p), s_(&s), pattern_(pattern) {}
   std::string_view type() const override { return "counting"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
-  int row_count() const override { return 1; }
-  RowKind row_kind(int) const override { return RowKind::function; }
-  std::string row_name(int) const override { return "row"; }
-  void setup() override {
+  RowPlan plan_rows() override {
     ++n_setups;
-    slots_ = {};
-    slots_.add(p_->body->slot), slots_.add(s_->body->slot);
+    RowPlan plan;
+    plan.add({RowKind::function, "row"});
+    plan.slots.add(p_->body->slot), plan.slots.add(s_->body->slot);
+    plan.pattern.laws = pattern_;
+    return plan;
   }
-  SlotList slots() const override { return slots_; }
-  unsigned pattern() const override { return pattern_; }
   void gather(Group links, const Inputs&, RowSpan out) const override {
     ++n_calls;
     most_lanes = std::max(most_lanes, links.size());
@@ -47,7 +45,7 @@ class Counting : public Lock {
       const auto& link = static_cast<const Counting&>(*links[i]);
       const RowBlock block = out.lane(i);
       block.C(0) = link.number(), block.Ct(0) = 0, block.Qhat(0) = 0;
-      for (int k = 0; k < link.slots_.n; ++k) block.set(k, 0, Vec3::Zero(), Vec3::Zero());
+      for (int k = 0; k < link.slots().n; ++k) block.set(k, 0, Vec3::Zero(), Vec3::Zero());
     }
   }
 
@@ -58,7 +56,6 @@ class Counting : public Lock {
  private:
   Marker *p_, *s_;
   unsigned pattern_;
-  SlotList slots_;
 };
 class OtherCounting final : public Counting {
  public:
@@ -223,7 +220,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
 TEST_CASE("a link that starts out of force has no rows", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass);
-  system.add<Revolute>("hinge", a, system.ground(), at(Vec3::Zero())).active_at_start = false;
+  system.add<Revolute>("hinge", a, system.ground(), at(Vec3::Zero())).set_active_at_start(false);
   system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero()));
   system.setup();
   State state = system.start();

@@ -47,10 +47,10 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
                                : Method{std::make_unique<GeneralizedAlpha>(), 1e-4, 0.1, 1e-6};
   CAPTURE(method.integrator->info().name);
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = method.step;
   options.tolerance = {method.relative, 1e-2 * method.relative};
-  Simulation run(dynamics, std::move(method.integrator), options);
+  StepLoop run(dynamics, std::move(method.integrator), options);
   run.run_until(3.0);
 
   // y = (z, z', s): y' = A y + b. Taylor's series of the exact flow over 3000 small steps: an oracle of another kind.

@@ -77,7 +77,7 @@ TEST_CASE("bench scenes run and keep their constraints", "[verification][bench]"
     State start = mechanism.system.start();
     const AssemblyReport assembled = assemble(dynamics, start, mechanism.start_speeds);
     CHECK(assembled.largest_move < 1e-12);
-    Simulation simulation(dynamics, make_integrator(run, registry), {.step = run.step, .tolerance = run.tolerance});
+    StepLoop simulation(dynamics, make_integrator(run, registry), {.step = run.step, .tolerance = run.tolerance});
     simulation.set_state(start);
     const int n_steps = peers::n_bodies(m) > 100 ? 1 : 5;
     for (int i = 0; i < n_steps; ++i) simulation.step(m.until / 1e4);

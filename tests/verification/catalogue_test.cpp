@@ -9,7 +9,7 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/curve.h"
@@ -66,7 +66,7 @@ std::vector<std::vector<double>> solved(F f, double s, double sd, const std::vec
 /// A simulation by dop853 at 1e-11 that is looked at at times.
 struct Run {
   Dynamics dynamics;
-  Simulation simulation;
+  StepLoop simulation;
   static std::unique_ptr<Integrator> dop853() {
     RunSettings settings;
     settings.integrator = {"dop853"};
@@ -192,8 +192,8 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
   const auto path = translation([=](auto s) { return std::array{R * sin(s), -R * cos(s), 0.0 * s}; });
   const auto turn = rotation_law([](auto s) { return QuatT{cos(0.5 * s), 0.0 * s, 0.0 * s, sin(0.5 * s)}; });
   Body& body = system.add_body("bob", kBody, {path->at(start).x, turn->at(start).q});
-  system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()), path, turn,
-                           start);
+  system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()),
+                           {.path = path, .turn = turn, .near = start});
   if (planar) system.set_planar(Plane{2});
   system.setup();
   Run run(system);

@@ -6,8 +6,8 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/simulation.h"
-#include "framework/mechanism/forces/torque_motor.h"
+#include "framework/dynamics/simulate/step_loop.h"
+#include "framework/mechanism/forces/motor.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/gears.h"
@@ -31,12 +31,12 @@ constexpr double g = 9.81;
 MassProperties wheel(double mass, double J) {
   return {mass, Vec3::Zero(), Vec3(0.6 * J, 0.6 * J, J).asDiagonal().toDenseMatrix()};
 }
-Simulation simulate(Dynamics& dynamics, const std::string& method = "dop853", double tolerance = 1e-11, double step = 0,
+StepLoop simulate(Dynamics& dynamics, const std::string& method = "dop853", double tolerance = 1e-11, double step = 0,
                     double output = 0.05) {
   const Registry registry = builtin_registry();
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = step, options.tolerance = {tolerance, 1e-2 * tolerance}, options.output = output;
-  return Simulation(dynamics, registry.integrators.make(method, {}, &registry, "method"), options);
+  return StepLoop(dynamics, registry.integrators.make(method, {}, &registry, "method"), options);
 }
 /// Largest difference of a column from f(t).
 template <class F>
@@ -64,9 +64,9 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
   Marker& ring = system.add_marker("ring", system.ground());
   Marker& of_arm = system.add_marker("ring on arm", arm);
   system.add(std::make_unique<Gear>(across("outside", {of_sun, of_planet}), zp / zs));
-  Site site = across("inside", {of_planet});
-  site.pairs.emplace_back(&ring, &of_arm);
-  system.add(std::make_unique<Gear>(site, zr / zp, Gear::Mesh::internal));
+  CoupledPairs inside = across("inside", {of_planet});
+  inside.pairs.emplace_back(&ring, &of_arm);
+  system.add(std::make_unique<Gear>(inside, zr / zp, Gear::Mesh::internal));
   if (merged) {  // the sun's inertia in two bodies that are bolted together
     Body& shaft = system.add_body("shaft", wheel(0.5, 0.3 * Js), {Vec3(0, 0, planar ? 0.0 : 0.2), Quat{}});
     system.add<Fixed>("bolt", shaft, sun, at(Vec3::Zero()));
@@ -77,7 +77,7 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
   if (planar) system.set_planar(Plane{2});
   Recorder recorder(system, {"sun.angle_z", "planet.angle_z", "arm.angle_z", "sun.omega_world_z", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics);
+  StepLoop simulation = simulate(dynamics);
   simulation.add_observer(recorder);
   simulation.run_until(2);
   const double ks = 1 + zr / zs, kp = 1 - zr / zp;
@@ -103,7 +103,7 @@ TEST_CASE("turns are counted once through events and rejected steps", "[verifica
                           {torque});
   Recorder recorder(system, {"thread.angle", "nut.z", "thread.violation"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, "dopri5", 1e-9);
+  StepLoop simulation = simulate(dynamics, "dopri5", 1e-9);
   int crossings = 0;
   for (int k = 1; k <= 12; ++k) {  // at every third turn the same torque goes on
     Event event;
@@ -142,7 +142,7 @@ TEST_CASE("turns are counted from the first step on, however long", "[verificati
   system.add<Screw>("thread", nut, system.ground(), at(Vec3::Zero()), lead);
   Recorder recorder(system, {"thread.angle", "nut.z"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, method, 1e-9, 0.01, 0.1);
+  StepLoop simulation = simulate(dynamics, method, 1e-9, 0.01, 0.1);
   simulation.add_observer(recorder);
   simulation.run_until(1);
   CHECK(off(recorder.table(), "thread.angle", [&](double t) { return w * t; }) <= 1e-9);
@@ -159,7 +159,7 @@ TEST_CASE("a driven screw lifts", "[verification][joints]") {
   Recorder recorder(
       system, {"nut.z", "thread.angle", "thread.rate", "thread.lambda_thread", "thread.drive.torque_on_p_link_z"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics);
+  StepLoop simulation = simulate(dynamics);
   simulation.add_observer(recorder);
   simulation.run_until(2);
   const Table& t = recorder.table();
@@ -182,10 +182,10 @@ TEST_CASE("a tappet leaves its cam when it would have to be pulled", "[verificat
   tappet.start.v = Vec3(0, e * w, 0);
   auto& contact = system.add<CamFlat>("contact", system.add_marker("face", tappet), system.add_marker("cam", shaft),
                                       law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); }));
-  contact.one_sided = OneSided{};
+  contact.set_unilateral({});
   Recorder recorder(system, {"tappet.y", "contact.in_contact"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, "dop853", 1e-10, 0, 0.001);
+  StepLoop simulation = simulate(dynamics, "dop853", 1e-10, 0, 0.001);
   State start = system.start();
   start.v.segment<3>(6 * shaft.slot + 3) = Vec3(0, 0, w);
   simulation.set_state(start);
@@ -226,7 +226,7 @@ TEST_CASE("joints and couplings from functions take nothing from the heap while 
   Dynamics dynamics(m.system, make_solver(m.run, registry));
   State start = m.system.start();
   assemble(dynamics, start, m.start_speeds);
-  Simulation simulation(dynamics, make_integrator(m.run, registry), {.step = 1e-3});
+  StepLoop simulation(dynamics, make_integrator(m.run, registry), {.step = 1e-3});
   simulation.set_state(start);
   for (int i = 0; i < 20; ++i) simulation.step();
   CHECK(allocations_of([&] {

@@ -16,7 +16,7 @@ Table run(System& sys, std::vector<Request> wanted) {
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start);
-  Simulation simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
+  StepLoop simulation(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.05});
   simulation.set_state(start);
   simulation.add_observer(recorder);
   simulation.run_until(2.0);
@@ -145,13 +145,13 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   sys.add<Revolute>("bearing", P, S);
   auto& clutch =
       sys.add<AngularAlignment>("brake", P, S);  // never in force: only shows that others may share the markers
-  clutch.active_at_start = false;
+  clutch.set_active_at_start(false);
   auto& motor = sys.add<Revolute>("motor", P, S);
   motor.drive_speed(Axis::rz, ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
-  motor.active_at_start = false;
+  motor.set_active_at_start(false);
   Recorder recorder(sys, {"bearing.angle_z"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
   run.add_observer(recorder);
   run.add_event({.name = "engage", .at = 0.5, .activate = {"motor"}});
   run.add_event({.name = "release", .at = 1.5, .deactivate = {"motor"}});

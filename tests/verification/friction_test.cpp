@@ -56,9 +56,9 @@ Run run(System& system, const std::string& method, const Params& keys, double st
   const Registry registry = builtin_registry();
   Recorder recorder(system, {columns.begin(), columns.end()});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = step, options.tolerance = {tolerance, 1e-2 * tolerance}, options.output = interval;
-  Simulation simulation(dynamics, registry.integrators.make(method, keys, &registry, "method"), options);
+  StepLoop simulation(dynamics, registry.integrators.make(method, keys, &registry, "method"), options);
   simulation.add_observer(recorder);
   simulation.run_until(end);
   return {recorder.table(), simulation.report()};
@@ -250,14 +250,16 @@ TEST_CASE("in a plane friction is the same, and what a plane leaves out is refus
 namespace {
 
 /// A load cell: pushes nothing, but wants to know what a link carries.
-class LoadCell final : public Force {
+class LoadCell final : public Force, public Reacting {
  public:
-  LoadCell(std::string name, const Lock& link) : Force(std::move(name)), link_(&link) {}
+  LoadCell(std::string name, const Lock& link) : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
   std::string_view type() const override { return "load_cell"; }
   std::vector<const Marker*> markers() const override { return {}; }
   void setup() override {}
   void apply(const Inputs&, WrenchSum&) const override {}
+  const Reacting* reacting() const override { return this; }
   std::vector<const Lock*> reads() const override { return {link_}; }
+  void react(const Inputs&, const Reactions&, WrenchSum&) const override {}
   std::vector<Quantity> quantities() const override { return {{"weight", "N"}}; }
   double reacting_quantity(int, const Inputs& in, const Reactions& reactions) const override {
     return reactions.on_body_of(MarkerFrame(*link_->pairs().front().first), *link_, in).force[2];

@@ -20,10 +20,10 @@ struct Ball {
   System system{{{0, 0, -kG}}};
   Body* body;
   PointOnPlane* floor;
-  Ball(double height, OneSided one_sided) {
+  Ball(double height, Unilateral unilateral) {
     body = &system.add_particle("ball", 0.5, {0, 0, height});
     floor = &system.add<PointOnPlane>("floor", system.add_marker("P", *body), system.add_marker("S", system.ground()));
-    floor->one_sided = one_sided;
+    floor->set_unilateral(unilateral);
   }
 };
 
@@ -54,11 +54,11 @@ struct Way {
   double step, tolerance, error;
 };
 
-Simulation simulate(Dynamics& dynamics, const Way& way, double output = 0) {
+StepLoop simulate(Dynamics& dynamics, const Way& way, double output = 0) {
   const Registry registry = builtin_registry();
-  SimulationOptions options;
+  StepLoopOptions options;
   options.step = way.step, options.tolerance = {way.tolerance, 1e-2 * way.tolerance}, options.output = output;
-  return Simulation(dynamics, registry.integrators.make(way.method, {}, &registry, "method"), options);
+  return StepLoop(dynamics, registry.integrators.make(way.method, {}, &registry, "method"), options);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ TEST_CASE("a ball bounces to rest at the instant of the closed form", "[verifica
   Recorder recorder(ball.system,
                     {"ball.z", "floor.in_contact", "floor.impact_loss", "energy.balance", "floor.lambda_z"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.05);
+  StepLoop simulation = simulate(dynamics, way, 0.05);
   simulation.add_observer(recorder);
   const SimulationReport& report = simulation.run_until(6);
   const Table& t = recorder.table();
@@ -113,11 +113,12 @@ TEST_CASE("a pendulum on a stop keeps e^2 of its energy a bounce, at the instant
                  {l / 2, 0, 0},
                  Vec3(1e-4, 1, 1).cwiseProduct(Vec3(1, m * l * l / 12, m * l * l / 12)).asDiagonal().toDenseMatrix()});
   auto& hinge = system.add<Revolute>("hinge", rod, system.ground(), at(Vec3::Zero()));
-  auto& stop = system.add<TurnStop>("stop", system.marker("hinge.P"), system.marker("hinge.S"), -kPi / 2, true);
-  stop.one_sided = OneSided{e, 1e-3};
+  auto& stop = system.add<TurnStop>("stop", system.marker("hinge.P"), system.marker("hinge.S"),
+                                    {.limit = -kPi / 2, .low = true});
+  stop.set_unilateral({e, 1e-3});
   const Channel energy = make_channel(system, "energy.total"), balance = make_channel(system, "energy.balance");
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way);
+  StepLoop simulation = simulate(dynamics, way);
   const auto now = [&](const Channel& c) { return c.value(Sample(dynamics, simulation.state(), {})); };
   balance.restart();
   balance.track(Sample(dynamics, simulation.state(), {}));
@@ -146,11 +147,11 @@ TEST_CASE("a rope goes slack, and taut again with a jerk", "[verification][impac
   Body& bob = system.add_particle("bob", 0.4, {0, 0, -l});
   bob.start.v = {v0, 0, 0};
   auto& rope = system.add<Distance>("rope", system.add_marker("P", bob), system.add_marker("S", system.ground()), l);
-  rope.one_sided = OneSided{0, 1e-3, true};
+  rope.set_unilateral({0, 1e-3, true});
   Recorder recorder(system, {"bob.x", "bob.z", "bob.vx", "bob.vz", "rope.in_contact", "rope.lambda_phi",
                              "rope.impact_loss", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.01);
+  StepLoop simulation = simulate(dynamics, way, 0.01);
   simulation.add_observer(recorder);
   simulation.run_until(1.6);
   const Table& t = recorder.table();
@@ -195,7 +196,7 @@ TEST_CASE("a weight leaves its floor when the force on it says so", "[verificati
   }));
   Recorder recorder(ball.system, {"ball.z", "floor.in_contact", "floor.lambda_z"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.01);
+  StepLoop simulation = simulate(dynamics, way, 0.01);
   simulation.add_observer(recorder);
   CHECK(simulation.run_until(2).impacts == 0);
   const Table& t = recorder.table();
@@ -217,11 +218,11 @@ TEST_CASE("a slider rattles between two stops", "[verification][impacts]") {
   slider.start.v = {0, 0, V};
   system.add<Prismatic>("guide", slider, system.ground(), at(Vec3::Zero()));
   Marker &P = system.marker("guide.P"), &S = system.marker("guide.S");
-  system.add<SlideStop>("low", P, S, 2, low, true).one_sided = OneSided{e, 1e-3};
-  system.add<SlideStop>("high", P, S, 2, high, false).one_sided = OneSided{e, 1e-3};
+  system.add<SlideStop>("low", P, S, {.axis = 2, .limit = low, .low = true}).set_unilateral({e, 1e-3});
+  system.add<SlideStop>("high", P, S, {.axis = 2, .limit = high, .low = false}).set_unilateral({e, 1e-3});
   Recorder recorder(system, {"slider.z", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, way, 0.05);
+  StepLoop simulation = simulate(dynamics, way, 0.05);
   simulation.add_observer(recorder);
   simulation.run_until(4);
   const Table& t = recorder.table();
@@ -249,7 +250,7 @@ struct FlatRod {
   System system{{{0, 0, -kG}}};
   Body* rod;
   double J = 0.1;
-  FlatRod(const std::vector<double>& supports, OneSided one_sided, double height = 0.5) {
+  FlatRod(const std::vector<double>& supports, Unilateral unilateral, double height = 0.5) {
     rod = &system.add_body("rod", MassProperties{1.5, Vec3::Zero(), Vec3(0.01, J, J).asDiagonal().toDenseMatrix()},
                            {{0, 0, height}, {}});
     int n = 0;
@@ -258,7 +259,7 @@ struct FlatRod {
       system
           .add<PointOnPlane>(name, system.add_marker(name + ".P", *rod, {{x, 0, 0}, {}}),
                              system.add_marker(name + ".S", system.ground()))
-          .one_sided = one_sided;
+          .set_unilateral(unilateral);
     }
   }
 };
@@ -273,7 +274,7 @@ TEST_CASE("a rod is hit at one end, and at both at one instant", "[verification]
     CAPTURE(both);
     FlatRod it(both ? std::vector<double>{-a, a} : std::vector<double>{a}, {e, 1e-3});
     Dynamics dynamics(it.system, std::make_unique<SchurSolver>());
-    Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0});
+    StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0});
     simulation.run_until(fall + 1e-9);
     CHECK(simulation.report().impacts == 1);
     const Twist now = twist(*it.rod, simulation.state());
@@ -290,7 +291,7 @@ TEST_CASE("a rod on three supports rests on those that push", "[verification][im
   Recorder recorder(it.system, {"rod.z", "support 0.lambda_z", "support 1.lambda_z", "support 2.lambda_z",
                                 "support 0.in_contact", "energy.balance"});
   Dynamics dynamics(it.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-9, 0}, 0.1);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-9, 0}, 0.1);
   simulation.add_observer(recorder);
   simulation.run_until(1);
   const Table& t = recorder.table();
@@ -334,7 +335,7 @@ TEST_CASE("a cube that is thrown on eight supports comes to lie", "[verification
   Mechanism m = build(scene_from_text(cube(mu), "cube.json"), builtin_registry());
   const Channel balance = make_channel(m.system, "energy.balance"), lost = make_channel(m.system, "energy.dissipated");
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
+  StepLoop simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
   balance.track(Sample(dynamics, simulation.state(), {}));
   const double before = make_channel(m.system, "energy.total").value(Sample(dynamics, simulation.state(), {}));
   const SimulationReport& report = simulation.run_until(3);
@@ -362,10 +363,10 @@ TEST_CASE("a gap that grazes", "[verification][impacts]") {
     Marker &P = system.add_marker("P", ball), &S = system.add_marker("S", system.ground(), {{-5, 0, 0}, {}});
     system.add<SpringDamper>("spring", P, S, {.stiffness = 4, .free_length = 5});
     Marker& wall = system.add_marker("wall", system.ground());
-    system.add<SlideStop>("stop", P, wall, 0, -1 - hair, true).one_sided = OneSided{0.5, 1e-3};
+    system.add<SlideStop>("stop", P, wall, {.axis = 0, .limit = -1 - hair, .low = true}).set_unilateral({0.5, 1e-3});
     Recorder recorder(system, {"ball.x"});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
-    Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-12, 0}, 0.1);
+    StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-12, 0}, 0.1);
     simulation.add_observer(recorder);
     const SimulationReport& report = simulation.run_until(4);
     CHECK(report.impacts == (hair > 0 ? 0 : 1));
@@ -385,7 +386,7 @@ TEST_CASE("a ball on a floor that moves keeps the books", "[verification][impact
   ball.floor->move(std::make_shared<AlongZ>());
   Recorder recorder(ball.system, {"ball.z", "floor.gap", "energy.balance", "energy.drives", "energy.dissipated"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.05);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.05);
   simulation.add_observer(recorder);
   CHECK(simulation.run_until(5).impacts > 10);
   const Table& t = recorder.table();
@@ -408,7 +409,7 @@ TEST_CASE("friction on a floor that holds one side only", "[verification][impact
   ball.system.add(std::make_unique<JointFriction>("rub", *ball.floor, o));
   Recorder recorder(ball.system, {"ball.vx", "energy.balance", "rub.normal_force"});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.02);
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0}, 0.02);
   simulation.add_observer(recorder);
   simulation.run_until(0.9);
   const Table& t = recorder.table();
@@ -423,7 +424,7 @@ TEST_CASE("friction on a floor that holds one side only", "[verification][impact
 TEST_CASE("a run that is rewound counts the same impacts again", "[verification][impacts]") {
   Ball ball(1, {0.8, 1e-3});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   simulation.run_until(1.5);
   const State saved = simulation.state();
   simulation.run_until(3);
@@ -443,7 +444,7 @@ TEST_CASE("steps with one-sided links allocate nothing, in flight and at rest", 
   const std::string method = GENERATE("dop853", "rk4");
   Ball ball(resting ? 0.0 : 10.0, {});
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {method, 1e-3, 1e-9, 0});
+  StepLoop simulation = simulate(dynamics, {method, 1e-3, 1e-9, 0});
   for (int i = 0; i < 5; ++i) simulation.step(1e-3);
   CAPTURE(resting, method);
   CHECK(allocations_of([&] {
@@ -456,7 +457,7 @@ TEST_CASE("events switch a one-sided link off and on", "[verification][impacts]"
   Ball ball(0.1, {0, 1e-3});
   ball.body->start.v = {0, 0, 3};
   Dynamics dynamics(ball.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   simulation.add_event({.name = "off", .at = 0.05, .deactivate = {"floor"}});
   simulation.run_until(1);
   CHECK(simulation.report().impacts == 0);
@@ -467,17 +468,16 @@ TEST_CASE("events switch a one-sided link off and on", "[verification][impacts]"
 }
 
 TEST_CASE("one-sided links that cannot be are named", "[verification][impacts]") {
-  const auto refusal = [](Ball& ball) { return testing::message_of<ModelError>([&] { ball.system.setup(); }); };
-  Ball bouncy(1, {1.2, 1e-3}), restless(1, {0.5, 0.0});
-  testing::check_words(refusal(bouncy), {"'floor'", "restitution 1.2", "0 and 1"});
-  testing::check_words(refusal(restless), {"'floor'", "rest_speed", "never end"});
+  const auto refusal = [](const Unilateral& u) { return testing::message_of<ModelError>([&] { Ball(1, u); }); };
+  testing::check_words(refusal({1.2, 1e-3}), {"'floor'", "restitution 1.2", "0 and 1"});
+  testing::check_words(refusal({0.5, 0.0}), {"'floor'", "rest_speed", "never end"});
   System system;
   Body& a = system.add_body("a", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
-  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero())).one_sided = OneSided{};
+  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero())).set_unilateral({});
   testing::check_words(testing::message_of<ModelError>([&] { system.setup(); }), {"'ball'", "3 rows", "exactly one"});
   Ball below(-0.1, {});
   Dynamics dynamics(below.system, std::make_unique<SchurSolver>());
-  Simulation simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
+  StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   testing::check_words(testing::message_of<AssemblyError>([&] { simulation.run_until(1); }),
                        {"'floor'", "C = -0.1", "forbidden", "\"side\": \"below\""});
   testing::check_words(Copies::unsuited(below.system), {"'floor'", "one-sided"});

@@ -193,10 +193,10 @@ TEST_CASE("look gives the relative coordinates without the imposed laws", "[veri
       CHECK(difference(L.Ct, oracle::exact_Ct(c)) < 1e-11);
       CHECK(difference(L.Qhat, oracle::exact_Qhat(c)) < 1e-11);
       CHECK(difference(J, oracle::exact_Jh(c)) < 1e-11);
-      const LockPoint half = look(in.O1, in.O2, in.P, in.S, laws, Needs::translation);
+      const LockPoint half = look(in.O1, in.O2, in.P, in.S, laws, Reads::translation);
       CHECK(half.y.head<3>() == L.y.head<3>());
       CHECK(half.y.tail<4>().isZero(0));
-      const LockPoint other = look(in.O1, in.O2, in.P, in.S, laws, Needs::rotation);
+      const LockPoint other = look(in.O1, in.O2, in.P, in.S, laws, Reads::rotation);
       CHECK(other.Jw1.bottomRows<4>() == L.Jw1.bottomRows<4>());
       CHECK(other.y.head<3>().isZero(0));
     }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "framework/dynamics/evaluate/implicit.h"
-#include "framework/mechanism/forces/spring_damper.h"
 #include "framework/dynamics/solvers/dense_solver.h"
+#include "framework/mechanism/forces/spring_damper.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/mechanism/lock/phi_lock.h"
 #include "tests/support/catch.h"
@@ -203,16 +203,16 @@ TEST_CASE("modes of a hanging chain: prestress alone", "[verification][modes]") 
 namespace {
 
 /// The y axis of S stays normal to the z axis of P: with a ball joint a universal joint.
-struct Cross {
-  static constexpr Needs kNeeds = Needs::rotation;
+struct Hooke {
+  static constexpr Reads kReads = Reads::rotation;
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e2 * y.e3 - y.e0 * y.e1);
   }
 };
-class UniversalJoint final : public PhiLock<Cross> {
+class UniversalJoint final : public PhiLock<Hooke> {
  public:
-  UniversalJoint(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::xyz, Cross{}) {}
+  UniversalJoint(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::xyz, Hooke{}) {}
   std::string_view type() const override { return "universal"; }
 };
 

@@ -6,7 +6,7 @@
 #include "framework/dynamics/solvers/dense_solver.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/description/scene/scene.h"
 #include "framework/foundation/support/error.h"

@@ -7,9 +7,9 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/description/scene/scene.h"
 #include "motionlaws/from.h"
@@ -152,7 +152,7 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
   RunSettings settings;
   settings.integrator = {rk4 ? "rk4" : "dop853"};
   if (rk4) settings.step = 0.005;
-  Simulation simulation(dynamics, make_integrator(settings, registry),
+  StepLoop simulation(dynamics, make_integrator(settings, registry),
                         {.step = settings.step, .tolerance = {1e-10, 1e-12}});
   double position = 0, turn = 0, speed = 0, force = 0;
   for (std::size_t i = 0; i < truth.n_rows(); ++i) {

@@ -1,9 +1,11 @@
 #include "framework/description/registry/abi.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "framework/description/registry/loader.h"
-#include "framework/description/registry/seal.h"
+#include "framework/description/registry/plugin_file.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 namespace {
@@ -25,7 +27,27 @@ std::string flags(const lockstep_abi_record& r) {
 
 }  // namespace
 
-lockstep_abi_record read_abi(const std::string& path) { return record_of(SharedFile(path)); }
+// Magic, size and number are at the same place in the record of every version, so that an old plugin is recognised.
+lockstep_abi_record read_abi(const std::string& path) {
+  const SharedFile file(path);
+  const std::string who = "plugin file '" + path + "' ";
+  const auto place = file.exported(kAbiSymbol);
+  if (!place)
+    throw PluginError(who + "is no plugin of lockstep: it has no symbol \"" + kAbiSymbol +
+                      "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
+  constexpr std::size_t kHead = offsetof(lockstep_abi_record, compiler);
+  lockstep_abi_record record{};
+  std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset,
+              std::min<std::uint64_t>(place->size, kHead));
+  if (place->size < kHead || text(record.magic) != kAbiMagic)
+    throw PluginError(who + "has a record that cannot be read; rebuild it against this lockstep");
+  if (record.size != sizeof record || place->size != sizeof record)
+    throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
+                      std::to_string(record.size) + " bytes, this host is ABI " + std::to_string(kAbiNumber) +
+                      " with " + std::to_string(sizeof record) + "; rebuild the plugin against this lockstep");
+  std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset, sizeof record);
+  return record;
+}
 
 std::string abi_words(const lockstep_abi_record& r) {
   return "ABI " + std::to_string(r.abi) + ", " + text(r.compiler) + " " + version(r.compiler_version) + ", " +

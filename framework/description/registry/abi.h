@@ -1,5 +1,5 @@
-// What a plugin was built with: a plain-C record that stands in the plugin's file as data and is read from there,
-// before the plugin is opened, so before a single line of its code can run.
+// What a plugin was built with: a plain-C record that is data in the plugin's file and is read from there before the
+// plugin is opened, so before a single line of its code can run.
 #pragma once
 
 #include <cstddef>  // brings the macros of the standard library
@@ -11,8 +11,7 @@
 
 extern "C" {
 
-/// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled. Only the seal
-/// is written afterwards (description/registry/seal.h), by a tool.
+/// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled.
 struct lockstep_abi_record {
   char magic[16];      // "lockstep-abi"
   std::uint32_t size;  // of this record in bytes
@@ -27,8 +26,6 @@ struct lockstep_abi_record {
   std::int32_t alignment;         // EIGEN_MAX_ALIGN_BYTES: memory from the heap
   std::int32_t static_alignment;  // EIGEN_MAX_STATIC_ALIGN_BYTES: members of objects
   std::int32_t index_size;        // of Eigen::Index, bytes
-  std::uint32_t sealed;           // 1 when the seal was written
-  std::uint64_t seal;             // checksum of what is loaded of the file
   char flags[64];                 // settings that change objects or arithmetic: "debug-library fast-math "
 };
 }

@@ -7,8 +7,8 @@
 #include <map>
 #include <mutex>
 
-#include "framework/description/registry/seal.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -79,11 +79,8 @@ bool empty(const Registry& r) {
 }  // namespace
 
 void check_plugin_file(const std::string& file) {
-  const SharedFile library(file);
-  const lockstep_abi_record record = record_of(library);
-  const std::string difference = abi_difference(record, abi_of_this_build());
+  const std::string difference = abi_difference(read_abi(file), abi_of_this_build());
   if (!difference.empty()) throw PluginError("plugin '" + plugin_name(file) + "': " + difference);
-  check_seal(library, record);
 }
 
 std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders) {
@@ -110,6 +107,7 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   } catch (const Error& error) {
     throw PluginError(who + error.what());
   }
+  log_info(who + "loaded from " + file);
   return file;
 }
 

@@ -21,7 +21,8 @@ LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
                                      const std::vector<std::string>& folders = {});
 
 /// All that load_plugin() looks at in a file before it opens it: that it is a shared library for this machine, whole and
-/// sound in its structure; its record; its seal. None of its code runs. Throws PluginError.
+/// sound in its structure; its record. None of its code runs. Throws PluginError. Code that was changed in a file of sound
+/// structure is found by nobody: that is for package managers.
 LOCKSTEP_API void check_plugin_file(const std::string& path);
 
 /// The record in the file of a plugin, read without opening it as a library. Throws PluginError.

@@ -32,11 +32,10 @@ Value read_word(const std::string& word) {
 
 template <class S>
 auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Registry& registry, const std::string& owner) {
-  const auto* entry = shelf.find(spec.type);
-  if (entry == nullptr)
+  if (shelf.find(spec.type) == nullptr)
     refuse(spec.where, owner,
            std::string("unknown ") + kind + " \"" + spec.type + "\"" + suggestion(spec.type, shelf.names()));
-  return shelf.make(spec.type, Params(spec.keys, entry->info, owner, &registry), &registry, owner);
+  return shelf.make(spec.type, Params::unchecked(spec.keys), &registry, owner);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 //   LOCKSTEP_PLUGIN(registry) { registry.links.add<CamFollower>(); }
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "framework/mechanism/lock/phi_lock.h"
 #include "framework/description/registry/abi.h"
 #include "framework/description/registry/registry.h"

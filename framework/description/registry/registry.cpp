@@ -1,12 +1,10 @@
 #include "framework/description/registry/registry.h"
 
-#include <exception>
-#include <typeinfo>
+#include <algorithm>
 
 #include "framework/mechanism/params/read.h"
-#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/error_context.h"
 #include "framework/foundation/support/text.h"
-#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -16,35 +14,9 @@ std::string origin_words(const std::string& origin) {
   return origin == "built in" ? " (built in)" : " (plugin " + origin + ")";
 }
 
-// In a catch block around a maker, which is the user's code: our errors keep their type and their place, and say which
-// plugin they come from; what is none becomes one.
-[[noreturn]] void rethrow_from_maker(const std::string& owner, const std::string& what, const std::string& origin) {
-  const std::exception_ptr thrown = std::current_exception();
-  const std::string from = " [" + what + origin_words(origin) + "]";
-  const bool of_a_plugin = !origin.empty() && origin != "built in";
-  try {
-    throw;
-  } catch (const SceneError& error) {
-    if (!of_a_plugin) throw;
-    throw SceneError(error.what() + from, error.file, error.line, error.column);
-  } catch (const ModelError& error) {
-    // a force's complaint about a key is a class of its own, by which the key's place is found
-    if (!of_a_plugin || typeid(error) != typeid(ModelError)) throw;
-    throw ModelError(error.what() + from);
-  } catch (const PluginError&) {
-    throw;
-  } catch (const FileError&) {
-    throw;
-  } catch (...) {
-    if (origin == "built in") throw;
-    std::throw_with_nested(
-        PluginError(owner + "the maker of " + what + origin_words(origin) + " threw: " + thrown_words(thrown)));
-  }
-}
-
 // What follows "type", or a constant: anything but an object is the value of the law "constant".
 template <class L>
-LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSource& laws, const std::string& owner) {
+LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry& laws, const std::string& owner) {
   if (v.object() == nullptr) {
     const auto* constant = shelf.find("constant");
     if (v.is_null() || v.boolean() != nullptr || constant == nullptr || constant->info.keys.empty())
@@ -62,6 +34,26 @@ LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const LawSourc
 }
 
 }  // namespace
+
+Params checked_params(const Params& params, const TypeInfo& info, const std::string& owner, const Registry* laws) {
+  Params all = params.checked(info, owner);
+  for (const Key& key : info.keys) {
+    const Value v = holds_law(key.form) ? all.given_or_default(key) : Value();
+    if (v.is_null() || (laws == nullptr && !all.has(key.name))) continue;
+    if (laws == nullptr)
+      all.refuse(key.name, "it holds a law, and there is nothing here that makes laws; pass a registry");
+    const std::string place = part_of(owner, key.name);
+    if (key.form == Form::law) all.put_law(key.name, laws->scalar_law(v, place));
+    if (key.form == Form::translation_law) all.put_law(key.name, laws->translation_law(v, place));
+    if (key.form == Form::rotation_law) all.put_law(key.name, laws->rotation_law(v, place));
+    if (key.form != Form::laws) continue;
+    std::vector<LawPtr<MotionLaw>> list;
+    for (const Value& item : *v.list())
+      list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
+    all.put_law(key.name, std::move(list));
+  }
+  return all;
+}
 
 template <class Product, class... Args>
 void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
@@ -81,23 +73,39 @@ void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
 
 template <class Product, class... Args>
 Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params,
-                                      const LawSource* laws, const std::string& owner) const {
+                                      const Registry* laws, const std::string& owner) const {
   const Entry* entry = find(name);
   if (entry == nullptr)
     refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
-  const Params checked = params.checked(entry->info, owner, laws);
-  const std::string what = kind_ + " '" + name + "'", whose = owner.empty() ? "" : owner + ": ";
-  Product product;
-  try {
-    product = entry->make(args..., checked);
-  } catch (...) {
-    rethrow_from_maker(whose, what, entry->origin);
+  return make_checked(name, std::forward<Args>(args)..., checked_params(params, entry->info, owner, laws));
+}
+
+template <class Product, class... Args>
+Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... args, const Params& params) const {
+  const Entry* entry = find(name);
+  const auto context = [&] {
+    return ErrorContext{.thing = {.kind = kind_, .type = name, .origin = entry->origin},
+                        .refuses = true,
+                        .label = kind_ + " '" + name + "'" + origin_words(entry->origin),
+                        .before = (params.owner().empty() ? "" : params.owner() + ": ") + "the maker of "};
+  };
+  Product product = in_context(context, [&]() -> Product {
+    try {
+      return entry->make(args..., params);
+    } catch (const ParameterError& error) {  // what it builds on may have keys that this type has not
+      const Keys& keys = entry->info.keys;
+      const bool its_own = std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == error.key; });
+      if (its_own) params.refuse(error.key, error.problem);
+      throw;
+    }
+  });
+  if (!product) {
+    const ErrorContext whose = context();
+    throw PluginError(whose.before + whose.label + " returned nothing; it has to return what it made, or throw",
+                      {.thing = whose.thing});
   }
-  if (!product)
-    throw PluginError(whose + "the maker of " + what + origin_words(entry->origin) +
-                      " returned nothing; it has to return what it made, or throw");
-  if constexpr (requires { product->set_name(name, entry->origin); })
-    product->set_name(name, entry->origin);
+  if constexpr (requires { labelled(product, LawLabel{}); })
+    return labelled(product, {name, entry->origin});
   else if constexpr (requires { product->set_origin(entry->origin); })
     product->set_origin(entry->origin);
   return product;

@@ -18,6 +18,12 @@
 
 namespace lockstep {
 
+class Registry;
+
+/// The parameters held against a table, and the laws among them made by the registry, before the thing itself is.
+/// Throws SceneError: whatever Params refuses, a law that cannot be made, a law where there is no registry.
+LOCKSTEP_API Params checked_params(const Params&, const TypeInfo&, const std::string& owner, const Registry* laws);
+
 /// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
 /// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.
 template <class Product, class... Args>
@@ -37,8 +43,10 @@ class LOCKSTEP_API Shelf {
   /// Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
   void add(TypeInfo info, Maker make);
   /// Throws SceneError: unknown name (with the closest), or whatever Params refuses. `laws` makes nested laws.
-  Product make(const std::string& name, Args... args, const Params&, const LawSource* laws,
+  Product make(const std::string& name, Args... args, const Params&, const Registry* laws,
                const std::string& owner) const;
+  /// From parameters that were checked against the entry's table already.
+  Product make_checked(const std::string& name, Args... args, const Params& checked) const;
   const Entry* find(const std::string& name) const;
   const std::map<std::string, Entry>& entries() const { return entries_; }
   std::vector<std::string> names() const;
@@ -51,7 +59,7 @@ class LOCKSTEP_API Shelf {
   friend class Registry;
 };
 
-class LOCKSTEP_API Registry final : public LawSource {
+class LOCKSTEP_API Registry {
  public:
   Registry();
   Shelf<LawPtr<MotionLaw>> laws;
@@ -64,9 +72,9 @@ class LOCKSTEP_API Registry final : public LawSource {
 
   /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the
   /// law "constant", whose first key it becomes.
-  LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const override;
-  LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const override;
-  LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const override;
+  LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const;
+  LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const;
+  LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const;
 
   /// All of `other`'s entries, or none: throws PluginError naming the first name that is taken.
   void merge(const Registry& other);

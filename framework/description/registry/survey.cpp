@@ -3,8 +3,8 @@
 #include <map>
 
 #include "framework/description/registry/loader.h"
-#include "framework/description/registry/seal.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -28,10 +28,7 @@ std::vector<std::pair<std::string, std::string>> things_of(const Registry& regis
 
 void look_at(PluginCandidate& c, const Registry& base) {
   try {
-    const SharedFile file(c.file);
-    const lockstep_abi_record record = record_of(file);
-    c.build = abi_words(record);
-    c.sealed = record.sealed != 0;
+    c.build = abi_words(read_abi(c.file));
     const std::string name = plugin_name(c.file);
     if (name != "built in") c.brings = things_of(base, name);  // a part of the library itself, where that takes such
     if (c.brings.empty()) {
@@ -42,6 +39,7 @@ void look_at(PluginCandidate& c, const Registry& base) {
     c.state = PluginCandidate::State::loaded;
   } catch (const std::exception& error) {
     c.why = what_of(error);
+    log_info("plugin '" + c.name + "' refused: " + c.why);
   }
 }
 

@@ -15,10 +15,9 @@ struct PluginCandidate {
   std::string name;                                         ///< by which it is asked for
   std::string folder, path;                                 ///< where it was found
   std::string file;                                         ///< with links followed
-  State state = State::refused;                             ///< hidden: a file of the same name stands before it
+  State state = State::refused;                             ///< hidden: a file of the same name comes before it
   std::string why;                                          ///< refused: the reason; hidden: the file that is taken
   std::string build;                                        ///< what it was built with, as far as it can be read
-  bool sealed = false;                                      ///< its checksum was compared
   std::vector<std::pair<std::string, std::string>> brings;  ///< kind and name: {"link", "cam_follower"}
 };
 

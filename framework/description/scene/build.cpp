@@ -14,8 +14,8 @@ std::string owner_of(const std::string& kind, const Value& object, const std::st
   return list + "[" + std::to_string(index) + "]";
 }
 
-Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws) {
-  return Params(object, scene_table(table).info, owner, laws);
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws) {
+  return checked_params(Params::unchecked(object), scene_table(table).info, owner, laws);
 }
 
 const Value::List& objects_of(const Params& parent, const std::string& key) {
@@ -84,10 +84,9 @@ void Builder::build() {
   forces(root);
   events(root);
   set_merge(root.text("merge"));
-  set_plane(root.text("planar"));
   make_integrator(out_.run, registry_);
   make_solver(out_.run, registry_);
-  set_up();
+  set_up(root.text("planar"));
 }
 
 void Builder::set_merge(const std::string& how) {
@@ -109,23 +108,19 @@ void Builder::set_merge(const std::string& how) {
   out_.system.set_merge(true, std::move(keep));
 }
 
-void Builder::set_plane(const std::string& normal) {
-  if (normal == "auto")
-    out_.system.set_planar(find_plane(out_.system));
-  else if (normal != "off")
-    out_.system.set_planar(Plane{normal[0] - 'x'});
-}
-
-// What the System refuses names the body, link or force; its place in the file is put before it.
-void Builder::set_up() {
+// What the System refuses says which body, link or force it is about: its place in the file is put before it.
+void Builder::set_up(const std::string& normal) {
+  System& system = out_.system;
   try {
-    out_.system.setup();
+    if (normal == "auto")
+      system.set_planar(find_plane(system));
+    else if (normal != "off")
+      system.set_planar(Plane{normal[0] - 'x'});
+    system.setup();
   } catch (const ModelError& error) {
-    const std::string message = error.what();
-    for (const auto& [kind, things] : taken_)
-      for (const auto& [name, where] : things)
-        if (message.find(owner_of(kind, name)) != std::string::npos) refuse(where, "", message);
-    refuse(scene_.root.where, "", message);
+    const auto& things = taken_[error.thing.kind];
+    const auto found = things.find(error.thing.name);
+    refuse(found != things.end() ? found->second : scene_.root.where, "", error.what(), error);
   }
 }
 

@@ -26,9 +26,7 @@ void Builder::force(const Value& object, const std::string& owner) {
     if (entry->origin == "built in" && parts.type != "joint_friction")
       parts.common.refuse("link", "a " + parts.type + " acts in no link; name \"p\" and \"s\"");
   }
-  placed(object.where, [&] {
-    out_.system.add(registry_.forces.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner));
-  });
+  placed(object.where, [&] { out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own)); });
 }
 
 void Builder::events(const Params& root) {

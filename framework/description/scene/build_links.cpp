@@ -143,13 +143,12 @@ void Builder::link(const Value& object, const std::string& owner) {
       if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
   const Site where = p.has("pairs") ? pairs(p, name) : site(p, name, true);
   placed(object.where, [&] {
-    std::unique_ptr<Lock> made =
-        registry_.links.make(parts.type, where, Params::unchecked(parts.own), &registry_, owner);
+    std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);
     if (made->pairs().size() < where.pairs.size())
       p.refuse("pairs", std::to_string(where.pairs.size()) + " are given, and a " + std::string(made->type()) +
                             " takes " + std::to_string(made->pairs().size()) + "; remove the others");
-    made->active_at_start = p.boolean("active");
-    one_sided(p, *made);
+    made->set_active_at_start(p.boolean("active"));
+    unilateral(p, *made);
     Lock& added = out_.system.add(std::move(made));
     laws(p, added);
     drives(p, added);
@@ -159,20 +158,20 @@ void Builder::link(const Value& object, const std::string& owner) {
 }
 
 void Builder::laws(const Params& p, Lock& link) {
-  auto* lock = dynamic_cast<MarkerLock*>(&link);
+  Jointed* joint = link.jointed();
   for (const char* key : {"move", "turn"})
-    if (lock == nullptr && p.has(key))
+    if (joint == nullptr && p.has(key))
       p.refuse(key, "a link of type \"" + std::string(link.type()) + "\" takes no imposed motion; remove it");
-  if (p.has("move")) placed(p.value("move").where, [&] { lock->move(p.translation_law("move")); });
-  if (p.has("turn")) placed(p.value("turn").where, [&] { lock->turn(p.rotation_law("turn")); });
+  if (p.has("move")) placed(p.value("move").where, [&] { joint->move(p.translation_law("move")); });
+  if (p.has("turn")) placed(p.value("turn").where, [&] { joint->turn(p.rotation_law("turn")); });
 }
 
 // One drive, or a list of them.
 void Builder::drives(const Params& p, Lock& link) {
   if (!p.has("drive")) return;
   const Value& v = p.value("drive");
-  auto* lock = dynamic_cast<MarkerLock*>(&link);
-  if (lock == nullptr)
+  Jointed* joint = link.jointed();
+  if (joint == nullptr)
     p.refuse("drive", "a link of type \"" + std::string(link.type()) + "\" takes no drive; remove it");
   const Value::List one = {v};
   const Value::List& items = v.list() != nullptr ? *v.list() : one;
@@ -185,8 +184,8 @@ void Builder::drives(const Params& p, Lock& link) {
                                       : "nothing drives it; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
     placed(drive.value("axis").where, [&] {
-      if (drive.has("law")) lock->drive(axis, drive.law("law"));
-      if (drive.has("speed")) lock->drive_speed(axis, drive.law("speed"));
+      if (drive.has("law")) joint->drive(axis, drive.law("law"));
+      if (drive.has("speed")) joint->drive_speed(axis, drive.law("speed"));
     });
   }
 }
@@ -197,13 +196,13 @@ void Builder::start_speeds(const Params& p, const Lock& link) {
   if (!start.has("velocity")) return;
   const Params speeds =
       params_of(start.value("velocity"), "start_velocity", part_of(start.owner(), "velocity"), nullptr);
-  const auto* lock = dynamic_cast<const MarkerLock*>(&link);
+  const Jointed* joint = link.jointed();
   for (const Key& key : scene_table("start_velocity").info.keys) {
     if (!speeds.has(key.name)) continue;
-    if (lock == nullptr)
+    if (joint == nullptr)
       speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
     const Axis axis = axis_from(key.name);
-    if (has(lock->rows(), row_of(axis)))
+    if (has(joint->rows(), row_of(axis)))
       speeds.refuse(key.name, "the link holds or drives this coordinate; a start speed needs a free one");
     out_.start_speeds.push_back({link.name(), axis, speeds.number(key.name)});
   }

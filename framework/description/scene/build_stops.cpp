@@ -1,15 +1,15 @@
-// What a link brings along: its one-sidedness, the stops of its travel, its friction.
+// What a link brings along: that it is unilateral, the stops of its travel, its friction.
 #include <cmath>
 
-#include "framework/mechanism/forces/joint_friction.h"
 #include "framework/description/scene/builder.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/forces/joint_friction.h"
 
 namespace lockstep {
 namespace {
 
-OneSided one_sided_from(const Params& p) {
-  OneSided o;
+Unilateral unilateral_from(const Params& p) {
+  Unilateral o;
   o.restitution = p.number("restitution");
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))
@@ -28,14 +28,15 @@ Quat axes_with_z(int k) {
 
 }  // namespace
 
-void Builder::one_sided(const Params& link, Lock& lock) {
+void Builder::unilateral(const Params& link, Lock& lock) {
   if (!link.has("one_sided")) return;
   const Params p = params_of(link.value("one_sided"), "one_sided", part_of(link.owner(), "one_sided"), nullptr);
   const std::string side = p.text("side");
-  const bool its_own = lock.one_sided.has_value();  // a stop knows its side
+  const bool its_own = lock.unilateral() != nullptr;  // a stop knows its side
   if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");
-  lock.one_sided = one_sided_from(p);
-  lock.one_sided->below = side == "below";
+  Unilateral u = unilateral_from(p);
+  u.below = side == "below";
+  lock.set_unilateral(u);
 }
 
 void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
@@ -47,11 +48,11 @@ void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
   if (!link.has("friction")) return;
   const Value& keys = link.value("friction");
   const std::string owner = part_of(link.owner(), "friction"), name = site.name + ".friction";
-  (void)params_of(keys, "friction", owner, nullptr);
+  const Params friction = params_of(keys, "friction", owner, nullptr);
   Site where;
   where.name = name, where.link = &lock;
   placed(keys.where, [&] {
-    out_.system.add(registry_.forces.make("joint_friction", where, Params::unchecked(keys), &registry_, owner));
+    out_.system.add(registry_.forces.make_checked("joint_friction", where, friction));
   });
   taken_["force"][name] = keys.where;
 }
@@ -60,9 +61,8 @@ void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
 void Builder::stops(const Value& object, const std::string& owner, const Site& of) {
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
-  const OneSided options = one_sided_from(p);
-  if (const auto* lock = dynamic_cast<const MarkerLock*>(&out_.system.link(of.name));
-      lock != nullptr && has(lock->mask(), row_of(axis)))
+  const Unilateral options = unilateral_from(p);
+  if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && has(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "nothing says where it ends; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
@@ -89,7 +89,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Site& o
     placed(object.where, [&] {
       const Params keys{{"coordinate", coordinate}, {end, p.number(end)}};
       std::unique_ptr<Lock> stop = registry_.links.make("stop", site, keys, &registry_, owner);
-      stop->one_sided = options;
+      stop->set_unilateral(options);
       out_.system.add(std::move(stop));
     });
     taken_["link"][site.name] = object.where;

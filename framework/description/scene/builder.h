@@ -17,8 +17,8 @@ LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& na
 /// The same for an object of a list whose name may be missing or no text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
 
-/// An object of a table without a shelf, checked.
-Params params_of(const Value& object, const std::string& table, const std::string& owner, const LawSource* laws);
+/// An object of a table without a shelf, checked, its laws made.
+Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws);
 
 /// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
 const Value::List& objects_of(const Params& parent, const std::string& key);
@@ -35,7 +35,7 @@ decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
-    refuse(where, context, error.what());
+    refuse(where, context, error.what(), error);
   }
 }
 template <class F>
@@ -61,7 +61,7 @@ class Builder {
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);
   void laws(const Params& common, Lock& link);
-  void one_sided(const Params& link, Lock&);
+  void unilateral(const Params& link, Lock&);
   void brought_along(const Params& link, const Site&, Lock&);
   void stops(const Value& object, const std::string& owner, const Site&);
   void start_speeds(const Params& common, const Lock& link);
@@ -71,8 +71,7 @@ class Builder {
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;
   void set_merge(const std::string& how);
-  void set_plane(const std::string& normal);
-  void set_up();
+  void set_up(const std::string& normal);
 
   // Notes the name of a new thing; refuses names that are taken, empty or that channels could not tell apart.
   std::string claim(const Params& object, const std::string& kind);

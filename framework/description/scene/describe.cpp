@@ -8,6 +8,7 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
+#include "framework/description/scene/write.h"
 #include "framework/foundation/support/text.h"
 
 namespace lockstep {
@@ -66,8 +67,10 @@ std::string part_words(const Key& key, const Part& part) {
 }
 
 std::string default_words(const Key& key) {
-  if (key.fallback.empty()) return "required";
-  return key.fallback == "absent" ? "" : "default " + key.fallback;
+  if (key.required()) return "required";
+  if (key.default_value() == nullptr) return "";
+  const std::string words = write_json(*key.default_value());
+  return "default " + words.substr(0, words.size() - 1);
 }
 
 // The column of a table holds the short words; where to read on comes last.

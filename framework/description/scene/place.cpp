@@ -4,7 +4,6 @@
 #include <charconv>
 #include <optional>
 
-#include "framework/mechanism/params/json.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
@@ -126,7 +125,7 @@ class Walk {
     const Kind kind = under(kind_, name);
     auto member = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == name; });
     if (member == members.end()) {
-      if (kind.key.name.empty() || kind.key.fallback.empty()) return false;
+      if (kind.key.name.empty() || kind.key.required()) return false;
       Value fresh = by_default(kind, i + 1 == steps_.size());
       fresh.where = here_->where;
       members.push_back({name, std::move(fresh), here_->where});
@@ -158,7 +157,7 @@ class Walk {
   static Value by_default(const Kind& kind, bool last) {
     if (kind.has_part && kind.part.holds == Holds::object) return Value(Value::Object{});
     const bool several = kind.key.form == Form::vector3 || kind.key.form == Form::numbers;
-    if ((several || !last) && kind.key.fallback != "absent") return read_json(kind.key.fallback, "");
+    if (const Value* v = kind.key.default_value(); v != nullptr && (several || !last)) return *v;
     return {};
   }
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/export.h"
 
 namespace lockstep {

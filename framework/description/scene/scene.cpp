@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "framework/mechanism/params/json.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/registry/search.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/read.h"

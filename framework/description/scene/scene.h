@@ -7,7 +7,7 @@
 
 #include "framework/dynamics/simulate/assembly.h"
 #include "framework/dynamics/simulate/event.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/mechanism/lock/mask.h"
 #include "framework/description/registry/method_spec.h"
 #include "framework/mechanism/system/system.h"

@@ -6,6 +6,7 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
+#include "framework/description/scene/write.h"
 
 namespace lockstep {
 namespace {
@@ -98,7 +99,7 @@ Json key_schema(const Key& key, const std::vector<Part>& parts) {
   std::string help = key.help;
   if (!si_unit(key.unit).empty()) help += (help.empty() ? "" : "; ") + si_unit(key.unit);
   if (!help.empty()) schema["description"] = help;
-  if (!key.fallback.empty() && key.fallback != "absent") schema["default"] = Json::parse(key.fallback);
+  if (const Value* v = key.default_value()) schema["default"] = Json::parse(write_json(*v));
   return schema;
 }
 
@@ -106,7 +107,7 @@ Json object_schema(const TypeInfo& info, const std::vector<Part>& parts) {
   Json properties = Json::object(), required = Json::array();
   for (const Key& key : info.keys) {
     properties[key.name] = key_schema(key, parts);
-    if (key.fallback.empty()) required.push_back(key.name);
+    if (key.required()) required.push_back(key.name);
   }
   Json schema = {{"type", "object"}, {"description", info.help}, {"properties", std::move(properties)}};
   if (!required.empty()) schema["required"] = std::move(required);
@@ -117,7 +118,7 @@ Json object_schema(const TypeInfo& info, const std::vector<Part>& parts) {
 // The object of one type of a shelf: common keys, then the type's own, "type" fixed.
 Json typed_schema(const TypeInfo& type, const SceneTable& common) {
   TypeInfo both{type.name, type.help, keys_together(common.info.keys, type.keys)};
-  if (common.info.keys.empty()) both.keys.insert(both.keys.begin(), Key{"type", Form::text, Unit::none, "", ""});
+  if (common.info.keys.empty()) both.keys.insert(both.keys.begin(), Key{"type", Form::text, Unit::none, kRequired, ""});
   Json schema = object_schema(both, common.parts);
   schema["properties"]["type"] = {{"const", type.name}};
   return schema;

@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// JSON Schema, draft 2020-12, ends with a newline. The committed scene.schema.json is that of the built-in registry.
+/// JSON Schema, draft 2020-12, ends with a newline. That of the built-in registry is written beside the program's build tree as scene.schema.json and installed.
 LOCKSTEP_API std::string scene_schema(const Registry&);
 
 }  // namespace lockstep

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/description/registry/registry.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/description/scene/tables.h"
 #include "framework/foundation/support/text.h"
@@ -14,41 +15,38 @@ namespace lockstep {
 
 struct Split {
   std::string type;
-  Params common;
-  Value own;
+  Params common, own;
 };
+
+inline bool contains_key(const Keys& keys, const std::string& name) {
+  return std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+}
 
 /// Keys that every one of its kind has, then those of the type; where both have a key of one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
-  const auto taken = [&](const Key& key) {
-    return std::any_of(own.begin(), own.end(), [&](const Key& other) { return other.name == key.name; });
-  };
   Keys keys;
-  std::copy_if(common.begin(), common.end(), std::back_inserter(keys), [&](const Key& key) { return !taken(key); });
+  std::copy_if(common.begin(), common.end(), std::back_inserter(keys),
+               [&](const Key& key) { return !contains_key(own, key.name); });
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;
 }
 
-/// Checks the object against both tables and takes it apart. Throws SceneError; an unknown type with the closest one.
+/// Checks the object against both tables, makes its laws and takes it apart. Throws SceneError; an unknown type with the closest one.
 template <class Shelf>
 Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
-            const LawSource& laws) {
+            const Registry& laws) {
   const Value* type = object.find("type");
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
   if (type != nullptr && type->text() != nullptr && entry == nullptr)
     refuse(type->where, owner, "unknown type \"" + *type->text() + "\"" + suggestion(*type->text(), shelf.names()));
   const Keys own_keys = entry != nullptr ? entry->info.keys : Keys{};
   const TypeInfo both{table.info.name, table.info.help, keys_together(table.info.keys, own_keys)};
-  const Params checked(object, both, owner, &laws);  // refuses a missing type, unknown keys and wrong forms
-
-  Value own(Value::Object{}), common(Value::Object{});
-  own.where = common.where = object.where;
-  for (const Value::Member& member : *object.object()) {
-    const bool its =
-        std::any_of(own_keys.begin(), own_keys.end(), [&](const Key& key) { return key.name == member.key; });
-    (its ? own : common).object()->push_back(member);
-  }
-  return {checked.text("type"), Params(std::move(common), table.info, owner, &laws), std::move(own)};
+  // refuses a missing type, unknown keys and wrong forms
+  const Params all = checked_params(Params::unchecked(object), both, owner, &laws);
+  Keys common_keys;
+  for (const Key& key : both.keys)
+    if (!contains_key(own_keys, key.name)) common_keys.push_back(key);
+  return {all.text("type"), all.only(std::move(common_keys)), all.only(own_keys)};
 }
 
 }  // namespace lockstep

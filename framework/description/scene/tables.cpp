@@ -1,37 +1,36 @@
 #include "framework/description/scene/tables.h"
 
 #include <cassert>
+#include <utility>
 
 #include "framework/mechanism/forces/joint_friction.h"
 
 namespace lockstep {
 namespace {
 
-constexpr const char* kAbsent = "absent";
-
 Key any(std::string name, std::string help, std::vector<std::string> choices = {}) {
-  return {std::move(name), Form::any, Unit::none, kAbsent, std::move(help), std::move(choices)};
+  return {std::move(name), Form::any, Unit::none, kOptional, std::move(help), std::move(choices)};
 }
-Key name_key(std::string help) { return {"name", Form::text, Unit::none, "", std::move(help)}; }
+Key name_key(std::string help) { return {"name", Form::text, Unit::none, kRequired, std::move(help)}; }
 
 SceneTable scene() {
   return {{"scene",
            "a mechanism, how it starts, how it runs and what is recorded",
-           {{"lockstep", Form::integer, Unit::none, "", "version of this format: 1"},
-            {"title", Form::text, Unit::none, kAbsent, "one line that says what moves"},
-            {"description", Form::text, Unit::none, kAbsent, "more about it"},
+           {{"lockstep", Form::integer, Unit::none, kRequired, "version of this format: 1"},
+            {"title", Form::text, Unit::none, kOptional, "one line that says what moves"},
+            {"description", Form::text, Unit::none, kOptional, "more about it"},
             any("requires", "plugins that must be loaded, by bare name; no path"),
-            {"gravity", Form::vector3, Unit::acceleration, "[0, 0, 0]", "gravity, world axes"},
+            {"gravity", Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "gravity, world axes"},
             {"planar",
              Form::choice,
              Unit::none,
-             "\"off\"",
+             "off",
              "normal of the plane that all moves in: three velocities a body; \"auto\": where that is exact",
              {"off", "auto", "x", "y", "z"}},
             {"merge",
              Form::choice,
              Unit::none,
-             "\"off\"",
+             "off",
              "\"auto\": bodies that a fixed link without a law holds together move as one; links that are recorded, or "
              "that "
              "events name, stay",
@@ -53,11 +52,11 @@ SceneTable scene() {
 
 // What gives mass: the same for a body and for a part of a compound.
 Keys mass_keys() {
-  return {{"mass", Form::number, Unit::mass, kAbsent, "mass, with \"inertia\" beside it"},
+  return {{"mass", Form::number, Unit::mass, kOptional, "mass, with \"inertia\" beside it"},
           any("inertia", "[Jxx, Jyy, Jzz], {\"xx\":, ..., \"xy\":}, or three rows; products as matrix entries"),
           any("inertia_at", "point that the inertia is about, own frame", {"center"}),
-          {"inertia_axes", Form::orientation, Unit::none, "[1, 0, 0, 0]", "axes of the inertia, in the own frame"},
-          {"center", Form::vector3, Unit::length, "[0, 0, 0]", "mass centre, own frame"},
+          {"inertia_axes", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the inertia, in the own frame"},
+          {"center", Form::vector3, Unit::length, Value::List{0, 0, 0}, "mass centre, own frame"},
           any("rod", "a rod; it brings its own frame: in its middle, x along it"),
           any("box", "a box about its frame's origin"),
           any("cylinder", "a cylinder about its frame's origin, along z"),
@@ -78,13 +77,13 @@ SceneTable body() {
   for (Key& key : mass_keys()) t.info.keys.push_back(std::move(key));
   const Keys more = {
       any("compound", "several parts, rigidly joined, each placed in the body's frame"),
-      {"particle", Form::number, Unit::mass, kAbsent, "mass of a particle, which has no rotation"},
-      {"fixed", Form::boolean, Unit::none, "false", "it never moves and needs no mass"},
-      {"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of its frame at the start, world"},
-      {"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "its axes at the start, in the world"},
-      {"velocity", Form::vector3, Unit::speed, "[0, 0, 0]", "of the frame's origin at the start, world axes"},
-      {"omega_body", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, body axes"},
-      {"omega_world", Form::vector3, Unit::angular_speed, kAbsent, "angular velocity at the start, world axes"}};
+      {"particle", Form::number, Unit::mass, kOptional, "mass of a particle, which has no rotation"},
+      {"fixed", Form::boolean, Unit::none, false, "it never moves and needs no mass"},
+      {"position", Form::vector3, Unit::length, Value::List{0, 0, 0}, "origin of its frame at the start, world"},
+      {"orientation", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "its axes at the start, in the world"},
+      {"velocity", Form::vector3, Unit::speed, Value::List{0, 0, 0}, "of the frame's origin at the start, world axes"},
+      {"omega_body", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, body axes"},
+      {"omega_world", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, world axes"}};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
   t.parts.push_back({"compound", Holds::objects, "part"});
   return t;
@@ -93,16 +92,16 @@ SceneTable body() {
 SceneTable part() {
   SceneTable t{{"part", "a part of a compound body", mass_keys()}, mass_parts()};
   t.info.keys.push_back(
-      {"position", Form::vector3, Unit::length, "[0, 0, 0]", "origin of the part's frame, body frame"});
+      {"position", Form::vector3, Unit::length, Value::List{0, 0, 0}, "origin of the part's frame, body frame"});
   t.info.keys.push_back(
-      {"orientation", Form::orientation, Unit::none, "[1, 0, 0, 0]", "axes of the part, in the body frame"});
+      {"orientation", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the part, in the body frame"});
   return t;
 }
 
-Key shape_mass() { return {"mass", Form::number, Unit::mass, kAbsent, "mass; or \"density\""}; }
-Key shape_density() { return {"density", Form::number, Unit::density, kAbsent, "mass by volume; or \"mass\""}; }
+Key shape_mass() { return {"mass", Form::number, Unit::mass, kOptional, "mass; or \"density\""}; }
+Key shape_density() { return {"density", Form::number, Unit::density, kOptional, "mass by volume; or \"mass\""}; }
 Key length_key(std::string name, std::string help) {
-  return {std::move(name), Form::number, Unit::length, "", std::move(help)};
+  return {std::move(name), Form::number, Unit::length, kRequired, std::move(help)};
 }
 
 std::vector<SceneTable> shapes() {
@@ -110,14 +109,14 @@ std::vector<SceneTable> shapes() {
             "a straight rod, its frame in the middle with x along it",
             {shape_mass(),
              shape_density(),
-             {"from", Form::vector3, Unit::length, "", "one end (of a body: world; of a part: body frame)"},
-             {"to", Form::vector3, Unit::length, "", "the other end"},
-             {"radius", Form::number, Unit::length, kAbsent, "of a solid cylinder; default: length / 50"},
-             {"axial_inertia", Form::number, Unit::inertia, kAbsent,
+             {"from", Form::vector3, Unit::length, kRequired, "one end (of a body: world; of a part: body frame)"},
+             {"to", Form::vector3, Unit::length, kRequired, "the other end"},
+             {"radius", Form::number, Unit::length, kOptional, "of a solid cylinder; default: length / 50"},
+             {"axial_inertia", Form::number, Unit::inertia, kOptional,
               "a rod without thickness, with this inertia about its axis"}}}},
           {{"box",
             "a solid box",
-            {shape_mass(), shape_density(), {"size", Form::vector3, Unit::length, "", "its three edges"}}}},
+            {shape_mass(), shape_density(), {"size", Form::vector3, Unit::length, kRequired, "its three edges"}}}},
           {{"cylinder",
             "a solid cylinder along z",
             {shape_mass(), shape_density(), length_key("radius", "its radius"), length_key("length", "its length")}}},
@@ -125,44 +124,44 @@ std::vector<SceneTable> shapes() {
 }
 
 SceneTable inertia() {
-  const auto entry = [](const char* name, const char* fallback) {
-    return Key{name, Form::number, Unit::inertia, fallback, "entry of the inertia matrix"};
+  const auto entry = [](const char* name, Default fallback) {
+    return Key{name, Form::number, Unit::inertia, std::move(fallback), "entry of the inertia matrix"};
   };
   return {{"inertia",
            "an inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm",
-           {entry("xx", ""), entry("yy", ""), entry("zz", ""), entry("xy", "0"), entry("yz", "0"), entry("zx", "0")}}};
+           {entry("xx", kRequired), entry("yy", kRequired), entry("zz", kRequired), entry("xy", 0), entry("yz", 0), entry("zx", 0)}}};
 }
 
 SceneTable marker() {
   return {{"marker",
            "a frame on a body, still or moving by laws",
            {name_key("its name; no other thing has it"),
-            {"body", Form::text, Unit::none, "", "the body that carries it"},
-            {"at", Form::vector3, Unit::length, kAbsent, "its origin, body frame"},
-            {"orientation", Form::orientation, Unit::none, kAbsent, "its axes, in the body frame"},
-            {"world_at", Form::vector3, Unit::length, kAbsent, "its origin at the start, world"},
-            {"world_orientation", Form::orientation, Unit::none, kAbsent, "its axes at the start, in the world"},
-            {"slide", Form::translation_law, Unit::length, kAbsent, "moves it along its own home axes"},
-            {"spin", Form::rotation_law, Unit::angle, kAbsent, "turns it about them"}}}};
+            {"body", Form::text, Unit::none, kRequired, "the body that carries it"},
+            {"at", Form::vector3, Unit::length, kOptional, "its origin, body frame"},
+            {"orientation", Form::orientation, Unit::none, kOptional, "its axes, in the body frame"},
+            {"world_at", Form::vector3, Unit::length, kOptional, "its origin at the start, world"},
+            {"world_orientation", Form::orientation, Unit::none, kOptional, "its axes at the start, in the world"},
+            {"slide", Form::translation_law, Unit::length, kOptional, "moves it along its own home axes"},
+            {"spin", Form::rotation_law, Unit::angle, kOptional, "turns it about them"}}}};
 }
 
 // Where a link or a force stands.
-Keys site_keys(const char* p_default) {
+Keys site_keys(Default p_default) {
   return {
       {"p", Form::text, Unit::none, p_default, "the marker P, or a body that is given one"},
       {"s", Form::text, Unit::none, p_default, "the marker S that P is seen from, or a body that is given one"},
-      {"at", Form::vector3, Unit::length, kAbsent, "where both new markers are at the start, world"},
-      {"at_p", Form::vector3, Unit::length, kAbsent, "where the new marker P is at the start, world"},
-      {"at_s", Form::vector3, Unit::length, kAbsent, "where the new marker S is at the start, world"},
-      {"axis", Form::axis, Unit::none, kAbsent, "z axis of the new markers at the start, world"},
-      {"orientation", Form::orientation, Unit::none, kAbsent, "axes of the new markers at the start, in the world"}};
+      {"at", Form::vector3, Unit::length, kOptional, "where both new markers are at the start, world"},
+      {"at_p", Form::vector3, Unit::length, kOptional, "where the new marker P is at the start, world"},
+      {"at_s", Form::vector3, Unit::length, kOptional, "where the new marker S is at the start, world"},
+      {"axis", Form::axis, Unit::none, kOptional, "z axis of the new markers at the start, world"},
+      {"orientation", Form::orientation, Unit::none, kOptional, "axes of the new markers at the start, in the world"}};
 }
 
 SceneTable link() {
   SceneTable t{{"link",
                 "a joint, a lock or any other constraint between bodies",
                 {name_key("its name; no other thing has it"),
-                 {"type", Form::text, Unit::none, "", "what it is: see `lockstep list links`"}}},
+                 {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list links`"}}},
                {{"drive", Holds::object_or_list, "drive"},
                 {"start", Holds::object, "start"},
                 {"pairs", Holds::texts_or_objects, "pair"},
@@ -170,13 +169,13 @@ SceneTable link() {
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
                "links"};
-  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
+  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
   const Keys more = {
       any("pairs", "in place of p and s: links whose markers it couples, by name, or {\"p\":, \"s\":, ...} each"),
       any("drive", "laws on coordinates that the link leaves free"),
-      {"move", Form::translation_law, Unit::length, kAbsent, "where P is held, S axes, on the rows x y z"},
-      {"turn", Form::rotation_law, Unit::angle, kAbsent, "how far P is held turned against S"},
-      {"active", Form::boolean, Unit::none, "true", "whether it holds from the start"},
+      {"move", Form::translation_law, Unit::length, kOptional, "where P is held, S axes, on the rows x y z"},
+      {"turn", Form::rotation_law, Unit::angle, kOptional, "how far P is held turned against S"},
+      {"active", Form::boolean, Unit::none, true, "whether it holds from the start"},
       any("start", "how its free coordinates begin"),
       any("one_sided", "its one row may push and cannot pull: C >= 0 in place of C = 0"),
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
@@ -187,7 +186,7 @@ SceneTable link() {
 
 SceneTable pair() {
   SceneTable t{{"pair", "two markers that a coupling looks at", {}}};
-  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
+  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
@@ -195,17 +194,17 @@ SceneTable force() {
   SceneTable t{{"force",
                 "what pushes or pulls without holding",
                 {name_key("its name; no other thing has it"),
-                 {"type", Form::text, Unit::none, "", "what it is: see `lockstep list forces`"}}},
+                 {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list forces`"}}},
                {},
                "forces"};
-  for (Key& key : site_keys(kAbsent)) t.info.keys.push_back(std::move(key));
-  t.info.keys.push_back({"link", Form::text, Unit::none, kAbsent, "the link that carries it, as friction wants"});
+  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
+  t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link that carries it, as friction wants"});
   return t;
 }
 
 Keys bounce_keys() {
-  return {{"restitution", Form::number, Unit::none, "0", "speed after an impact to that before it, 0 to 1"},
-          {"rest_speed", Form::number, Unit::any, "0.001", "impacts that leave less end at rest, m/s or rad/s"}};
+  return {{"restitution", Form::number, Unit::none, 0, "speed after an impact to that before it, 0 to 1"},
+          {"rest_speed", Form::number, Unit::any, 0.001, "impacts that leave less end at rest, m/s or rad/s"}};
 }
 
 std::vector<SceneTable> one_sided_parts() {
@@ -213,15 +212,15 @@ std::vector<SceneTable> one_sided_parts() {
   one_sided.info.keys.push_back({"side",
                                  Form::choice,
                                  Unit::none,
-                                 "\"above\"",
+                                 "above",
                                  "where its row is free: C >= 0, or C <= 0 as for a rope",
                                  {"above", "below"}});
   SceneTable travel{
       {"travel",
        "where the travel of one coordinate of a link ends",
-       {{"axis", Form::choice, Unit::none, "", "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
-        {"low", Form::number, Unit::any, kAbsent, "its lowest value, m or rad"},
-        {"high", Form::number, Unit::any, kAbsent, "its highest value, m or rad"}}}};
+       {{"axis", Form::choice, Unit::none, kRequired, "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
+        {"low", Form::number, Unit::any, kOptional, "its lowest value, m or rad"},
+        {"high", Form::number, Unit::any, kOptional, "its highest value, m or rad"}}}};
   for (Key& key : bounce_keys()) travel.info.keys.push_back(std::move(key));
   const TypeInfo& friction = JointFriction::info();
   return {one_sided, travel, {{"friction", friction.help, friction.keys}}};
@@ -230,16 +229,16 @@ std::vector<SceneTable> one_sided_parts() {
 std::vector<SceneTable> link_parts() {
   SceneTable velocity{{"start_velocity", "speeds of P against S at the start, S axes", {}}};
   for (const char* axis : {"x", "y", "z"})
-    velocity.info.keys.push_back({axis, Form::number, Unit::speed, kAbsent, std::string("along ") + axis + " of S"});
+    velocity.info.keys.push_back({axis, Form::number, Unit::speed, kOptional, std::string("along ") + axis + " of S"});
   for (const char* axis : {"rx", "ry", "rz"})
     velocity.info.keys.push_back(
-        {axis, Form::number, Unit::angular_speed, kAbsent, std::string("about ") + axis[1] + " of S"});
+        {axis, Form::number, Unit::angular_speed, kOptional, std::string("about ") + axis[1] + " of S"});
   return {
       {{"drive",
         "a law on one free coordinate of a link; exactly one row more",
-        {{"axis", Form::choice, Unit::none, "", "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
-         {"law", Form::law, Unit::any, kAbsent, "the coordinate as a function of time, m or rad"},
-         {"speed", Form::law, Unit::any, kAbsent,
+        {{"axis", Form::choice, Unit::none, kRequired, "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
+         {"law", Form::law, Unit::any, kOptional, "the coordinate as a function of time, m or rad"},
+         {"speed", Form::law, Unit::any, kOptional,
           "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
       {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
        {{"velocity", Holds::object, "start_velocity"}}},
@@ -250,18 +249,18 @@ std::vector<SceneTable> events() {
   return {{{"event",
             "a change of the links in force between two steps",
             {name_key("its name; no other event has it"),
-             {"at", Form::number, Unit::time, kAbsent, "the instant; or \"when\""},
+             {"at", Form::number, Unit::time, kOptional, "the instant; or \"when\""},
              any("when", "the condition; or \"at\""),
              any("activate", "links that begin to hold"),
              any("deactivate", "links that let go"),
-             {"stop", Form::boolean, Unit::none, "false", "whether the run ends there"},
-             {"once", Form::boolean, Unit::none, "true", "only the first time that the condition is met"}}},
+             {"stop", Form::boolean, Unit::none, false, "whether the run ends there"},
+             {"once", Form::boolean, Unit::none, true, "only the first time that the condition is met"}}},
            {{"when", Holds::object, "condition"}, {"activate", Holds::texts}, {"deactivate", Holds::texts}}},
           {{"condition",
             "a channel that crosses a value",
-            {{"channel", Form::text, Unit::none, "", "a channel's name, such as \"slider.x\""},
-             {"crosses", Form::number, Unit::any, "0", "the value"},
-             {"direction", Form::choice, Unit::none, "\"any\"", "the sense", {"any", "rising", "falling"}}}}}};
+            {{"channel", Form::text, Unit::none, kRequired, "a channel's name, such as \"slider.x\""},
+             {"crosses", Form::number, Unit::any, 0, "the value"},
+             {"direction", Form::choice, Unit::none, "any", "the sense", {"any", "rising", "falling"}}}}}};
 }
 
 std::vector<SceneTable> runs() {
@@ -269,16 +268,16 @@ std::vector<SceneTable> runs() {
             "how the motion is computed and what is written",
             {any("integrator",
                  "a name of `lockstep list integrators`, or {\"type\": name, and its keys}; default \"dopri5\""),
-             {"step", Form::number, Unit::time, kAbsent, "fixed step, or the largest step of an adaptive integrator"},
-             {"tolerance", Form::number, Unit::none, "1e-6",
+             {"step", Form::number, Unit::time, kOptional, "fixed step, or the largest step of an adaptive integrator"},
+             {"tolerance", Form::number, Unit::none, 1e-6,
               "relative tolerance of adaptive integrators; absolute: a hundredth of it, m"},
-             {"until", Form::number, Unit::time, kAbsent, "end of the run"},
-             {"output", Form::number, Unit::time, kAbsent, "interval of the recorded instants; default: every step"},
-             {"times", Form::numbers, Unit::time, kAbsent, "or these instants, rising"},
+             {"until", Form::number, Unit::time, kOptional, "end of the run"},
+             {"output", Form::number, Unit::time, kOptional, "interval of the recorded instants; default: every step"},
+             {"times", Form::numbers, Unit::time, kOptional, "or these instants, rising"},
              {"formulation",
               Form::choice,
               Unit::none,
-              "\"omega\"",
+              "omega",
               "6 velocities a body, or the 7 coordinates of the paper",
               {"omega", "quaternion"}},
              any("stabilization", "how drift off the constraints is fought; default \"project\"",
@@ -286,7 +285,7 @@ std::vector<SceneTable> runs() {
              any("solver",
                  "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"schur\", with "
                  "formulation quaternion \"sparse\""),
-             {"assemble", Form::boolean, Unit::none, "true", "a start off the constraints is moved onto them"},
+             {"assemble", Form::boolean, Unit::none, true, "a start off the constraints is moved onto them"},
              any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
              any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit")}},
            {{"integrator", Holds::typed, "integrators"},
@@ -296,10 +295,10 @@ std::vector<SceneTable> runs() {
             {"draw", Holds::text_lists}}},
           {{"stabilization",
             "how drift off the constraints is fought",
-            {{"kind", Form::choice, Unit::none, "\"project\"", "the way", {"project", "baumgarte", "none"}},
-             {"alpha", Form::number, Unit::frequency, "5", "Baumgarte's damping rate, 1/s"},
-             {"beta", Form::number, Unit::frequency, "5", "Baumgarte's stiffness rate, 1/s"},
-             {"tolerance", Form::number, Unit::length, "1e-10", "of the constraints, m"}}}}};
+            {{"kind", Form::choice, Unit::none, "project", "the way", {"project", "baumgarte", "none"}},
+             {"alpha", Form::number, Unit::frequency, 5, "Baumgarte's damping rate, 1/s"},
+             {"beta", Form::number, Unit::frequency, 5, "Baumgarte's stiffness rate, 1/s"},
+             {"tolerance", Form::number, Unit::length, 1e-10, "of the constraints, m"}}}}};
 }
 
 std::vector<SceneTable> all_tables() {

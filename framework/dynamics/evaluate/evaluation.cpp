@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -53,7 +53,7 @@ void Evaluation::lay_out(const State& state) {
   f_.setZero(6 * system_.n_slots());
   reacting_.clear();
   for (const auto& force : system_.forces())
-    if (!force->reads().empty()) reacting_.push_back(force.get());
+    if (force->reacting() != nullptr) reacting_.push_back(force.get());
   layout_ = std::make_shared<const Layout>(Layout{system_.revision(), state.modes});
 }
 
@@ -106,7 +106,7 @@ double Evaluation::norm(const VecX& c) const {
 void Evaluation::react(const VecX& lambda, VecX& f) const {
   const Reactions reactions(rows_, view(lambda));
   WrenchSum sum(inputs().motions, f);
-  for (const Force* force : reacting_) named(*force, inputs().t, [&] { force->react(inputs(), reactions, sum); });
+  for (const Force* force : reacting_) named(*force, inputs().t, [&] { force->reacting()->react(inputs(), reactions, sum); });
 }
 
 }  // namespace lockstep

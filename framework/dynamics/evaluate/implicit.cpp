@@ -1,12 +1,12 @@
 #include "framework/dynamics/evaluate/implicit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "framework/dynamics/evaluate/newton_factor.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/dynamics/solvers/scales.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -30,24 +30,14 @@ bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
 }
 
 void NewtonMatrix::Work::lay_out(const RowTable& rows) {
-  width.clear(), first.clear(), mass.clear(), inertia.clear(), inverse_inertia.clear();
+  width.clear(), first.clear(), mass.clear();
   n = 0;
   const Plane plane = system->plane();
-  velocity = {0, 1, 2, 3, 4, 5};
-  if (plane) velocity = {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
+  velocity = unknown_velocities(plane);
   for (int k = 0; k < system->n_slots(); ++k) {
-    const Slot& slot = system->slot(k);
-    const bool particle = slot.freedoms == Freedoms::particle;
-    width.push_back(plane ? (particle ? 2 : 3) : (particle ? 3 : 6));
+    mass.emplace_back(system->slot(k), plane);
+    width.push_back(mass.back().width());
     first.push_back(n);
-    mass.push_back(slot.mass);
-    inertia.push_back(particle ? Mat3(Mat3::Zero()) : slot.J);
-    Mat3 inverse = Mat3::Zero();
-    if (!particle && plane)
-      inverse(plane.n, plane.n) = 1.0 / slot.J(plane.n, plane.n);
-    else if (!particle)
-      inverse = slot.J.llt().solve(Mat3::Identity());
-    inverse_inertia.push_back(inverse);
     n += width.back();
   }
   entries = rows.entries;
@@ -100,31 +90,19 @@ void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
 // (9.16) d(w x J w)/dw = w~ J - (J w)~
 void NewtonMatrix::Work::add_inertia(const Inputs& in) {
   for (int k = 0; k < system->n_slots(); ++k) {
-    const Mat3& moment = inertia[static_cast<std::size_t>(k)];
+    const Mat3& moment = mass[k].J();
     const Vec3& w = in.slot(k).w;
     tangents.add_D(k, Half::turn, k, Half::turn, skew(w) * moment - skew(Vec3(moment * w)));
   }
 }
 
-// As Kkt::update_scales(): the mean of the diagonal of J M^-1 J^T over the link's rows of one kind.
 void NewtonMatrix::Work::update_scales() {
   s.setZero();
   for_each_row(J, [&](int row, int slot, const double* r) {
-    const auto k = static_cast<std::size_t>(slot);
     const Eigen::Map<const Vec3> v(r), w(r + 3);
-    s[row] += v.squaredNorm() / mass[k] + w.dot(inverse_inertia[k] * w);
+    s[row] += v.squaredNorm() / mass[slot].m() + w.dot(mass[slot].inverse_J() * w);
   });
-  for (const RowEntry& e : entries)
-    for (const RowKind kind : {RowKind::translation, RowKind::rotation}) {
-      double sum = 0;
-      int rows = 0;
-      for (int k = 0; k < e.m; ++k)
-        if (e.kind[static_cast<std::size_t>(k)] == kind) sum += s[e.first_row + k], ++rows;
-      for (int k = 0; k < e.m; ++k)
-        if (e.kind[static_cast<std::size_t>(k)] == kind) s[e.first_row + k] = sum / rows;
-    }
-  for (double& x : s)
-    if (!(x > 0)) x = 1;
+  for (const RowEntry& e : entries) average_scales(s.data() + e.first_row, e.m, KindBits(e.kind, e.m));
 }
 
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
@@ -150,12 +128,14 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
     for (int k = 0; k < entry.m; ++k)
       own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = lambda[entry.first_row + k];
     const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];
-    named(link, in.t, [&] { link.tangent(in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents); });
+    named(link, in.t, [&] {
+      add_tangent(link, in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
+    });
   }
   for (const auto& force : system.forces()) named(*force, in.t, [&] { force->tangent(in, w.tangents); });
   const Reactions reactions(rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
   for (const Force* force : e.reacting())
-    named(*force, in.t, [&] { force->react_tangent(in, reactions, w.tangents); });
+    named(*force, in.t, [&] { force->reacting()->react_tangent(in, reactions, w.tangents); });
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 
@@ -171,11 +151,7 @@ SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc&
 long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
-  for (std::size_t k = 0; k < work_->width.size(); ++k) {
-    const int at = 6 * static_cast<int>(k);
-    y.segment<3>(at) += work_->mass[k] * x.segment<3>(at);
-    y.segment<3>(at + 3) += work_->inertia[k] * x.segment<3>(at + 3);
-  }
+  for (std::size_t k = 0; k < work_->mass.size(); ++k) work_->mass[k].add_times(x.segment<6>(6 * k), y.segment<6>(6 * k));
 }
 void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const {
   const TangentSum& sum = work_->tangents;

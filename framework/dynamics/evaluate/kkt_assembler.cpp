@@ -1,7 +1,5 @@
 #include "framework/dynamics/evaluate/kkt_assembler.h"
 
-#include <Eigen/Cholesky>
-
 #include "framework/foundation/support/error.h"
 
 namespace lockstep {
@@ -9,8 +7,6 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Block = Eigen::Map<RowMajor>;
-
-Mat3 inverse_of(const Mat3& J) { return J.llt().solve(Mat3::Identity()); }
 
 }  // namespace
 
@@ -29,13 +25,6 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
   }
 }
 
-// Which of the six velocities each unknown of a slot is.
-std::array<int, 6> KktAssembler::velocities() const {
-  const Plane plane = system_.plane();
-  if (plane) return {plane.velocity(0), plane.velocity(1), plane.velocity(2)};
-  return {0, 1, 2, 3, 4, 5};
-}
-
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (direct && formulation_ == Formulation::quaternion)
     throw ModelError(
@@ -49,9 +38,10 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
+  masses_.clear();
   for (int k = 0; k < n; ++k) {
-    const bool particle = system_.slot(k).freedoms == Freedoms::particle;
-    const int width = system_.plane() ? (particle ? 2 : 3) : particle ? 3 : formulation_ == Formulation::omega ? 6 : 7;
+    const BodyMass& mass = masses_.emplace_back(system_.slot(k), system_.plane());
+    const int width = formulation_ == Formulation::quaternion && mass.width() == 6 ? 7 : mass.width();
     p.width.push_back(width);
     p.first.push_back(p.n);
     p.M.push_back(p.size_M);
@@ -81,28 +71,19 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
 }
 
 void KktAssembler::write_mass(int slot, const Motion& O) {
-  const auto k = static_cast<std::size_t>(slot);
-  const int width = kkt_.pattern.width[k];
-  const Slot& b = system_.slot(slot);
-  const Plane plane = system_.plane();
-  Block M(kkt_.M.data() + kkt_.pattern.M[k], width, width), Minv(kkt_.Minv.data() + kkt_.pattern.M[k], width, width);
-  if (plane) {
-    for (int i = 0; i < 2; ++i) M(i, i) = b.mass, Minv(i, i) = 1.0 / b.mass;
-    if (width == 3) M(2, 2) = b.J(plane.n, plane.n), Minv(2, 2) = 1.0 / b.J(plane.n, plane.n);
-    return;
-  }
-  M.topLeftCorner<3, 3>() = b.mass * Mat3::Identity();
-  Minv.topLeftCorner<3, 3>() = 1.0 / b.mass * Mat3::Identity();
-  if (width == 6) {
-    M.bottomRightCorner<3, 3>() = b.J;
-    Minv.bottomRightCorner<3, 3>() = inverse_of(b.J);
-  } else if (width == 7) {  // (2.7) with k = the mean of the three eigenvalues 4 J of G^T J G
-    const Mat34 G = G_matrix(O.e);
-    const Vec4 q = O.e.coefficients();
-    const double c = 4.0 / 3.0 * b.J.trace();
-    M.bottomRightCorner<4, 4>() = G.transpose() * b.J * G + c * q * q.transpose();
-    Minv.bottomRightCorner<4, 4>() = G.transpose() * inverse_of(b.J) * G / 16.0 + q * q.transpose() / c;
-  }
+  const int width = kkt_.pattern.width[slot];
+  const BodyMass& mass = masses_[slot];
+  double *M = kkt_.M.data() + kkt_.pattern.M[slot], *inverse = kkt_.Minv.data() + kkt_.pattern.M[slot];
+  if (width != 7) return mass.write_blocks(M, inverse);
+  // (2.7) with k = the mean of the three eigenvalues 4 J of G^T J G
+  const Mat34 G = G_matrix(O.e);
+  const Vec4 q = O.e.coefficients();
+  const double c = 4.0 / 3.0 * mass.J().trace();
+  Block M7(M, 7, 7), inverse7(inverse, 7, 7);
+  M7.topLeftCorner<3, 3>() = mass.m() * Mat3::Identity();
+  inverse7.topLeftCorner<3, 3>() = 1.0 / mass.m() * Mat3::Identity();
+  M7.bottomRightCorner<4, 4>() = G.transpose() * mass.J() * G + c * q * q.transpose();
+  inverse7.bottomRightCorner<4, 4>() = G.transpose() * mass.inverse_J() * G / 16.0 + q * q.transpose() / c;
 }
 
 void KktAssembler::read(const RowTable& rows) {
@@ -116,7 +97,7 @@ void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions)
     for (int k = 0; k < system_.n_slots(); ++k)
       if (p.width[static_cast<std::size_t>(k)] == 7) write_mass(k, motions[static_cast<std::size_t>(k + 1)]);
 
-  const std::array<int, 6> columns = velocities();
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int l = 0; l < static_cast<int>(p.links.size()); ++l) {
     const KktLink& link = p.links[static_cast<std::size_t>(l)];
     double* out = kkt_.J.data() + link.J;
@@ -158,7 +139,7 @@ void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> 
   c.resize(p.m);
   c.head(c6.size()) = c6;
   int norm_row = static_cast<int>(c6.size());
-  const std::array<int, 6> columns = velocities();
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
     if (width <= 6) {
@@ -188,7 +169,7 @@ void KktAssembler::unload(const VecX& a, const VecX& lambda, std::span<const Mot
                     VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
-  const std::array<int, 6> columns = velocities();
+  const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
     const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
     if (width <= 6) {

@@ -8,6 +8,7 @@
 
 #include "framework/dynamics/evaluate/stabilization.h"
 #include "framework/dynamics/solvers/kkt.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -39,11 +40,11 @@ class LOCKSTEP_API KktAssembler {
  private:
   void lay_out_direct(const RowTable& rows);
   void write_mass(int slot, const Motion& O);
-  std::array<int, 6> velocities() const;
 
   const System& system_;
   Formulation formulation_;
   Kkt kkt_;
+  std::vector<BodyMass> masses_;  // of slots, where the matrix is filled here
   int n_links_ = 0;  // of the table; unit-length rows follow them
 };
 

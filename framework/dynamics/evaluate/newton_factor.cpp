@@ -26,8 +26,8 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
     Mat6T A = b * N.tangents.D(p) + c * N.tangents.K(p);
     if (row == column) {
       const auto k = static_cast<std::size_t>(row);
-      A.diagonal().template head<3>().array() += a * N.mass[k];
-      A.template bottomRightCorner<3, 3>() += a * N.inertia[k];
+      A.diagonal().template head<3>().array() += a * N.mass[k].m();
+      A.template bottomRightCorner<3, 3>() += a * N.mass[k].J();
     }
     for (int i = 0; i < N.width[static_cast<std::size_t>(row)]; ++i)
       for (int j = 0; j < N.width[static_cast<std::size_t>(column)]; ++j)
@@ -139,7 +139,7 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
     const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
                column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
     const int i = N.first[row], j = N.first[column];
-    block_detail::with_width(N.width[row], [&](auto width) {
+    for_size(N.width[row], [&](auto width) {
       constexpr int kI = decltype(width)::value;
       T sum[kI] = {};
       double sizes[kI] = {};

@@ -9,6 +9,7 @@
 
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/linear_solver.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/rows/tangent.h"
 
 namespace lockstep {
@@ -16,8 +17,7 @@ namespace lockstep {
 /// What the factors are made of: the mechanism's shape and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
-  std::vector<double> mass;                    // of each slot
-  std::vector<Mat3> inertia, inverse_inertia;  // of each slot
+  std::vector<BodyMass> mass;                  // of each slot
   std::vector<int> width, first;               // of each slot: unknowns and the first of them
   std::vector<RowEntry> entries;               // as laid out
   std::vector<double> J;                       // 6 a slot and row, entry after entry

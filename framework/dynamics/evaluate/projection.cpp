@@ -1,15 +1,10 @@
 #include "framework/dynamics/evaluate/projection.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "framework/dynamics/evaluate/projection_rule.h"
 
 namespace lockstep {
-
-namespace {
-constexpr int kRounds = 6;  // positions; quadratic with a fresh factor, so three are usual
-constexpr int kVelocityRounds = 3;
-constexpr double kUlp = std::numeric_limits<double>::epsilon();
-}  // namespace
 
 ProjectReport Projection::project(Evaluation& e, Factor& factor, State& state, double goal) {
   ProjectReport report;
@@ -27,30 +22,23 @@ bool Projection::positions(Evaluation& e, Factor& factor, State& state, double g
   double x_max = 0;
   for (Eigen::Index k = 0; k + 7 <= state.q.size(); k += 7)
     x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
-  goal = std::max(goal, 1e-14 * e.system().length() + 4 * kUlp * x_max);
-  double before = 0;
-  for (int round = 0;; ++round) {
+  PositionRounds rounds(goal, tolerance_, e.system().length(), x_max);
+  for (;;) {
     e.at(state);
     e.check();
     e.residuals(C_, Cd_);
-    const double now = e.norm(C_);
-    if (round == 0) report.before = now;
-    report.after = now;
-    report.rounds = round;
-    const bool serves = round > 0 && now <= 0.1 * before;
-    if (now <= goal) return serves;
-    // no further progress, but within the tolerance: the round-off of this mechanism
-    if (round > 1 && now > 0.5 * before && now <= tolerance_) return serves;
-    if (round == kRounds || !std::isfinite(now)) {
-      report.converged = now <= tolerance_;
-      return serves;
-    }
-    before = now;
+    const bool ends = rounds.ends(e.norm(C_));
+    if (rounds.round() == 0) report.before = rounds.residual();
+    if (ends) break;
     C_ = -C_;
-    if (!serves) factor.compute(e);
+    if (!rounds.chord()) factor.compute(e);
     factor.solve(e, zero_, C_, d_, lambda_);
     advance(state, 1.0, d_);
   }
+  report.after = rounds.residual();
+  report.rounds = rounds.round();
+  report.converged = rounds.converged();
+  return rounds.chord();
 }
 
 double Projection::project_velocity(Evaluation& e, Factor& factor, State& state, double goal) {
@@ -63,7 +51,7 @@ double Projection::project_velocity(Evaluation& e, Factor& factor, State& state,
 
 // From Cd_ at this state; one factor for all rounds. The jacobians are those of the pose, which stays.
 double Projection::velocities(const Evaluation& e, Factor& factor, bool factored, State& state, double goal) {
-  goal = std::max(goal, 8 * kUlp * state.v.lpNorm<Eigen::Infinity>());
+  goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
   for (int round = 0; round < kVelocityRounds && !(e.norm(Cd_) <= goal); ++round) {
     if (!factored) factor.compute(e);
     factored = true;

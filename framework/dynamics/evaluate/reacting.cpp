@@ -5,7 +5,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -72,7 +72,7 @@ void Reacting::diagnose(const Unsettled& u, double left) {
   const auto share = [&](const Force& force) {
     VecX one = VecX::Zero(u.e.force().size());
     WrenchSum sum(in.motions, one);
-    force.react(in, Reactions(u.e.rows(), {u.lambda.data(), static_cast<std::size_t>(u.lambda.size())}), sum);
+    force.reacting()->react(in, Reactions(u.e.rows(), {u.lambda.data(), static_cast<std::size_t>(u.lambda.size())}), sum);
     return one;
   };
   std::vector<VecX> first;
@@ -92,7 +92,7 @@ void Reacting::diagnose(const Unsettled& u, double left) {
       most = size, worst = i;
   const Force& force = *u.e.reacting()[worst];
   std::string links;
-  for (const Lock* link : force.reads()) links += (links.empty() ? "link '" : "', '") + link->name();
+  for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
   throw SolveError(
       "t = " + number(in.t) + " s: force '" + force.name() + "' (" + std::string(force.type()) +
       ") and the reactions of " + links + "' that it reads do not settle (after " + std::to_string(kMostSolutions) +

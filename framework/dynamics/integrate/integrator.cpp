@@ -16,4 +16,13 @@ void Integrator::save(Snapshot&) const {}
 
 void Integrator::restore(const Snapshot&) {}
 
+ErrorContext context_of(const Integrator& method, double t) {
+  ErrorContext context{.thing = {.kind = "integrator", .name = "?", .origin = method.origin()}, .t = t, .refuses = true};
+  try {
+    context.thing.name = method.info().name;
+  } catch (...) {  // the user's code too; stays "?"
+  }
+  return context;
+}
+
 }  // namespace lockstep

@@ -1,11 +1,12 @@
-// Integrator: one step of a method. Registered by name, built in or from a plugin.
+// Integrator: a time-stepping method, one step at a time. Registered by name, built in or from a plugin.
 #pragma once
 
 #include <string>
 
 #include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/mechanism/model/state.h"
+#include "framework/foundation/support/error_context.h"
 #include "framework/foundation/support/snapshot.h"
+#include "framework/mechanism/model/state.h"
 
 namespace lockstep {
 
@@ -15,7 +16,7 @@ struct IntegratorInfo {
   std::string name;
   int order = 1;
   bool implicit = false, adaptive = false;
-  int evaluations = 1;  ///< of the equations of motion, a step
+  int evaluations = 1;  ///< of the equations of motion per step
 };
 
 /// Error weights: atol_x + relative |increment scale| for positions and rotations (m, rad), atol_v = atol_x / (1 s).
@@ -26,12 +27,12 @@ struct Tolerance {
 
 struct StepReport {
   double h = 0;                ///< step made, s
-  double h_next = 0;           ///< step advised; 0: the method has no opinion (fixed step)
-  double error = 0;            ///< estimate against the tolerance, 1 = just met; 0 where there is none
-  int rejected = 0;            ///< tries thrown away before this step
+  double h_next = 0;           ///< step advised, s; 0: none (fixed step)
+  double error = 0;            ///< estimate in tolerances, 1 = just met; 0 where there is none
+  int rejected = 0;            ///< attempts rejected before this step
   double violation = 0;        ///< |C| before projection, m
   double violation_after = 0;  ///< |C| of the new state, m
-  bool manifold = false;       ///< its stages were put on the constraints, as near singular positions
+  bool manifold = false;       ///< its stages were evaluated on the constraints, as near singular positions
   bool stiff = false;          ///< damped fast modes limit the step, not accuracy: an implicit method is cheaper
 };
 
@@ -39,32 +40,36 @@ class LOCKSTEP_API Integrator {
  public:
   virtual ~Integrator();
   virtual IntegratorInfo info() const = 0;
-  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  /// Where its class comes from: "built in", a plugin's name, or "" for a class of the host. Set by the registry.
   const std::string& origin() const { return origin_; }
   void set_origin(std::string origin) { origin_ = std::move(origin); }
   /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
   virtual void begin(Dynamics&, const State&) = 0;
-  /// One step of at most h from `state`, which becomes the new state (projected where the dynamics says so). An
-  /// adaptive method may step less; a rejected try leaves no trace. Throws StepError, and whatever an evaluation
-  /// throws; `state` is then as it was.
+  /// One step of at most h (s) from `state`, which becomes the new state (projected where the dynamics says so). An
+  /// adaptive method may step less; a rejected attempt leaves no trace. Throws StepError, and whatever an evaluation
+  /// throws; `state` is then unchanged.
   virtual StepReport step(Dynamics&, State& state, double h) = 0;
   /// State inside the last step, t0 <= t <= t1: unit quaternions, not projected, memory and links of t0; the method's
   /// own dense output. As the end of the step is projected and this is not, dense(t1) differs from it by that small
-  /// move. Right after begin() it gives the state of begin(). Default: cubic Hermite would be a lie about its order, so
-  /// a method without one returns false, always, and the simulation lands on the wanted times instead.
+  /// move. Right after begin() it gives the state of begin(). Returns false by default, always: a cubic Hermite fallback
+  /// would be of lower order. The step loop then ends steps on the output times instead.
   virtual bool dense(double t, State& out) const;
   virtual void set_tolerance(const Tolerance&);
-  /// First step by the method's own guess, which looks no further ahead than `largest`; 0: none (fixed step).
+  /// The method's guess of the first step, at most `largest`, s; 0: none (fixed step).
   virtual double first_step(Dynamics&, const State&, double largest);
-  /// The numbers of an explicit Runge-Kutta method (framework/dynamics/integrate/tableau.h), by which others make its steps:
-  /// Copies in vector lanes. Null, as here: only step() makes them.
+  /// The numbers of an explicit Runge-Kutta method (framework/dynamics/integrate/tableau.h), by which others make its
+  /// steps: Copies in vector lanes. Null, the default: only step() makes them.
   virtual const EmbeddedScheme* scheme() const;
-  /// History and controller: with the State all that a checkpoint or a step taken back needs.
+  /// History and controller: with the State all that a checkpoint or a step taken back needs. Default: nothing.
   virtual void save(Snapshot&) const;
   virtual void restore(const Snapshot&);
 
  private:
   std::string origin_;
 };
+
+/// For errors that leave a method's code at time t. What it refuses (StepError, ModelError) keeps its type; what an
+/// evaluation threw inside goes on as it is.
+LOCKSTEP_API ErrorContext context_of(const Integrator&, double t);
 
 }  // namespace lockstep

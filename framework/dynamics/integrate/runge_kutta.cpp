@@ -2,7 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/foundation/support/error.h"
+#include <algorithm>
+#include <cmath>
 
 namespace lockstep {
 
@@ -78,7 +79,7 @@ void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
   stage_ = y;
   k_.resize(static_cast<std::size_t>(tableau.n_all));
   for (StateRate& k : k_) k = sized_like(y);
-  sight_.fill({});
+  conditioning_.fill({});
 }
 
 bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, StagesOn on) {
@@ -90,7 +91,7 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
     dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
     if (!watch_) continue;
     const SolveReport& solved = dynamics.last_solve();
-    sight_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
+    conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;
 }
@@ -98,7 +99,13 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
 void Stages::put(int i, const StateRate& k) {
   const auto at = static_cast<std::size_t>(i);
   k_[at].q = k.q, k_[at].v = k.v, k_[at].s = k.s;
-  sight_[at] = {};
+  conditioning_[at] = {};
+}
+
+double Stages::indicator() const {
+  double smallest = HUGE_VAL;
+  for (int i = 0; i < tableau_.n_stages; ++i) smallest = std::min(smallest, conditioning(i).indicator());
+  return smallest;
 }
 
 void Stages::combine(const State& y, double h, const Weights& w, State& out) const {
@@ -114,7 +121,7 @@ void Stages::sum(double h, const Weights& w, StateRate& out) const {
   add_part(nullptr, k_.data(), &StateRate::s, h, w, out.s);
 }
 
-ProjectReport land(Dynamics& dynamics, State& y, StagesOn on) {
+ProjectReport project_end(Dynamics& dynamics, State& y, StagesOn on) {
   if (dynamics.options().stabilization.kind == Stabilization::Kind::project)
     return on == StagesOn::manifold ? dynamics.project(y, 0) : dynamics.project(y);
   ProjectReport report;
@@ -123,17 +130,26 @@ ProjectReport land(Dynamics& dynamics, State& y, StagesOn on) {
   return report;
 }
 
-ProjectReport land_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
-  const ProjectReport report = land(dynamics, y, on);
-  if (report.converged) return report;
-  throw StepError(
+StepError end_not_projected(const ProjectReport& report, const std::string& method, double t, double h) {
+  return StepError(
       fmt::format(
           "{}: the step of {:.6g} s from t = {:.9g} s left the constraints by {:.3g} m and could not be brought back "
           "({:.3g} m remain after {} rounds); take a smaller step (--step), a method that chooses its own "
           "(--integrator dopri5), an implicit one where dampers are stiff (radau5, generalized_alpha), or look for a "
-          "singular place (lockstep check)",
+          "singular position (lockstep check)",
           method, h, t, report.before, report.after, report.rounds),
       t);
+}
+
+ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
+  const ProjectReport report = project_end(dynamics, y, on);
+  if (!report.converged) throw end_not_projected(report, method, t, h);
+  return report;
+}
+
+double combined_error(double e5, double e3) {
+  if (e5 == 0) return 0;
+  return std::isfinite(e5) && std::isfinite(e3) ? e5 * (e5 / std::hypot(e5, 0.1 * e3)) : HUGE_VAL;
 }
 
 StateRate sized_like(const State& y) {

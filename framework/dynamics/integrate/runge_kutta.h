@@ -1,17 +1,18 @@
-// Explicit Runge-Kutta: the stages of one step, for every method that brings a tableau.
+// Stages: those of one step of an explicit Runge-Kutta method, for every method that brings a tableau.
 //
 //   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y1 = y + h sum_i b_i k_i,  y = (q, v, s)
 //
-// In the stages quaternions go by their plain rates e' = e (0, w)/2; the end of the step is put back on the unit
-// sphere.
+// In the stages quaternions follow their plain rates e' = e (0, w)/2; the end of the step is normalised.
 #pragma once
 
 #include <array>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/integrate/tableau.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
@@ -19,19 +20,22 @@ namespace lockstep {
 /// field f(P(y)) equals f on the constraints and is smooth across singular positions; it costs about twice as much.
 enum class StagesOn { plain, manifold };
 
-/// How well an evaluation saw: near a singular position the accelerations come from what is left of vanishing pivots.
-struct Sight {
+/// Conditioning of one evaluation: near a singular position the accelerations come from what is left of vanishing
+/// pivots.
+struct Conditioning {
   double detector = std::numeric_limits<double>::infinity();  ///< of SolveReport; infinite where the solver has none
   double pivot = std::numeric_limits<double>::infinity();     ///< smallest
   double residual = 0;
+  /// How far from singular. Without a detector: the smallest pivot, which redundant rows make small everywhere.
+  double indicator() const { return detector < std::numeric_limits<double>::infinity() ? detector : pivot; }
 };
 
 class LOCKSTEP_API Stages {
  public:
-  /// Sizes everything; the only place that allocates. `watch`: sight() is wanted, which costs the solver time.
+  /// Sizes everything; the only place that allocates. `watch`: conditioning() is needed, which costs the solver time.
   void begin(const Tableau&, const State&, bool watch = false);
-  /// k_first ... k_(last - 1) of a step of h from y; the earlier ones stand. False: a stage could not be brought onto
-  /// the constraints.
+  /// k_first ... k_(last - 1) of a step of h from y; the earlier ones are kept. False: a stage could not be brought
+  /// onto the constraints.
   bool evaluate(Dynamics&, const State& y, double h, int first, int last, StagesOn on = StagesOn::plain);
   /// out = y + h sum_i w_i k_i and the time y.t + h; memory and links stay as they are in `out`.
   void combine(const State& y, double h, const Weights& w, State& out) const;
@@ -42,8 +46,10 @@ class LOCKSTEP_API Stages {
   const StateRate& k(int i) const { return k_[static_cast<std::size_t>(i)]; }
   /// Puts the rates of stage i, known by other means.
   void put(int i, const StateRate& k);
-  /// Of stage i when watched; else nothing is the matter.
-  const Sight& sight(int i) const { return sight_[static_cast<std::size_t>(i)]; }
+  /// Of stage i when watched; else perfect.
+  const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
+  /// Singularity indicator of the step: the smallest of its stages.
+  double indicator() const;
 
  private:
   Tableau tableau_;
@@ -52,15 +58,19 @@ class LOCKSTEP_API Stages {
   State stage_;
   std::vector<StateRate> k_;
   bool watch_ = false;
-  std::array<Sight, Weights::kMost> sight_{};
+  std::array<Conditioning, Weights::kMost> conditioning_{};
 };
 
-/// Ends a step: unit quaternions, then onto the constraints where the dynamics says so, to round-off when the
-/// stages are there too. `before` and `after` are |C|, m.
-LOCKSTEP_API ProjectReport land(Dynamics&, State&, StagesOn on = StagesOn::plain);
+/// Puts the end of a step on the constraints: unit quaternions, then the projection where the dynamics says so, to
+/// round-off when the stages are on the constraints too. `before` and `after` are |C|, m.
+LOCKSTEP_API ProjectReport project_end(Dynamics&, State&, StagesOn on = StagesOn::plain);
 /// The same for a method that cannot reject: StepError when the projection does not converge.
-LOCKSTEP_API ProjectReport land_or_throw(Dynamics&, State&, const char* method, double t, double h,
-                                         StagesOn on = StagesOn::plain);
+LOCKSTEP_API ProjectReport project_end_or_throw(Dynamics&, State&, const char* method, double t, double h,
+                                                StagesOn on = StagesOn::plain);
+/// The error of a step of h from t whose end could not be projected.
+LOCKSTEP_API StepError end_not_projected(const ProjectReport&, const std::string& method, double t, double h);
+/// One error from the estimates of two orders: e5^2 / sqrt(e5^2 + 0.01 e3^2), Hairer, Norsett & Wanner 1993, II.10.
+LOCKSTEP_API double combined_error(double e5, double e3);
 
 /// Scratch of the size of a state.
 LOCKSTEP_API StateRate sized_like(const State&);

@@ -29,7 +29,7 @@ double size_of(const VecX& a, double L) {
 }  // namespace
 
 void SingularRate::begin(const State& state) {
-  side_ = state;
+  off_ = state;
   const StateRate scratch{VecX::Zero(state.q.size()), VecX::Zero(state.v.size()), VecX::Zero(state.s.size())};
   ahead_ = behind_ = mean_[0] = mean_[1] = mean_[2] = scratch;
 }
@@ -37,12 +37,12 @@ void SingularRate::begin(const State& state) {
 bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) {
   const double L = dynamics.system().length(), speed = speed_of(state.v, L);
   if (!(speed > 0)) {
-    look_along_forces(dynamics, state);
+    probe_along_forces(dynamics, state);
     return false;
   }
   for (std::size_t i = 0; i < 3; ++i) {
     const double delta = static_cast<double>(i + 1) * kDelta;
-    if (!look(dynamics, state, delta, delta / speed, mean_[i])) return false;
+    if (!probe(dynamics, state, delta, delta / speed, mean_[i])) return false;
   }
   for (int k = 0; k < dynamics.system().n_slots(); ++k) {  // (1.8), as in Dynamics::rate
     const Quat q = Quat::from(state.q.segment<4>(7 * k + 3));
@@ -54,24 +54,24 @@ bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) 
   return true;
 }
 
-// At rest nothing is found; but the solver sees from aside which small pivots are not usual.
-void SingularRate::look_along_forces(Dynamics& dynamics, const State& state) {
+// At rest this finds nothing; but off the position the solver learns which small pivots are usual.
+void SingularRate::probe_along_forces(Dynamics& dynamics, const State& state) {
   dynamics.rate(state, ahead_);
   const double speed = speed_of(ahead_.v, dynamics.system().length());
   if (!(speed > 0)) return;
-  side_ = state;
-  dynamics.advance(side_, 3 * kDelta / speed, ahead_.v);
-  dynamics.project(side_, 0);
-  dynamics.rate(side_, behind_);
+  off_ = state;
+  dynamics.advance(off_, 3 * kDelta / speed, ahead_.v);
+  dynamics.project(off_, 0);
+  dynamics.rate(off_, behind_);
 }
 
-bool SingularRate::look(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) {
+bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) {
   for (const double sign : {1.0, -1.0}) {
-    side_ = state;
-    dynamics.advance(side_, sign * time, state.v);
-    side_.t = state.t + sign * time;
-    if (!dynamics.project(side_, 0).converged) return false;
-    dynamics.rate(side_, sign > 0 ? ahead_ : behind_);
+    off_ = state;
+    dynamics.advance(off_, sign * time, state.v);
+    off_.t = state.t + sign * time;
+    if (!dynamics.project(off_, 0).converged) return false;
+    dynamics.rate(off_, sign > 0 ? ahead_ : behind_);
   }
   const double L = dynamics.system().length(), speed = delta / time;
   const double scale = std::max({size_of(ahead_.v, L), size_of(behind_.v, L), speed * speed * L});

@@ -24,8 +24,8 @@ double squared_turn(const double* a, const double* b) {
   return x * x + y * y + z * z;
 }
 
-// Largest squares of the first and of the last three of every slot's 6; `sum` collects them all, so that what is not
-// finite shows.
+// Largest squares of the first and of the last three of every slot's 6. `sum` adds all of them and is not finite when
+// any of them is not.
 struct Largest {
   double linear = 0, angular = 0, sum = 0;
   explicit Largest(const VecX& v) {
@@ -89,15 +89,28 @@ double ErrorNorm::of(const StateRate& error, const State& y1) const {
   return std::isfinite(sum + v.sum) ? worst : HUGE_VAL;
 }
 
-double StepControl::accept(double error, bool after_rejection) {
+StepControl::~StepControl() = default;
+
+double PiControl::accept(double, double error, int, bool after_rejection) {
   const double e = std::max(error, 1e-10);
   const double factor = std::clamp(0.9 * std::pow(e, -0.7 / p_) * std::pow(before_, 0.4 / p_), 0.2, 5.0);
   before_ = std::max(error, kFirst);
   return after_rejection ? std::min(factor, 1.0) : factor;
 }
 
-double StepControl::reject(double error) const {
+double PiControl::reject(double error, int) const {
   return std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -1.0 / p_), 0.2, 0.9) : 0.2;
+}
+
+bool step_vanished(double t, double h, double asked) { return h < 1e-14 * std::max(std::abs(t), asked) || t + h == t; }
+
+bool step_stalled(double t, double h) { return h < 1e-10 * std::max(std::abs(t), 1e-3); }
+
+bool end_is_near(bool converged, double violation, double length) { return converged && violation <= 1e-3 * length; }
+
+bool end_is_near(const Dynamics& dynamics, const ProjectReport& end, bool fixed) {
+  if (dynamics.options().stabilization.kind != Stabilization::Kind::project) return true;
+  return fixed ? end.converged : end_is_near(end.converged, end.before, dynamics.system().length());
 }
 
 double guess_first_step(Dynamics& dynamics, const State& y0, int order, double largest, ErrorNorm& norm, StateRate& f0,

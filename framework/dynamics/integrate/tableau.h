@@ -1,4 +1,4 @@
-// Explicit Runge-Kutta methods as data: an integrator tells its own by Integrator::scheme().
+// Explicit Runge-Kutta methods as data: Integrator::scheme().
 #pragma once
 
 #include <array>

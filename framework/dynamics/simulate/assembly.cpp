@@ -1,5 +1,7 @@
 #include "framework/dynamics/simulate/assembly.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include "framework/mechanism/lock/look.h"
 #include "framework/mechanism/lock/marker_frame.h"
 #include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/text.h"
 
 namespace lockstep {
@@ -191,6 +194,21 @@ void measure_move(const System& system, const State& from, const State& to, Asse
 
 }  // namespace
 
+bool AssemblyReport::is_notable() const {
+  constexpr double kNotable = 1e-6;  // m, rad, m/s
+  return before > kNotable || before_v > kNotable || largest_move > kNotable || largest_turn > kNotable;
+}
+
+std::string AssemblyReport::text() const {
+  std::string text = fmt::format(
+      "the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s", before,
+      before_v, after, after_v);
+  if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
+  if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
+  if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
+  return text;
+}
+
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
                         const AssemblyOptions& options) {
   AssemblyReport report;
@@ -200,6 +218,7 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   assembler.velocities(targets, report);
   measure_move(dynamics.system(), state, work, report);
   state = work;
+  if (report.is_notable()) log_info(report.text());
   return report;
 }
 

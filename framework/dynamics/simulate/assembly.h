@@ -23,6 +23,9 @@ struct AssemblyReport {
   double largest_move = 0;              ///< m
   double largest_turn = 0;              ///< rad
   std::string moved_most, turned_most;  ///< bodies
+
+  bool is_notable() const;   ///< by more than 1e-6 m, rad or m/s
+  std::string text() const;  ///< one sentence
 };
 
 struct AssemblyOptions {
@@ -32,7 +35,7 @@ struct AssemblyOptions {
 
 /// Newton with the Cayley update (8.2), least mass-weighted move; a step that does not lessen |C| is halved. Then the
 /// least mass-weighted change of the velocities onto Jh v = -Ct and the targets. Throws AssemblyError with the worst
-/// rows by name; the state is left as it was then.
+/// rows by name; the state is left as it was then. A notable correction is logged (support/log.h, level info).
 LOCKSTEP_API AssemblyReport assemble(Dynamics&, State&, const std::vector<VelocityTarget>& targets = {},
                                      const AssemblyOptions& options = {});
 

@@ -9,10 +9,10 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
   // Ten times what a projection leaves.
   const double length = system.length(), margin = std::max(0.1 * stabilization.tolerance, 1e-13 * length);
   for (const auto& link : system.links()) {
-    if (!link->one_sided) continue;
+    if (!link->unilateral()) continue;
     Contact c;
     c.link = link.get();
-    c.sign = link->one_sided->sign();
+    c.sign = link->unilateral()->sign();
     const RowKind kind = link->row_kind(0);
     c.margin = margin / (kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * length : length);
     all_.push_back(c);
@@ -21,7 +21,7 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
 
 // In space, also where the mechanism is planar.
 RowView Contacts::gathered(const Lock& link, const Inputs& in) {
-  const RowShape shape{1, link.slots().n, link.layout(), link.row_sign(), {}};
+  const RowShape shape = link.shape();
   const Lock* const one = &link;
   link.gather(Group(&one, 1), in, room_.spatial_span(shape));
   return room_.spatial(shape);

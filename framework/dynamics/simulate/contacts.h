@@ -1,4 +1,4 @@
-// Contacts: the one-sided links of a system, and how far each is from holding. Internal to Simulation.
+// Contacts: the unilateral links of a system, and how far each is from holding. Internal to the step loop.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// The row of a one-sided link, counted so that it is free above zero: c = +-C and its rate.
+/// The row of a unilateral link, counted so that it is free above zero: c = +-C and its rate.
 struct Gap {
   double c = 0, cd = 0;
 };
@@ -22,8 +22,8 @@ struct Contact {
   double push = 0;      ///< there, while in force: its multiplier, counted so that it pushes above zero
   double push_now = 0;  ///< where it was looked at last
 
-  double restitution() const { return link->one_sided->restitution; }
-  double rest_speed() const { return link->one_sided->rest_speed; }
+  double restitution() const { return link->unilateral()->restitution; }
+  double rest_speed() const { return link->unilateral()->rest_speed; }
   bool above(const Gap& g) const { return g.c > floor + margin; }
   /// What a gap says about the flight.
   void see(const Gap& g) {
@@ -48,7 +48,7 @@ class Contacts {
 
   bool in_force(std::size_t i, const State& s) const { return s.modes[static_cast<std::size_t>(number(i))]; }
   /// Whether no event has switched it off.
-  bool watched(std::size_t i, const State& s) const { return s.z[all_[i].link->impact_memory() + 1] > 0.5; }
+  bool watched(std::size_t i, const State& s) const { return s.watched[static_cast<std::size_t>(number(i))]; }
   void put(std::size_t i, bool in_force, State& s) const { s.modes[static_cast<std::size_t>(number(i))] = in_force; }
   int number(std::size_t i) const { return all_[i].link->number(); }
 

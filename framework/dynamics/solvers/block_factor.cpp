@@ -25,7 +25,7 @@ struct Passes {
     const int n = pivot.width;
     T X[kMaxBlock * kMaxBlock];  // sign W_b
     for (int b = 0; b < pivot.n_later; ++b)
-      with_width(s[b].width, [&](auto width) {
+      for_size(s[b].width, [&](auto width) {
         constexpr int kJ = decltype(width)::value;
         T* W = A + s[b].U;
         solve_lower<kJ, false>(A + pivot.D, W, n);
@@ -40,7 +40,7 @@ struct Passes {
     const std::size_t* target = targets(pivot);
     const int n = pivot.width;
     for (int b = 0; b < pivot.n_later; ++b)
-      with_width(s[b].width, [&](auto width) {
+      for_size(s[b].width, [&](auto width) {
         constexpr int kJ = decltype(width)::value;
         T *W_b = A + s[b].U, *Z_b = W_b + n * kJ;
         exchange_rows(W_b, n, kJ, order);
@@ -68,7 +68,7 @@ struct Passes {
     const Later* s = later(pivot);
     for (int l = 0; l < pivot.n_later; ++l) {
       const T* Z = A + s[l].U + (plan.symmetric ? 0 : n * s[l].width);
-      with_width(s[l].width, [&](auto width) { subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1); });
+      for_size(s[l].width, [&](auto width) { subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1); });
     }
   }
 
@@ -79,7 +79,7 @@ struct Passes {
     for (int l = 0; l < pivot.n_later; ++l) {
       const T* W = A + s[l].U;
       const T* x_s = b + s[l].first;
-      with_width(s[l].width, [&](auto width) {
+      for_size(s[l].width, [&](auto width) {
         constexpr int kJ = decltype(width)::value;
         for (int i = 0; i < n; ++i) {
           T sum(0);

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "framework/dynamics/solvers/block_plan.h"
+#include "framework/foundation/math/for_size.h"
 
 namespace lockstep {
 namespace block_detail {
@@ -19,29 +20,6 @@ inline std::complex<double> times(const std::complex<double>& a, const std::comp
 inline std::complex<double> times(double a, const std::complex<double>& b) { return {a * b.real(), a * b.imag()}; }
 inline double size_of(double a) { return std::abs(a); }
 inline double size_of(const std::complex<double>& a) { return std::abs(a.real()) + std::abs(a.imag()); }
-
-/// Calls run with the width as a constant, so that inner loops are unrolled.
-template <class Run>
-inline void with_width(int width, Run&& run) {
-  switch (width) {
-    case 1:
-      return run(std::integral_constant<int, 1>{});
-    case 2:
-      return run(std::integral_constant<int, 2>{});
-    case 3:
-      return run(std::integral_constant<int, 3>{});
-    case 4:
-      return run(std::integral_constant<int, 4>{});
-    case 5:
-      return run(std::integral_constant<int, 5>{});
-    case 6:
-      return run(std::integral_constant<int, 6>{});
-    case 7:
-      return run(std::integral_constant<int, 7>{});
-    default:
-      return run(std::integral_constant<int, 8>{});
-  }
-}
 
 /// C -= X^T Y; X: n_k x n_i, Y: n_k x kJ, C: n_i x kJ, row-major.
 template <int kJ, class T>
@@ -57,7 +35,7 @@ inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
   }
 }
 
-// Triangles stand in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
+// Triangles are kept in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
 // reciprocals.
 
 /// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.

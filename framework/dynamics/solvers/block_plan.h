@@ -1,4 +1,4 @@
-// BlockPlan: the symbolic half of the block factorisation: who is eliminated when, and where every number stands
+// BlockPlan: the symbolic half of the block factorisation: who is eliminated when, and where every number is stored
 // (framework/docs/solvers.md, section 4).
 //
 // Nodes are slots and links, edges what couples them: a link its slots, a stiff force two slots. Leaves go first, so
@@ -24,7 +24,7 @@ struct BlockGraph {
 inline constexpr int kMaxBlock = 8;
 
 struct LOCKSTEP_API BlockPlan {
-  /// One pivot. Its block stands at D.
+  /// One pivot; D is the place of its block.
   struct Node {
     int node = 0, width = 0, first = 0;
     std::size_t D = 0;
@@ -39,7 +39,7 @@ struct LOCKSTEP_API BlockPlan {
     int place = 0;  ///< in `nodes`
     std::size_t U = 0;
   };
-  /// Where the block A(row, column) stands; `transposed`: as its transpose.
+  /// Where the block A(row, column) is stored; `transposed`: as its transpose.
   struct Place {
     std::size_t at = 0;
     bool transposed = false;

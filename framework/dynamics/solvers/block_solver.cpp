@@ -13,8 +13,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kSmallPivot = 1e-6;  // counted as redundant or singular
-
 BlockGraph graph_of(const KktPattern& pattern) {
   BlockGraph graph;
   graph.n_slots = static_cast<int>(pattern.width.size());
@@ -24,7 +22,7 @@ BlockGraph graph_of(const KktPattern& pattern) {
     const int node = static_cast<int>(graph.width.size());
     graph.width.push_back(link.m);
     graph.first.push_back(pattern.n + link.first_row);
-    for (int i = 0; i < link.n_slots; ++i) graph.edges.emplace_back(link.slot[static_cast<std::size_t>(i)], node);
+    for (int i = 0; i < link.n_slots; ++i) graph.edges.emplace_back(link.slot[i], node);
   }
   return graph;
 }
@@ -45,7 +43,7 @@ class BlockFactorization final : public Factorization {
   VecX rhs, pivots;
   std::vector<double> relative, scratch;  // pivots of the rows against their scales
   StopRule rule;
-  int n_small = 0, n_small_usual = 0;
+  PivotWatch watch;
   double smallest_pivot = 0.0;
 
   void fill(const Kkt&);
@@ -79,13 +77,13 @@ void BlockFactorization::fill(const Kkt& kkt) {
 
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
   smallest_pivot = std::numeric_limits<double>::infinity();
-  n_small = 0;
+  int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = relative[static_cast<std::size_t>(j)] = pivots[kkt.pattern.n + j] / kkt.E[j];
+    const double pivot = relative[j] = pivots[kkt.pattern.n + j] / kkt.E[j];
     smallest_pivot = std::min(smallest_pivot, pivot);
     if (pivot < kSmallPivot) ++n_small;
   }
-  n_small_usual = std::min(n_small_usual, n_small);
+  watch.count(n_small);
 }
 
 TypeInfo BlockSolver::info() {
@@ -102,7 +100,7 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
   int node = n_slots;
   for (const KktLink& link : pattern.links) {
     for (int i = 0; i < link.n_slots; ++i)
-      jacobian.push_back(plan.find(node, link.slot[static_cast<std::size_t>(i)]));
+      jacobian.push_back(plan.find(node, link.slot[i]));
     proximal.push_back(plan.find(node, node));
     ++node;
   }
@@ -110,7 +108,7 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
   relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
   scratch = relative;
   rule.analyse(pattern);
-  n_small_usual = pattern.m;
+  watch.begin(pattern.m);
 }
 
 void BlockFactorization::compute(const Kkt& kkt) {
@@ -131,18 +129,13 @@ SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
     l += rhs.tail(m);
   });
   report.smallest_pivot = smallest_pivot;
-  // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
-  report.contradictory = rule.largest() > kContradiction && rule.stalled() && n_small <= n_small_usual;
+  report.contradictory = watch.contradictory(rule.largest(), rule.largest_before());
   return report;
 }
 
 void BlockFactorization::complete(SolveReport& report) {
-  const auto n_usual = n_small_usual;
-  if (n_usual >= static_cast<int>(relative.size())) return;
-  std::copy(relative.begin(), relative.end(), scratch.begin());
-  const auto place = scratch.begin() + n_usual;
-  std::nth_element(scratch.begin(), place, scratch.end());
-  report.detector = *place;
+  scratch = relative;
+  report.detector = watch.singularity_indicator(scratch);
 }
 
 long BlockSolver::multiplications(const KktPattern& pattern) {

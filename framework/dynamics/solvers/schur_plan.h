@@ -1,29 +1,39 @@
-// SchurPlan: the symbolic half of the solver `schur`: who is eliminated when, and where every number stands.
+// SchurPlan: the symbolic half of the elimination: which node goes when, and where every number is stored. The solver
+// `schur` and the copies in lanes (tools/batch) use it alike; the numeric half is elimination.h.
 //
 // Nodes are links; a slot with many links (a hub) is a node as well, because eliminating it first would couple all its
 // links with one another. Leaves go first, so that a tree makes no fill (Baraff 1996).
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/rows/rows.h"
 #include "framework/foundation/support/export.h"
 
 namespace lockstep::schur {
 
-/// One slot that a link touches. Offsets count doubles: J in the row table, Y in SchurNumbers::Y.
+/// How blocks are stored.
+///   packed  one matrix: a column of a block is a pack of doubles, padded to 2, 4 or 8; diagonal blocks whole
+///   lanes   several matrices at once, one per vector lane: every number is a pack; of diagonal blocks the lower triangle
+/// Offsets count doubles, or packs.
+enum class Storage { packed, lanes };
+
+/// One slot that a link touches.
 struct Side {
   int slot = 0;
   double sign = 1;  ///< of the v-part of a triple
+  bool turned = false;  ///< the first rows are +-[1 | A], in world axes, of which J and Y keep A alone (RowLayout)
   bool hub = false;
-  std::size_t J = 0, Y = 0;
+  std::size_t J = 0, Y = 0;  ///< offsets; packed: J in the row table
 };
 
 /// Block of the factor below a pivot: rows of node `node`, columns of the pivot.
 struct Later {
   int node = 0, m = 0;
   std::size_t x = 0;      ///< of its unknowns
-  std::size_t block = 0;  ///< m_node x m_pivot, column after column, in SchurNumbers::A
+  std::size_t block = 0;  ///< in Numbers::A
   int first_term = 0, n_terms = 0;
 };
 
@@ -37,21 +47,21 @@ struct Node {
   int link = -1;        ///< position in RowTable::entries; -1: a hub
   int hub_slot = -1;    ///< the slot of a hub
   bool on_hub = false;  ///< a link that touches one
-  RowLayout layout = RowLayout::dense;
-  int first_row = 0;     ///< of a link, among the table's
-  std::size_t rows = 0;  ///< offset of its block in the row table
-  std::size_t R = 0;     ///< triple: offset of R there
+  bool turned = false;  ///< as of its sides
+  int n_turned = 0;     ///< rows that R turns
+  int first_row = 0;    ///< of a link, among the table's
+  std::size_t R = 0;    ///< packed: offset of R in the row table
   int first_side = 0, n_sides = 0;
-  std::size_t x = 0;  ///< of its unknowns in the vectors of the solver: a pack each
-  std::size_t D = 0;  ///< of its own block in SchurNumbers::A, m columns
+  std::size_t x = 0;  ///< of its unknowns in the vectors
+  std::size_t D = 0;  ///< of its own block in Numbers::A
   int first_later = 0, n_later = 0;
-  int first_target = 0;                      ///< of its products, in Plan::targets
-  unsigned translations = 0, rotations = 0;  ///< bits of rows by kind; the others are functions
+  int first_target = 0;  ///< of its products, in Plan::targets
+  KindBits kinds;
 
   int ld() const { return pack_size(m); }
 };
 
-struct Plan {
+struct LOCKSTEP_API Plan {
   std::vector<Node> nodes;  ///< in the order of elimination
   std::vector<Side> sides;
   std::vector<Later> later;
@@ -60,13 +70,25 @@ struct Plan {
   std::vector<int> hubs;             ///< nodes that are hubs
   std::size_t size_x = 0, size_A = 0, size_Y = 0;
   int n_slots = 0, n_rows = 0;
-  bool planar = false;  ///< three velocities a slot
+  Storage storage = Storage::packed;
+  bool planar = false;  ///< three velocities per slot
   bool tree = false;    ///< no closed loop, the ground being one body: rows cannot be redundant by topology
 
   /// Slots with more links than this become nodes.
   static constexpr int kHub = 6;
+
+  std::span<const Side> sides_of(const Node& node) const { return {sides.data() + node.first_side, size(node.n_sides)}; }
+  std::span<const Later> later_of(const Node& node) const {
+    return {later.data() + node.first_later, size(node.n_later)};
+  }
+  std::span<const Term> terms_of(const Later& block) const {
+    return {terms.data() + block.first_term, size(block.n_terms)};
+  }
+
+ private:
+  static std::size_t size(int n) { return static_cast<std::size_t>(n); }
 };
 
-LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar);
+LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar, Storage storage = Storage::packed);
 
 }  // namespace lockstep::schur

@@ -1,21 +1,20 @@
 #include "framework/dynamics/solvers/schur_solver.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/aligned.h"
+#include "framework/mechanism/model/body_mass.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kEps = 1e-9;         // proximal term, relative; trees have none
-constexpr double kSmallPivot = 1e-6;  // counted as redundant or singular
-constexpr std::size_t kPad = 8;       // numbers behind an array that a pack may read beyond its end
+constexpr std::size_t kPad = 8;  // numbers behind an array that a pack may read beyond its end
+
+using K = schur::PackedBlocks;
 
 }  // namespace
 
@@ -27,34 +26,34 @@ class SchurFactorization final : public Factorization {
   void complete(SolveReport&) override;
 
  private:
-  schur::Plan plan;
-  Plane plane;
-  int width = 6;  // velocities of a slot
-  int stride_a = 6, stride_inverse = 8;
-  int velocity(int k) const { return plane ? plane.velocity(k) : k; }
-  schur::Numbers z;
-  Aligned<double> A, Y, x, c, scale, diagonal, pivot, E, r, lambda, a, inverse, mass, given;
-  std::vector<RowKind> kind;  // of every number of x
-  bool masses_known = false;
-  const RowTable* rows = nullptr;  // that the matrix was computed from, and their revision then
-  long revision = -1;
-  int n_small = 0, n_small_usual = 0;
-  std::array<double, 3> largest{};  // scale by kind
-
   void size(const KktPattern&);
   void read_masses(const Kkt&);
-  void free_motion(const VecX& f);
-  void raise_floors();
-  double energy_f = 0;    // largest f . M^-1 f of a slot
-  Aligned<double> kinds;  // of Numbers::kind
   void count_small_pivots();
-  void unload(const KktPattern&, VecX& a_out, VecX& lambda_out) const;
+  template <class X>
+  void free_motion(const VecX& f);
+  void start(const VecX& f, const VecX& c);
+  SolveReport solve_with(const Kkt&);
+  void correct();
+  void raise_floors();
+  void find_worst();
+  void unload(VecX& a_out, VecX& lambda_out) const;
   template <class Visit>
   void for_each_row(Visit&& visit) const;
-  void find_worst();
-  std::vector<double> relative;  // pivots, when asked
-  double worst = 0, before = 0;
-  int worst_row = -1;
+
+  schur::Plan plan_;
+  Plane plane_;
+  std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
+  schur::Numbers z_;
+  Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, pivot_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
+  const RowTable* rows_ = nullptr;  // that the matrix was computed from, and their revision then
+  long revision_ = -1;
+  bool masses_known_ = false;
+  double energy_f_ = 0;                          // largest f . M^-1 f of a slot
+  std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
+  PivotWatch watch_;
+  double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
+  int worst_row_ = -1;
+  std::vector<double> relative_;  // pivots, when asked
 };
 
 TypeInfo SchurSolver::info() {
@@ -65,256 +64,193 @@ std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::mak
 // visit(number of the row in the table, its place in x, kind)
 template <class Visit>
 void SchurFactorization::for_each_row(Visit&& visit) const {
-  for (const schur::Node& node : plan.nodes)
+  for (const schur::Node& node : plan_.nodes)
     if (node.link >= 0)
-      for (int k = 0; k < node.m; ++k) {
-        const std::size_t at = node.x + static_cast<std::size_t>(k);
-        visit(node.first_row + k, at, static_cast<std::size_t>(kind[at]));
-      }
+      for (int k = 0; k < node.m; ++k) visit(node.first_row + k, node.x + k, static_cast<int>(node.kinds.of(k)));
+}
+
+SchurFactorization::SchurFactorization(const KktPattern& pattern)
+    : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
+      plane_(pattern.plane),
+      velocity_(unknown_velocities(pattern.plane)) {
+  size(pattern);
+  watch_.begin(pattern.m);
 }
 
 void SchurFactorization::size(const KktPattern& pattern) {
-  for (Aligned<double>* v : {&x, &c, &scale, &diagonal, &pivot, &E, &r, &lambda}) v->assign(plan.size_x + kPad, 0.0);
-  A.assign(plan.size_A + kPad, 0.0);
-  Y.assign(plan.size_Y + kPad, 0.0);
-  const auto n = static_cast<std::size_t>(plan.n_slots);
-  a.assign(static_cast<std::size_t>(stride_a) * n + kPad, 0.0);
-  inverse.assign(static_cast<std::size_t>(stride_inverse) * n, 0.0);
-  mass.assign(10 * n, 0.0);
-  given.assign(static_cast<std::size_t>(plan.n_rows) + kPad, 0.0);
-  kind.assign(plan.size_x, RowKind::function);
-  for (const schur::Node& node : plan.nodes)
-    if (node.link >= 0)
-      for (int k = 0; k < node.m; ++k)
-        kind[node.x + static_cast<std::size_t>(k)] =
-            pattern.rows->entries[static_cast<std::size_t>(node.link)].kind[static_cast<std::size_t>(k)];
-  kinds.assign(3 * plan.size_x + kPad, 0.0);
-  for (const schur::Node& node : plan.nodes)
-    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
-      const std::size_t at = node.x + static_cast<std::size_t>(k);
-      kinds[3 * node.x + static_cast<std::size_t>(node.ld()) * static_cast<std::size_t>(kind[at]) +
-            static_cast<std::size_t>(k)] = 1.0;
-    }
-  z.kind = kinds.data();
-  z.A = A.data(), z.Y = Y.data(), z.x = x.data(), z.c = c.data(), z.scale = scale.data();
-  z.diagonal = diagonal.data(), z.pivot = pivot.data(), z.E = E.data(), z.r = r.data(), z.a = a.data();
-  z.inverse = inverse.data(), z.mass = mass.data();
-  z.eps = plan.tree ? 0.0 : kEps;
-}
-
-SchurFactorization::SchurFactorization(const KktPattern& pattern) {
-  assert(pattern.rows);  // reads_rows()
-  plan = schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane));
-  plane = pattern.plane;
-  width = plane ? 3 : 6;
-  stride_a = plane ? schur::Planar::a : schur::Spatial::a;
-  stride_inverse = plane ? schur::Planar::inverse : schur::Spatial::inverse;
-  size(pattern);
-  n_small_usual = pattern.m;
+  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &pivot_, &E_, &r_, &lambda_})
+    v->assign(plan_.size_x + kPad, 0.0);
+  A_.assign(plan_.size_A + kPad, 0.0);
+  Y_.assign(plan_.size_Y + kPad, 0.0);
+  a_.assign((plane_ ? schur::Planar::a : schur::Spatial::a) * pattern.n_slots() + kPad, 0.0);
+  for (Aligned<double>* v : {&inverse_, &mass_})
+    v->assign((plane_ ? schur::Planar::mass : schur::Spatial::mass) * pattern.n_slots(), 0.0);
+  given_.assign(plan_.n_rows + kPad, 0.0);
+  kinds_.assign(3 * plan_.size_x + kPad, 0.0);
+  for (const schur::Node& node : plan_.nodes)
+    for (int k = 0; node.link >= 0 && k < node.m; ++k)
+      kinds_[3 * node.x + node.ld() * static_cast<int>(node.kinds.of(k)) + k] = 1.0;
+  z_.A = A_.data(), z_.Y = Y_.data(), z_.x = x_.data(), z_.c = c_.data(), z_.scale = scale_.data();
+  z_.diagonal = diagonal_.data(), z_.pivot = pivot_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
+  z_.inverse = inverse_.data(), z_.mass = mass_.data(), z_.kind = kinds_.data(), z_.floors = floors_.data();
+  z_.eps = plan_.tree ? 0.0 : schur::kProximal;
 }
 
 void SchurFactorization::read_masses(const Kkt& kkt) {
-  for (std::size_t k = 0; k < kkt.masses.size(); ++k) {
-    const SlotMass& s = kkt.masses[k];
-    double *I = inverse.data() + static_cast<std::size_t>(stride_inverse) * k, *M = mass.data() + 10 * k;
-    I[0] = 1.0 / s.m;
-    M[0] = s.m;
-    if (plane) {
-      M[1] = s.J(plane.n, plane.n);
-      I[1] = s.particle ? 0.0 : 1.0 / M[1];
-    } else if (!s.particle) {  // a particle does not turn: J^-1 = 0
-      const Mat3 Jinv = s.J.llt().solve(Mat3::Identity());
-      I[1] = Jinv(0, 0), I[2] = Jinv(0, 1), I[3] = Jinv(0, 2), I[4] = Jinv(1, 1), I[5] = Jinv(1, 2), I[6] = Jinv(2, 2);
-      for (int i = 0; i < 9; ++i) M[1 + i] = s.J(i / 3, i % 3);
-    }
+  const int stride = plane_ ? schur::Planar::mass : schur::Spatial::mass;
+  for (int k = 0; k < plan_.n_slots; ++k) {
+    const SlotMass& slot = kkt.masses[k];
+    BodyMass(slot.m, slot.J, slot.particle, plane_).write_packed(&mass_[stride * k], &inverse_[stride * k]);
   }
-  for (const int h : plan.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
-    double* M = mass.data() + 10 * plan.nodes[static_cast<std::size_t>(h)].hub_slot;
-    for (int i = 0; i < (plane ? 1 : 3); ++i)
-      if (M[1 + 4 * i] == 0) M[1 + 4 * i] = 1e30 * M[0];
+  for (const int h : plan_.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
+    double* M = &mass_[stride * plan_.nodes[h].hub_slot];
+    for (int i = 0; i < (plane_ ? 1 : 3); ++i)
+      if (double& J = M[schur::Spatial::I[i][i]]; J == 0) J = 1e30 * M[0];
   }
-  masses_known = true;
+  masses_known_ = true;
 }
 
 void SchurFactorization::compute(const Kkt& kkt) {
-  if (!masses_known) read_masses(kkt);
-  rows = kkt.pattern.rows;
-  revision = rows->revision();
-  z.rows = rows->data();
-  schur::fill(plan, z);
-  schur::factor(plan, z);
-  if (!plan.tree) count_small_pivots();
+  if (!masses_known_) read_masses(kkt);
+  rows_ = kkt.pattern.rows;
+  revision_ = rows_->revision();
+  z_.rows = rows_->data();
+  schur::fill(plan_, z_);
+  schur::factor(plan_, z_);
+  if (!plan_.tree) count_small_pivots();
 }
 
 void SchurFactorization::count_small_pivots() {
-  n_small = 0;
-  for_each_row([&](int, std::size_t at, std::size_t) { n_small += pivot[at] < kSmallPivot * diagonal[at] ? 1 : 0; });
-  n_small_usual = std::min(n_small_usual, n_small);
+  int n = 0;
+  for_each_row([&](int, std::size_t at, int) { n += pivot_[at] < kSmallPivot * diagonal_[at] ? 1 : 0; });
+  watch_.count(n);
 }
 
-/// Residual of the last solution; the smallest relative pivot, and the smallest beyond the n0 usual ones.
+/// Residual of the last solution; the smallest relative pivot, and the smallest beyond the usual ones.
 void SchurFactorization::complete(SolveReport& report) {
   find_worst();
-  report.residual = worst;
-  report.worst_row = worst_row;
-  relative.clear();
-  for_each_row([&](int, std::size_t at, std::size_t) { relative.push_back(pivot[at] / diagonal[at]); });
-  if (relative.empty()) return;
-  const auto begin = relative.begin();
-  report.smallest_pivot = *std::min_element(begin, relative.end());
-  const auto n0 = plan.tree ? 0 : n_small_usual;
-  if (n0 >= static_cast<int>(relative.size())) return;
-  std::nth_element(begin, begin + n0, relative.end());
-  report.detector = relative[static_cast<std::size_t>(n0)];
+  report.residual = worst_;
+  report.worst_row = worst_row_;
+  relative_.clear();
+  for_each_row([&](int, std::size_t at, int) { relative_.push_back(pivot_[at] / diagonal_[at]); });
+  if (relative_.empty()) return;
+  report.smallest_pivot = *std::min_element(relative_.begin(), relative_.end());
+  report.detector = plan_.tree ? report.smallest_pivot : watch_.singularity_indicator(relative_);
 }
 
 // a_f = M^-1 f
+template <class X>
 void SchurFactorization::free_motion(const VecX& f) {
-  energy_f = 0;
-  if (plane) {
-    const int i = plane.i(), j = plane.j(), n = 3 + plane.n;
-    for (int k = 0; k < plan.n_slots; ++k) {
-      const double *I = inverse.data() + schur::Planar::inverse * k, *F = f.data() + 6 * k;
-      double* out = a.data() + schur::Planar::a * k;
-      out[0] = I[0] * F[i], out[1] = I[0] * F[j], out[2] = I[1] * F[n];
-      energy_f = std::max(energy_f, out[0] * F[i] + out[1] * F[j] + out[2] * F[n]);
-    }
-    return;
-  }
-  for (int k = 0; k < plan.n_slots; ++k) {
-    const double *I = inverse.data() + schur::Spatial::inverse * k, *F = f.data() + 6 * k;
-    double* out = a.data() + schur::Spatial::a * k;
-    out[0] = I[0] * F[0], out[1] = I[0] * F[1], out[2] = I[0] * F[2];
-    out[3] = I[1] * F[3] + I[2] * F[4] + I[3] * F[5];
-    out[4] = I[2] * F[3] + I[4] * F[4] + I[5] * F[5];
-    out[5] = I[3] * F[3] + I[5] * F[4] + I[6] * F[5];
-    double e = 0;
-    for (int i = 0; i < 6; ++i) e += out[i] * F[i];
-    energy_f = std::max(energy_f, e);
+  energy_f_ = 0;
+  for (int s = 0; s < plan_.n_slots; ++s) {
+    double F[X::n];
+    for (int i = 0; i < X::n; ++i) F[i] = f[6 * s + (X::n == 6 ? i : velocity_[i])];
+    double* a = &a_[X::a * s];
+    schur::mass_times<K, X>(&inverse_[X::mass * s], F, a);
+    energy_f_ = std::max(energy_f_, schur::power<K, X>(a, F));
   }
 }
 
 void SchurFactorization::find_worst() {
-  worst = 0, worst_row = -1;
-  for_each_row([&](int row, std::size_t at, std::size_t k) {
-    const double res = std::abs(r[at]), q = res == 0 ? 0.0 : res / std::max(scale[at], z.floors[k]);
-    if (worst_row >= 0 && (q <= worst || std::isnan(worst))) return;
-    worst = q, worst_row = row;
+  worst_ = 0, worst_row_ = -1;
+  for_each_row([&](int row, std::size_t at, int kind) {
+    const double r = std::abs(r_[at]), q = r == 0 ? 0.0 : r / std::max(scale_[at], floors_[kind]);
+    if (worst_row_ >= 0 && (q <= worst_ || std::isnan(worst_))) return;
+    worst_ = q, worst_row_ = row;
   });
 }
 
-// What rounding of other units can leave in a row that has no scale of its own (see StopRule): by Cauchy and Schwarz
-// |J_j a| <= sqrt(S_jj) sqrt(a . M a).
 void SchurFactorization::raise_floors() {
-  double most = 0;
-  for (int k = 0; k < plan.n_slots; ++k) {
-    const double *M = mass.data() + 10 * k, *v = a.data() + stride_a * k;
-    if (plane) {
-      most = std::max(most, M[0] * (v[0] * v[0] + v[1] * v[1]) + M[1] * v[2] * v[2]);
-      continue;
-    }
-    const double linear = M[0] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    double turn = 0;  // w . J w
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) turn += v[3 + i] * M[1 + 3 * i + j] * v[3 + j];
-    most = std::max(most, linear + turn);
-  }
-  most += energy_f;
+  const double energy = energy_f_ + (plane_ ? schur::largest_energy<K, schur::Planar>(plan_, z_, a_.data())
+                                            : schur::largest_energy<K, schur::Spatial>(plan_, z_, a_.data()));
   std::array<double, 3> S{};
-  for (const schur::Node& node : plan.nodes)
-    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
-      const std::size_t at = node.x + static_cast<std::size_t>(k);
-      double& largest_S = S[static_cast<std::size_t>(kind[at])];
-      largest_S = std::max(largest_S, diagonal[at]);
-    }
-  for (std::size_t k = 0; k < 3; ++k) z.floors[k] = kScaleFloor * std::max(largest[k], std::sqrt(S[k] * most));
+  schur::largest_by_kind<K>(plan_, diagonal_.data(), S.data());
+  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy);
 }
 
-void SchurFactorization::unload(const KktPattern& pattern, VecX& a_out, VecX& lambda_out) const {
-  a_out.resize(6 * plan.n_slots);
-  lambda_out.resize(pattern.m);
-  if (plane) {
+void SchurFactorization::unload(VecX& a_out, VecX& lambda_out) const {
+  a_out.resize(6 * plan_.n_slots);
+  if (plane_) {
     a_out.setZero();
-    for (int k = 0; k < plan.n_slots; ++k)
-      for (int i = 0; i < 3; ++i) a_out[6 * k + velocity(i)] = a[static_cast<std::size_t>(schur::Planar::a * k + i)];
+    for (int s = 0; s < plan_.n_slots; ++s)
+      for (int i = 0; i < 3; ++i) a_out[6 * s + velocity_[i]] = a_[schur::Planar::a * s + i];
   } else {
-    std::copy(a.begin(), a.begin() + a_out.size(), a_out.data());
+    std::copy_n(a_.begin(), a_out.size(), a_out.begin());
   }
-  for (const schur::Node& node : plan.nodes) {
+  lambda_out.resize(plan_.n_rows);
+  for (const schur::Node& node : plan_.nodes) {
     if (node.link < 0) continue;
-    const double* l = lambda.data() + node.x;
+    const double* l = lambda_.data() + node.x;
     double* out = lambda_out.data() + node.first_row;
-    int k = 0;
-    const int n = n_turned(node.layout);
-    for (; k < n; ++k) {  // back into the link's axes
-      const double* R = z.rows + node.R + static_cast<std::size_t>(k * node.ld());
+    for (int k = 0; k < node.m; ++k) out[k] = l[k];
+    for (int k = 0; k < node.n_turned; ++k) {  // back into the link's axes
+      const double* R = z_.rows + node.R + k * node.ld();
       out[k] = R[0] * l[0] + R[1] * l[1];
-      if (n == 3) out[k] += R[2] * l[2];
+      if (node.n_turned == 3) out[k] += R[2] * l[2];
     }
-    for (; k < node.m; ++k) out[k] = l[k];
   }
 }
 
-SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c_in, VecX& a_out, VecX& lambda_out) {
-  z.rows = kkt.pattern.rows->data();
-  std::copy(c_in.data(), c_in.data() + c_in.size(), given.data());
-  free_motion(f);
-  schur::start(plan, given.data(), z);
-  for (const int h : plan.hubs) {
-    const schur::Node& node = plan.nodes[static_cast<std::size_t>(h)];
-    for (int i = 0; i < node.m; ++i) x[node.x + static_cast<std::size_t>(i)] = -f[6 * node.hub_slot + velocity(i)];
+void SchurFactorization::start(const VecX& f, const VecX& c) {
+  std::copy(c.data(), c.data() + c.size(), given_.data());
+  plane_ ? free_motion<schur::Planar>(f) : free_motion<schur::Spatial>(f);
+  schur::start(plan_, given_.data(), z_);
+  for (const int h : plan_.hubs) {
+    const schur::Node& node = plan_.nodes[h];
+    for (int i = 0; i < node.m; ++i) x_[node.x + i] = -f[6 * node.hub_slot + velocity_[i]];
   }
-  largest = {};
-  for_each_row([&](int, std::size_t at, std::size_t k) { largest[k] = std::max(largest[k], scale[at]); });
+  schur::largest_by_kind<K>(plan_, scale_.data(), largest_.data());
+  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k]);
+}
 
+// lambda += (S + E)^-1 x
+void SchurFactorization::correct() {
+  schur::solve(plan_, z_);
+  schur::apply(plan_, x_.data(), z_);
+  for (std::size_t i = 0; i < plan_.size_x; ++i) lambda_[i] += x_[i];
+}
+
+SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+  z_.rows = kkt.pattern.rows->data();
+  start(f, c);
+  SolveReport report = solve_with(kkt);
+  unload(a, lambda);
+  return report;
+}
+
+SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   SolveReport report;
-  schur::solve(plan, z);
-  schur::apply(plan, x.data(), z);
-  std::copy(x.begin(), x.end(), lambda.begin());
-  const auto correct = [&] {  // lambda += (S + E)^-1 r
-    schur::solve(plan, z);
-    schur::apply(plan, x.data(), z);
-    for (std::size_t i = 0; i < plan.size_x; ++i) lambda[i] += x[i];
+  schur::solve(plan_, z_);
+  schur::apply(plan_, x_.data(), z_);
+  lambda_ = x_;
+  if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to look
+    for (std::size_t i = 0; i < plan_.size_x; ++i) x_[i] = E_[i] * lambda_[i];
+    correct();
     ++report.corrections;
+  }
+  // the rows of the factor are gone: the caller iterates
+  if (kkt.pattern.rows != rows_ || rows_->revision() != revision_) return report;
+
+  bool raised = false;
+  const auto measure = [&] { schur::residual(plan_, z_); };
+  const auto within = [&] { return schur::rows_met(plan_, kRowTolerance, z_); };
+  const auto raise = [&] {
+    if (raised) return false;
+    raise_floors();
+    return raised = true;
   };
-  if (z.eps > 0) {  // the plain solve leaves r = E lambda: no need to look
-    for (std::size_t i = 0; i < plan.size_x; ++i) x[i] = E[i] * lambda[i];
+  const bool met = refine(report.corrections, measure, within, raise, [&] {
+    find_worst(), before_ = worst_;
+    std::copy(r_.begin(), r_.end(), x_.begin());
+    for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
     correct();
-  }
-  if (kkt.pattern.rows != rows || rows->revision() != revision) {  // the rows of the factor are gone: the caller iterates
-    unload(kkt.pattern, a_out, lambda_out);
-    return report;
-  }
-  for (std::size_t k = 0; k < 3; ++k) z.floors[k] = kScaleFloor * largest[k];
-  bool energy = false;
-  const auto finished = [&] {
-    schur::residual(plan, z);
-    if (schur::within(plan, kRowTolerance, z)) return true;
-    if (energy) return false;
-    raise_floors(), energy = true;
-    return schur::within(plan, kRowTolerance, z);
-  };
-  bool met = finished();
-  if (!met) find_worst();
-  while (!met && report.corrections < kMaxCorrections) {
-    before = worst;
-    std::copy(r.begin(), r.end(), x.begin());
-    for (const int h : plan.hubs)
-      for (int i = 0; i < width; ++i)
-        x[plan.nodes[static_cast<std::size_t>(h)].x + static_cast<std::size_t>(i)] = 0;
-    correct();
-    met = finished();
-    find_worst();
-  }
-  if (!met) {
-    report.residual = worst;
-    report.worst_row = worst_row;
-    if (plan.tree) n_small_usual = 0, count_small_pivots();
-    // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be
-    // passed.
-    report.contradictory = worst > kContradiction && worst > 0.5 * before && n_small <= n_small_usual;
-  }
-  unload(kkt.pattern, a_out, lambda_out);
+  });
+  if (met) return report;
+  find_worst();
+  report.residual = worst_;
+  report.worst_row = worst_row_;
+  if (plan_.tree) watch_.begin(0), count_small_pivots();
+  report.contradictory = watch_.contradictory(worst_, before_);
   return report;
 }
 

@@ -2,12 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <limits>
 
+#include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/params/params.h"
@@ -20,28 +20,22 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplet = Eigen::Triplet<double>;
 
-constexpr double kEps = 1e-8;         // proximal term, relative
-constexpr double kSmallPivot = 1e-6;  // counted as redundant or singular
+constexpr double kEps = 1e-8;  // proximal term, relative
 
-// Order of elimination of the links: minimum degree on the graph whose edges are common slots.
-std::vector<int> minimum_degree(const KktPattern& pattern) {
-  const int n_links = static_cast<int>(pattern.links.size());
-  std::vector<std::vector<int>> on_slot(pattern.width.size());
-  for (int l = 0; l < n_links; ++l) {
-    const KktLink& link = pattern.links[static_cast<std::size_t>(l)];
-    for (int i = 0; i < link.n_slots; ++i)
-      on_slot[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])].push_back(l);
-  }
-  std::vector<Triplet> edges;
-  for (int l = 0; l < n_links; ++l) edges.emplace_back(l, l, 1.0);
-  for (const std::vector<int>& links : on_slot)
+// Order of elimination of the links; those that share a slot are coupled.
+std::vector<int> order_of_links(const KktPattern& pattern) {
+  LinkGraph graph;
+  graph.n_slots = pattern.n_slots();
+  for (const KktLink& link : pattern.links)
+    graph.slots.emplace_back(link.slot.begin(), link.slot.begin() + link.n_slots);
+  Neighbours neighbours(pattern.links.size());
+  for (const std::vector<int>& links : graph.links_of_slots())
     for (const int p : links)
-      for (const int q : links) edges.emplace_back(p, q, 1.0);
-  Sparse graph(n_links, n_links);
-  graph.setFromTriplets(edges.begin(), edges.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(graph, order);
-  return {order.indices().data(), order.indices().data() + n_links};
+      for (const int q : links) couple(neighbours, p, q);
+  MinimumDegree order(std::move(neighbours), std::vector<int>(pattern.links.size(), 1));
+  std::vector<int> out;
+  while (!order.done()) out.push_back(order.next().node);
+  return out;
 }
 
 // visit(row, column) for every number of K, upper triangle: the masses, the jacobians, the diagonal of E'.
@@ -53,7 +47,7 @@ void for_each_number(const KktPattern& pattern, const std::vector<int>& place, V
   });
   for_each_jacobian(pattern, [&](const KktLink& link, int first, int width, std::size_t) {
     for (int j = link.first_row; j < link.first_row + link.m; ++j)
-      for (int k = 0; k < width; ++k) visit(first + k, place[static_cast<std::size_t>(j)]);
+      for (int k = 0; k < width; ++k) visit(first + k, place[j]);
   });
   for (const int p : place) visit(p, p);
 }
@@ -73,7 +67,7 @@ class SparseFactorization final : public Factorization {
   std::vector<Eigen::Index> positions;  // places in the values of K, in the order of for_each_number
   VecX rhs, solution, S_diagonal;
   StopRule rule;
-  int n_small = 0, n_small_usual = 0;
+  PivotWatch watch;
   double smallest_pivot = 0.0;
 
   void order_rows(const KktPattern&);
@@ -83,12 +77,11 @@ class SparseFactorization final : public Factorization {
 };
 
 void SparseFactorization::order_rows(const KktPattern& pattern) {
-  place.assign(static_cast<std::size_t>(pattern.m), 0);
+  place.assign(pattern.m, 0);
   int next = pattern.n;
-  if (pattern.links.empty()) return;
-  for (const int l : minimum_degree(pattern)) {
-    const KktLink& link = pattern.links[static_cast<std::size_t>(l)];
-    for (int k = 0; k < link.m; ++k) place[static_cast<std::size_t>(link.first_row + k)] = next++;
+  for (const int l : order_of_links(pattern)) {
+    const KktLink& link = pattern.links[l];
+    for (int k = 0; k < link.m; ++k) place[link.first_row + k] = next++;
   }
 }
 
@@ -102,7 +95,7 @@ void SparseFactorization::shape(const KktPattern& pattern) {
   for_each_number(pattern, place, [&](int row, int column) { positions.push_back(position(row, column)); });
 }
 
-// Where K(row, column) stands among K's values.
+// Where K(row, column) is stored among K's values.
 Eigen::Index SparseFactorization::position(int row, int column) const {
   const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column];
   const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column + 1];
@@ -112,14 +105,14 @@ Eigen::Index SparseFactorization::position(int row, int column) const {
 void SparseFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal);
   smallest_pivot = std::numeric_limits<double>::infinity();
-  n_small = 0;
+  int n_small = 0;
   const VecX D = ldlt.vectorD();
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = -D[place[static_cast<std::size_t>(j)]];
+    const double pivot = -D[place[j]];
     smallest_pivot = std::min(smallest_pivot, pivot / (S_diagonal[j] + kEps * kkt.E[j]));
     if (pivot < kSmallPivot * std::max(S_diagonal[j], kkt.E[j])) ++n_small;
   }
-  n_small_usual = std::min(n_small_usual, n_small);
+  watch.count(n_small);
 }
 
 TypeInfo SparseSolver::info() {
@@ -134,7 +127,7 @@ SparseFactorization::SparseFactorization(const KktPattern& pattern) {
   for (VecX* v : {&rhs, &solution}) v->setZero(pattern.n + pattern.m);
   S_diagonal.setZero(pattern.m);
   rule.analyse(pattern);
-  n_small_usual = pattern.m;
+  watch.begin(pattern.m);
 }
 
 void SparseFactorization::compute(const Kkt& kkt) {
@@ -142,10 +135,10 @@ void SparseFactorization::compute(const Kkt& kkt) {
   const Eigen::Index* at = positions.data();
   for_each_mass(kkt.pattern, [&](int, int width, std::size_t block) {
     for (int i = 0; i < width; ++i)
-      for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + static_cast<std::size_t>(i * width + k)];
+      for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + i * width + k];
   });
   for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t block) {
-    for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + static_cast<std::size_t>(i)];
+    for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + i];
   });
   for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kEps * kkt.E[j];
   ldlt.factorize(matrix);
@@ -159,14 +152,13 @@ SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX
   SolveReport report;
   rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
     rhs.head(n) = rule.force_residual();
-    for (int j = 0; j < m; ++j) rhs[place[static_cast<std::size_t>(j)]] = rule.row_residual()[j];
+    for (int j = 0; j < m; ++j) rhs[place[j]] = rule.row_residual()[j];
     solution = ldlt.solve(rhs);
     x += solution.head(n);
-    for (int j = 0; j < m; ++j) l[j] += solution[place[static_cast<std::size_t>(j)]];
+    for (int j = 0; j < m; ++j) l[j] += solution[place[j]];
   });
   report.smallest_pivot = smallest_pivot;
-  // Contradictory rows are dependent always; a small pivot beyond the usual ones tells a singular place, to be passed.
-  report.contradictory = rule.largest() > kContradiction && rule.stalled() && n_small <= n_small_usual;
+  report.contradictory = watch.contradictory(rule.largest(), rule.largest_before());
   return report;
 }
 

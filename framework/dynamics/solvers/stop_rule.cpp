@@ -28,7 +28,7 @@ void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
 
 void StopRule::analyse(const KktPattern& pattern) {
   for (VecX* v : {&r_f_, &size_n_}) v->setZero(pattern.n);
-  for (VecX* v : {&r_c_, &scale_}) v->setZero(pattern.m);
+  for (VecX* v : {&r_c_, &scale_, &S_}) v->setZero(pattern.m);
 }
 
 void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
@@ -43,68 +43,51 @@ void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
   add_rows_times(kkt, a_f, scale_);
   scale_ = scale_.cwiseAbs() + c.cwiseAbs();
 
-  Floors largest{};
-  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { largest[kind] = std::max(largest[kind], scale_[j]); });
-  for_each_row(kkt.pattern,
-               [&](int j, std::size_t kind) { scale_[j] = std::max(scale_[j], kScaleFloor * largest[kind]); });
+  largest_scale_ = {};
+  for_each_row(kkt.pattern, [&](int j, std::size_t kind) {
+    largest_scale_[kind] = std::max(largest_scale_[kind], scale_[j]);
+  });
+  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_scale_[k]);
   largest_ = std::numeric_limits<double>::infinity();
 }
 
 bool StopRule::met(const Kkt& kkt, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda) {
-  const bool rows = rows_met(kkt, c, a);
-  return forces_met(kkt, f, a, lambda) && rows;
+  measure(kkt, f, c, a, lambda);
+  return within(kkt.pattern) || (raise_floors(kkt, a) && within(kkt.pattern));
 }
 
-// r = c - J a. The sizes of J a are asked for only when the rows' own scales refuse.
-bool StopRule::rows_met(const Kkt& kkt, const VecX& c, const VecX& a) {
+void StopRule::measure(const Kkt& kkt, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda) {
+  before_ = largest_;
   r_c_.setZero();
   add_rows_times(kkt, a, r_c_);
   r_c_ = c - r_c_;
-  before_ = largest_;
-  find_worst(kkt.pattern, {});
-  if (largest_ <= kRowTolerance) return true;
-  find_worst(kkt.pattern, size_floors(kkt, a));
-  return largest_ <= kRowTolerance;
+  forces_met_ = forces_met(kkt, f, a, lambda);
 }
 
-// Where all scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that
-// came from other units. By Cauchy and Schwarz |J_j a| <= sqrt(J_j M^-1 J_j^T) sqrt(a . M a), in any frame, and
-// likewise for a_f = M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. No scale is taken under
-// 1e-3 of the largest of these bounds in its unit, with the slot that has most: the tolerance is then 1e-15 of it, a
-// few units in the last place.
-StopRule::Floors StopRule::size_floors(const Kkt& kkt, const VecX& a) const {
-  double most = energy_f_;
+bool StopRule::raise_floors(const Kkt& kkt, const VecX& a) {
+  if (largest_ <= kRowTolerance) return false;
+  double energy = 0.0;
   for_each_mass(kkt.pattern, [&](int first, int width, std::size_t at) {
-    most = std::max(most, energy_f_ + quadratic_form(kkt.M.data() + at, a.data() + first, width));
+    energy = std::max(energy, quadratic_form(kkt.M.data() + at, a.data() + first, width));
   });
-  Floors floors{};
-  for (const KktLink& link : kkt.pattern.links)
-    for (int k = 0; k < link.m; ++k) {
-      double S = 0.0;
-      std::size_t at = link.J;
-      for (int i = 0; i < link.n_slots; ++i) {
-        const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
-        const int width = kkt.pattern.width[slot];
-        S += quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot],
-                            kkt.J.data() + at + static_cast<std::size_t>(k * width), width);
-        at += static_cast<std::size_t>(link.m * width);
-      }
-      double& floor = floors[static_cast<std::size_t>(kind_of(link, k))];
-      floor = std::max(floor, kScaleFloor * std::sqrt(S * most));
-    }
-  return floors;
+  std::array<double, 3> S{};
+  row_diagonal(kkt, S_);
+  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { S[kind] = std::max(S[kind], S_[j]); });
+  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_scale_[k], S[k], energy + energy_f_);
+  return true;
 }
 
-// A NaN passes every comparison here, and stays.
-void StopRule::find_worst(const KktPattern& pattern, const Floors& floors) {
+// The worst row. A NaN passes every comparison here, and stays.
+bool StopRule::within(const KktPattern& pattern) {
   largest_ = 0.0;
   worst_row_ = -1;
   for_each_row(pattern, [&](int j, std::size_t kind) {
     const double r = std::abs(r_c_[j]);
-    const double relative = r == 0.0 ? 0.0 : r / std::max(scale_[j], floors[kind]);
+    const double relative = r == 0.0 ? 0.0 : r / std::max(scale_[j], floors_[kind]);
     if (worst_row_ >= 0 && (relative <= largest_ || std::isnan(largest_))) return;
     largest_ = relative, worst_row_ = j;
   });
+  return largest_ <= kRowTolerance && forces_met_;
 }
 
 // r = f - M a - J^T lambda, against what its terms amount to, with the same floor per unit as the rows.

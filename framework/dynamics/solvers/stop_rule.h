@@ -1,8 +1,11 @@
-// StopRule: the residuals of a solution and when they are small enough (framework/docs/solvers.md, section 5). One rule for all
-// solvers.
+// The rule by which all solvers stop: the residuals of a solution, when they are small enough, and when what is left is a
+// contradiction (framework/docs/solvers.md, section 5).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "framework/dynamics/solvers/linear_solver.h"
 
@@ -16,7 +19,52 @@ inline constexpr double kScaleFloor = 1e-3;       ///< of the largest scale in t
 /// one.
 inline constexpr double kContradiction = 1e-2;
 inline constexpr int kMaxCorrections = 3;
+inline constexpr double kSmallPivot = 1e-6;  ///< relative; counted as redundant or singular
 
+/// The residual floor of one kind of row: no scale is taken under it. `largest`: the largest scale of that kind. Where all
+/// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that came from
+/// other units: by Cauchy and Schwarz |J_j a| <= sqrt(S_jj) sqrt(a . M a), in any frame, and likewise for a_f = M^-1 f, of
+/// which M^-1 J^T lambda takes away what the rows do not let pass. S, energy: the largest S_jj and the largest of those sums
+/// a . M a + a_f . M a_f, of the slot that has most. The tolerance is then 1e-15 of the bound, a few units in the last place.
+inline double residual_floor(double largest, double S = 0.0, double energy = 0.0) {
+  return kScaleFloor * std::max(largest, std::sqrt(S * energy));
+}
+
+/// Corrects a solution until it meets the rule, kMaxCorrections in all at most. measure(): residuals of the present solution;
+/// within(): whether they are small; raise(): raises the residual floors by energy where that may help, else false;
+/// correct(): the next solution.
+template <class Measure, class Within, class Raise, class Correct>
+bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise, Correct&& correct) {
+  const auto met = [&] { return measure(), within() || (raise() && within()); };
+  bool done = met();
+  for (; !done && corrections < kMaxCorrections; ++corrections) correct(), done = met();
+  return done;
+}
+
+/// Small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere. More of them
+/// say that the place is singular.
+class PivotWatch {
+ public:
+  void begin(int n_rows) { usual_ = n_rows; }
+  void count(int n_small) { now_ = n_small, usual_ = std::min(usual_, n_small); }
+  /// The smallest pivot beyond the usual ones: falls as the square of the distance to a singular position. Reorders.
+  double singularity_indicator(std::vector<double>& pivots) const {
+    if (usual_ >= static_cast<int>(pivots.size())) return std::numeric_limits<double>::infinity();
+    const auto at = pivots.begin() + usual_;
+    std::nth_element(pivots.begin(), at, pivots.end());
+    return *at;
+  }
+  /// Whether rows cannot all hold: their residual stalled at the order of its scale. Contradictory rows are dependent always;
+  /// a small pivot beyond the usual ones is a singular place, to be passed.
+  bool contradictory(double residual, double before) const {
+    return residual > kContradiction && residual > 0.5 * before && now_ <= usual_;
+  }
+
+ private:
+  int now_ = 0, usual_ = 0;
+};
+
+/// Residuals of the matrix as blocks.
 class StopRule {
  public:
   void analyse(const KktPattern&);  ///< sizes; all that is allocated
@@ -32,12 +80,12 @@ class StopRule {
     a.setZero(kkt.pattern.n);
     lambda.setZero(kkt.pattern.m);
     start(kkt, f, c);
-    bool done = met(kkt, f, c, a, lambda);
-    for (int round = 0; round == 0 || (!done && round <= kMaxCorrections); ++round) {
-      add(a, lambda);
-      report.corrections = round;
-      done = met(kkt, f, c, a, lambda);
-    }
+    const auto measured = [&] { measure(kkt, f, c, a, lambda); };
+    measured();
+    add(a, lambda);
+    refine(
+        report.corrections, measured, [&] { return within(kkt.pattern); }, [&] { return raise_floors(kkt, a); },
+        [&] { add(a, lambda); });
     report.residual = largest_;
     report.worst_row = worst_row_;
   }
@@ -45,21 +93,21 @@ class StopRule {
   const VecX& force_residual() const { return r_f_; }  ///< f - M a - J^T lambda
   const VecX& row_residual() const { return r_c_; }    ///< c - J a
   double largest() const { return largest_; }          ///< |c - J a| against its scale, the largest; NaN if one is
+  double largest_before() const { return before_; }    ///< the same before the last correction
   int worst_row() const { return worst_row_; }
-  /// At the same place as before the last correction, or nearly.
-  bool stalled() const { return largest_ > 0.5 * before_; }
 
  private:
-  using Floors = std::array<double, 3>;  // one a RowKind
-  bool rows_met(const Kkt&, const VecX& c, const VecX& a);
-  Floors size_floors(const Kkt&, const VecX& a) const;
-  void find_worst(const KktPattern&, const Floors&);
+  void measure(const Kkt&, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda);
+  bool within(const KktPattern&);
+  bool raise_floors(const Kkt&, const VecX& a);
   bool forces_met(const Kkt&, const VecX& f, const VecX& a, const VecX& lambda);
 
-  VecX r_f_, r_c_, scale_, size_n_;
-  double energy_f_ = 0.0;  // largest a_f . M a_f of a slot
+  VecX r_f_, r_c_, scale_, size_n_, S_;
+  std::array<double, 3> largest_scale_{}, floors_{};  // one per RowKind
+  double energy_f_ = 0.0;                             // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
+  bool forces_met_ = false;
 };
 
 }  // namespace lockstep

@@ -1,10 +1,55 @@
 #include "framework/foundation/support/error.h"
 
+#include <cmath>
+#include <utility>
+
+#include "framework/foundation/support/text.h"
+
 namespace lockstep {
+namespace {
+
+std::string place_words(const ErrorData& e) {
+  if (e.line == 0) return e.file.empty() ? "" : e.file + ": ";
+  const std::string at = std::to_string(e.line) + ":" + std::to_string(e.column) + ": ";
+  return e.file.empty() ? at : e.file + ":" + at;
+}
+
+std::string sentence_of(const ErrorData& e) {
+  std::string words = place_words(e) + at_time(e.t);
+  if (e.thing.known()) words += e.thing.words() + ": ";
+  if (!e.key.empty()) words += e.key + " ";
+  words += e.problem;
+  return e.advice.empty() ? words : words + "; " + e.advice;
+}
+
+}  // namespace
+
+std::string Thing::words() const { return name.empty() ? kind : kind + " '" + name + "'"; }
+
+std::string Thing::label() const {
+  return words() + (type.empty() ? of_plugin(origin) : " (" + type + of_plugin(origin) + ")");
+}
+
+Error::Error(const std::string& sentence, ErrorData about)
+    : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence) {}
+Error::Error(ErrorData about)
+    : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence_of(*this)) {}
+
+void Error::attribute(const Thing& whose, const std::string& label) {
+  if (!thing.known() || (thing.kind == whose.kind && thing.name == whose.name)) thing = whose;
+  if (labelled_ || label.empty()) return;
+  labelled_ = true;
+  const std::string place = place_words(*this);
+  sentence_.insert(sentence_.starts_with(place) ? place.size() : 0, label + ": ");
+}
+
+ParameterError::ParameterError(Thing whose, std::string its_key, std::string its_problem)
+    : ModelError({.thing = std::move(whose), .key = std::move(its_key), .problem = std::move(its_problem)}) {}
 
 // Out of line, so that each error type has one type record in the process and a plugin's throw meets the host's catch.
 Error::~Error() = default;
 ModelError::~ModelError() = default;
+ParameterError::~ParameterError() = default;
 AssemblyError::~AssemblyError() = default;
 SolveError::~SolveError() = default;
 StepError::~StepError() = default;
@@ -12,5 +57,31 @@ NonFiniteError::~NonFiniteError() = default;
 PluginError::~PluginError() = default;
 SceneError::~SceneError() = default;
 FileError::~FileError() = default;
+UserCodeError::~UserCodeError() = default;
+InterruptedError::~InterruptedError() = default;
+
+const char* to_string(Error::Kind kind) {
+  switch (kind) {
+    case Error::Kind::model: return "model";
+    case Error::Kind::assembly: return "assembly";
+    case Error::Kind::solve: return "solve";
+    case Error::Kind::step: return "step";
+    case Error::Kind::non_finite: return "not finite";
+    case Error::Kind::plugin: return "plugin";
+    case Error::Kind::scene: return "scene";
+    case Error::Kind::file: return "file";
+    case Error::Kind::user_code: return "user code";
+    case Error::Kind::usage: return "usage";
+    case Error::Kind::interrupted: return "interrupted";
+    case Error::Kind::other: break;
+  }
+  return "other";
+}
+
+std::string at_time(double t) { return std::isnan(t) ? "" : "t = " + number(t) + " s: "; }
+
+std::string of_plugin(const std::string& origin) {
+  return origin.empty() || origin == "built in" ? "" : " of plugin " + origin;
+}
 
 }  // namespace lockstep

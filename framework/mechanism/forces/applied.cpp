@@ -4,9 +4,9 @@
 
 namespace lockstep {
 
-Applied::Applied(std::string name, Marker& p, Marker* s, AppliedVector vector, const char* value_key)
-    : MarkerForce(std::move(name), p, s), vector_(std::move(vector)) {
-  require_finite(value_key, vector_.value);
+Applied::Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedVector vector)
+    : FormulaForce(std::move(name), p, s), effort_(effort), vector_(std::move(vector)) {
+  require_finite(word(effort_), vector_.value);
   require_finite("direction", vector_.direction);
   if (vector_.law) {
     const double length = vector_.direction.norm();
@@ -19,57 +19,58 @@ Applied::Applied(std::string name, Marker& p, Marker* s, AppliedVector vector, c
 Applied::~Applied() = default;
 
 void Applied::setup() {
+  if (effort_ == Effort::torque) require_turning(p(), "turns");
+  if (s() != nullptr) require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
   MarkerForce::setup();
   body_axes_ = rotation(p().body->in_slot.q);
 }
 
-Vec3 Applied::in_its_axes(const Inputs& in) const {
+std::vector<Quantity> Applied::quantities() const {
+  std::vector<Quantity> all;
+  for (const char* axis : {"x", "y", "z"})
+    all.push_back({std::string(word(effort_)) + "_on_p_world_" + axis, unit(effort_)});
+  all.push_back({"power", "W"});
+  return all;
+}
+
+Vec3 Applied::in_its_axes(double t) const {
   Vec3 f = vector_.value;
-  if (vector_.law) f += value(vector_.law, in.t) * vector_.direction;
-  for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[static_cast<std::size_t>(k)], in.t);
+  if (vector_.law) f += value(vector_.law, t) * vector_.direction;
+  for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[static_cast<std::size_t>(k)], t);
   return f;
 }
 
-Vec3 Applied::in_world_axes(const Inputs& in) const {
-  const Vec3 f = in_its_axes(in);
-  switch (vector_.axes) {
-    case AppliedAxes::body:
-      return in.slot(P_.slot).A * (body_axes_ * f);
-    case AppliedAxes::marker:
-      return in_world(P_, in).A * f;
-    default:
-      return f;
-  }
+template <class T, class Load>
+void Applied::act(const Ends<T>& at, Load& load) const {
+  const Vec3 own = in_its_axes(at.t);
+  Vec3T<T> f = own.cast<T>();
+  if (vector_.axes == AppliedAxes::body) f = at.P.slot.A * Vec3(body_axes_ * own);
+  if (vector_.axes == AppliedAxes::marker) f = at.P.slot.A * Vec3(at.P.marker.A * own);
+  exert(effort_, f, at, load);
+  load.supplies(f.dot(rate_from_s(effort_, at)));
+  load.shows(f);
+  if (effort_ != Effort::force || vector_.axes != AppliedAxes::world || S_.slot != kGround) return;
+  load.stores(-vector_.value.dot(at.P.x()));  // the constant part
+  load.supplies(-vector_.value.dot(at.P.v()));
 }
 
-// (9.14) constant in the world, or fixed in the slot of P
-VaryingVector Applied::varying(const Inputs& in, const Variation& at) const {
-  const Vec3 f = in_its_axes(in);
-  switch (vector_.axes) {
-    case AppliedAxes::body:
-      return at.fixed(0, body_axes_ * f);
-    case AppliedAxes::marker:
-      return at.fixed(0, P_.at(in.t).A * f);
-    default:
-      return {f};
-  }
-}
-
-Keys Applied::keys(const char* value_key, Unit unit) {
-  return {{value_key, Form::vector3, unit, "absent", "constant part, in the axes of \"axes\""},
-          {"law", Form::law, unit, "absent", "law along \"direction\", added"},
-          {"direction", Form::axis, Unit::none, "absent", "of \"law\", in the axes of \"axes\""},
-          {"laws", Form::laws, unit, "absent", "three laws [x, y, z] of the components, added"},
+Keys Applied::keys(Effort effort) {
+  const Unit unit = effort == Effort::force ? Unit::force : Unit::torque;
+  return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes of \"axes\""},
+          {"law", Form::law, unit, kOptional, "law along \"direction\", added"},
+          {"direction", Form::axis, Unit::none, kOptional, "of \"law\", in the axes of \"axes\""},
+          {"laws", Form::laws, unit, kOptional, "three laws [x, y, z] of the components, added"},
           {"axes",
            Form::choice,
            Unit::none,
-           "\"world\"",
+           "world",
            "the axes that these are given in: the world's, those of p's "
            "body, or those of marker p",
            {"world", "body", "marker"}}};
 }
 
-AppliedVector Applied::read(const Params& params, const char* value_key) {
+AppliedVector Applied::read(Effort effort, const Params& params) {
+  const char* const value_key = word(effort);
   AppliedVector r;
   if (!params.has(value_key) && !params.has("law") && !params.has("laws"))
     params.refuse(value_key,
@@ -88,5 +89,56 @@ AppliedVector Applied::read(const Params& params, const char* value_key) {
   r.axes = axes == "body" ? AppliedAxes::body : axes == "marker" ? AppliedAxes::marker : AppliedAxes::world;
   return r;
 }
+
+namespace {
+AppliedVector vector_of(AppliedForce::Options o) {
+  return {o.force, std::move(o.law), o.direction, std::move(o.laws), o.axes};
+}
+}  // namespace
+
+AppliedForce::AppliedForce(std::string name, Marker& p, Options options)
+    : Applied(std::move(name), p, nullptr, Effort::force, vector_of(std::move(options))) {}
+AppliedForce::AppliedForce(std::string name, Marker& p, Marker& s, Options options)
+    : Applied(std::move(name), p, &s, Effort::force, vector_of(std::move(options))) {}
+
+const TypeInfo& AppliedForce::info() {
+  static const TypeInfo info{"applied_force",
+                             "force at the origin of p on p's body; with s, the opposite on s's body at the same point",
+                             keys(Effort::force)};
+  return info;
+}
+
+std::unique_ptr<Force> AppliedForce::make(const Site& site, const Params& k) {
+  AppliedVector v = read(Effort::force, k);
+  const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
+  if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
+}
+
+namespace {
+AppliedVector vector_of(AppliedTorque::Options o) {
+  return {o.torque, std::move(o.law), o.direction, std::move(o.laws), o.axes};
+}
+}  // namespace
+
+AppliedTorque::AppliedTorque(std::string name, Marker& p, Options options)
+    : Applied(std::move(name), p, nullptr, Effort::torque, vector_of(std::move(options))) {}
+AppliedTorque::AppliedTorque(std::string name, Marker& p, Marker& s, Options options)
+    : Applied(std::move(name), p, &s, Effort::torque, vector_of(std::move(options))) {}
+
+const TypeInfo& AppliedTorque::info() {
+  static const TypeInfo info{"applied_torque", "torque on p's body; with s, the opposite on s's body",
+                             keys(Effort::torque)};
+  return info;
+}
+
+std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
+  AppliedVector v = read(Effort::torque, k);
+  const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
+  if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
+  return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
+}
+
+template class FormulaForce<Applied>;
 
 }  // namespace lockstep

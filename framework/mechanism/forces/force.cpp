@@ -8,9 +8,7 @@ Force::Force(std::string name) : name_(std::move(name)) {}
 Force::~Force() = default;
 
 void Force::breakpoints(double, double, std::vector<double>&) const {}
-std::vector<Quantity> Force::quantities() const { return {}; }
-double Force::quantity(int, const Inputs&) const { return 0; }
-double Force::reacting_quantity(int k, const Inputs& in, const Reactions&) const { return quantity(k, in); }
+std::string Force::diagnose(double) const { return {}; }
 
 namespace {
 
@@ -54,15 +52,13 @@ void add_differences(const std::vector<int>& slots, const Inputs& in, TangentSum
 void Force::tangent(const Inputs& in, TangentSum& out) const {
   add_differences(slots_, in, out, [this](const Inputs& at, WrenchSum& sum) { apply(at, sum); });
 }
-void Force::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
-  add_differences(slots_, in, out, [&](const Inputs& at, WrenchSum& sum) { react(at, reactions, sum); });
+void Reacting::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
+  add_differences(self_->slots(), in, out, [&](const Inputs& at, WrenchSum& sum) { react(at, reactions, sum); });
 }
 
 double Force::potential(const Inputs&) const { return 0; }
 double Force::dissipation(const Inputs&) const { return 0; }
 double Force::supply(const Inputs&) const { return 0; }
-void Force::start_memory(std::span<double> z) const { std::fill(z.begin(), z.end(), 0.0); }
-void Force::accept(const Inputs&, std::span<double>) const {}
 
 void Force::place(int first_memory) {
   first_memory_ = first_memory;

@@ -1,18 +1,22 @@
-// Force: anything that pushes without holding. Writes into the sum, never into the bodies.
+// Force: what pushes without holding. It writes into a sum, never into the bodies.
 #pragma once
 
+#include <concepts>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
-#include "framework/mechanism/forces/reactions.h"
-#include "framework/mechanism/rows/sums.h"
-#include "framework/mechanism/lock/lock.h"
 #include "framework/foundation/support/export.h"
+#include "framework/mechanism/forces/reacting.h"
+#include "framework/mechanism/lock/facets.h"
+#include "framework/mechanism/rows/sums.h"
+#include "framework/mechanism/rows/tangent.h"
 
 namespace lockstep {
 
+/// Four questions make a force: type(), markers(), setup() and apply(). The others have defaults, or belong to a facet.
 class LOCKSTEP_API Force {
  public:
   explicit Force(std::string name);
@@ -29,8 +33,8 @@ class LOCKSTEP_API Force {
   // -- description
   virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
-  virtual std::vector<Quantity> quantities() const;  ///< "length" m, "force" N, ... for the recorder
-  virtual double quantity(int k, const Inputs&) const;
+  /// Which of its laws throws or is not finite at time t, in words; "" when none is. As Driven::diagnose of a link.
+  virtual std::string diagnose(double t) const;
 
   // -- setup: called once the bodies have their slots
   virtual void setup() = 0;
@@ -46,22 +50,12 @@ class LOCKSTEP_API Force {
   /// energy balance rests on it.
   virtual double supply(const Inputs&) const;
 
-  // -- a force that depends on the present reactions of links (friction)
-  /// The links it reads; none: apply() is all there is. Known before setup(): these links are not merged into bodies.
-  virtual std::vector<const Lock*> reads() const { return {}; }
-  /// What it adds to apply() at these reactions. The solution is found by iteration: its change with the reactions has
-  /// to be a contraction, as friction with a coefficient well below one is.
-  virtual void react(const Inputs&, const Reactions&, WrenchSum&) const {}
-  virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }  ///< W taken out by react(), >= 0
-  /// K and D of react() with the multipliers fixed; as tangent(), and by default differences like that.
-  virtual void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const;
-  /// quantity() of a force that reads reactions; default: quantity(k, in).
-  virtual double reacting_quantity(int k, const Inputs&, const Reactions&) const;
+  // -- facets; null: it has not. A class with the facet derives from it and returns `this`.
+  virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of its own
+  virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z, such as counted turns
+  virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of links
 
-  // -- what the force remembers (turn counters)
-  virtual int n_memory() const { return 0; }
-  virtual void start_memory(std::span<double> z) const;
-  virtual void accept(const Inputs&, std::span<double> z) const;
+  int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }
   int first_memory() const { return first_memory_; }
   const std::vector<int>& slots() const { return slots_; }  ///< moving slots of its markers, each once
   void place(int first_memory);                             ///< called by System::setup
@@ -71,5 +65,24 @@ class LOCKSTEP_API Force {
   int first_memory_ = 0;
   std::vector<int> slots_;
 };
+
+/// Whether F overrides the accessor of each facet that it derives from: a facet without it would never be found.
+template <class F>
+constexpr bool force_facets_are_found() {
+  const auto found = []<class Facet>(auto accessor, std::type_identity<Facet>) {
+    return !std::derived_from<F, Facet> || !std::same_as<decltype(accessor), const Facet* (Force::*)() const>;
+  };
+  return found(&F::observable, std::type_identity<Observable>{}) &&
+         found(&F::remembering, std::type_identity<Remembering>{}) &&
+         found(&F::reacting, std::type_identity<Reacting>{});
+}
+
+template <class F>
+void check_force_facets() {
+  if constexpr (std::derived_from<F, Force>)
+    static_assert(force_facets_are_found<F>(),
+                  "a force that derives from a facet (Observable, Remembering, Reacting) overrides its accessor to "
+                  "return this");
+}
 
 }  // namespace lockstep

@@ -1,40 +1,33 @@
 #include "framework/mechanism/forces/joint_friction.h"
 
 #include <cmath>
+#include <tuple>
 
-#include "framework/mechanism/forces/marker_force.h"
-#include "framework/mechanism/forces/variation.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/forces/formula.h"
+#include "framework/mechanism/forces/marker_force.h"
 
 namespace lockstep {
 
-/// f(s)/s for s >= 0, and d(f/s)/ds / s, both finite at rest.
-struct JointFriction::Slope {
-  double over_speed, bend;
-};
-
-/// What rubs at one instant, S axes.
-struct JointFriction::Rubbing {
-  Mat3 A;         ///< S axes -> world
-  Vec3 point, u;  ///< origin of P in the world; sliding velocity
-  double normal = 0, radial = 0, axial = 0, rate = 0;
-  Vec3 force = Vec3::Zero();  ///< on P's body
-  double torque = 0;          ///< on P's body about the free axis
+/// What presses the joint together now, N: normal to the sliding, radially and axially to the turning. All zero while the
+/// link is not in force, when nothing rubs.
+struct JointFriction::Pressing {
   bool in_force = false;
+  double normal = 0, radial = 0, axial = 0;
 };
 
 JointFriction::JointFriction(std::string name, const Lock& link, Options options)
-    : Force(std::move(name)), link_(&link), options_(options) {
-  const auto* lock = dynamic_cast<const MarkerLock*>(&link);
+    : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link), options_(options) {
+  const Jointed* joint = link.jointed();
   const std::string who =
       "force '" + this->name() + "': link '" + link.name() + "' (" + std::string(link.type()) + ") ";
-  if (lock == nullptr)
+  if (joint == nullptr)
     throw ModelError(who +
                      "is no lock of two markers; friction is there in joints such as revolute, prismatic, "
                      "cylindrical, point_on_plane");
-  p_ = &lock->p(), s_ = &lock->s();
+  std::tie(p_, s_) = link.pairs().front();
   check_numbers();
-  const Mask mask = lock->mask();
+  const Mask mask = joint->mask();
   Vec3 held = Vec3::Zero();
   int n_free_turns = 0;
   for (int k = 0; k < 3; ++k) {
@@ -52,14 +45,15 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
                      "has no free direction or axis that its reaction presses on; friction is there in joints "
                      "such as revolute, prismatic, cylindrical, point_on_plane");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
-    throw ForceParameterError(this->name(), "radius",
-                              "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
+    throw ParameterError({.kind = "force", .name = this->name()}, "radius",
+                         "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
 }
 
 void JointFriction::check_numbers() const {
   const auto must = [&](bool ok, const char* key, double value, const char* limit) {
     if (!ok || !std::isfinite(value))
-      throw ForceParameterError(name(), key, "is " + number(value) + "; must be a finite number, " + limit);
+      throw ParameterError({.kind = "force", .name = name()}, key,
+                           "is " + number(value) + "; must be a finite number, " + limit);
   };
   const Options& o = options_;
   must(o.mu >= 0, "mu", o.mu, "0 or more");
@@ -79,18 +73,18 @@ const TypeInfo& JointFriction::info() {
   static const TypeInfo info{
       "joint_friction",
       "dry and viscous friction in a link, from its present reaction",
-      {{"mu", Form::number, Unit::none, "", "coefficient of sliding friction"},
-       {"mu_static", Form::number, Unit::none, "absent", "coefficient at rest (Stribeck); default: mu"},
-       {"stribeck_speed", Form::number, Unit::speed, "0.01", "speed over which the coefficient falls to mu"},
-       {"smoothing_speed", Form::number, Unit::speed, "0.001", "speed at which the friction has tanh(1) of its size"},
-       {"radius", Form::number, Unit::length, "0", "where a joint that turns rubs under its radial load"},
-       {"axial_radius", Form::number, Unit::length, "0", "where a joint that turns rubs under its axial load"},
-       {"bending_length", Form::number, Unit::length, "absent",
+      {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
+       {"mu_static", Form::number, Unit::none, kOptional, "coefficient at rest (Stribeck); default: mu"},
+       {"stribeck_speed", Form::number, Unit::speed, 0.01, "speed over which the coefficient falls to mu"},
+       {"smoothing_speed", Form::number, Unit::speed, 0.001, "speed at which the friction has tanh(1) of its size"},
+       {"radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its radial load"},
+       {"axial_radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its axial load"},
+       {"bending_length", Form::number, Unit::length, kOptional,
         "a bending moment M on a joint that slides presses with M/length; half the guide for a couple at its ends"},
-       {"preload", Form::number, Unit::force, "0", "normal (radial) force that is always there"},
-       {"viscous", Form::number, Unit::damping, "0", "viscous friction of the sliding"},
-       {"viscous_turn", Form::number, Unit::torsion_damping, "0", "viscous friction of the turning"},
-       {"load_smoothing", Form::number, Unit::force, "1e-6", "size e of a load below which it counts smoothly"}}};
+       {"preload", Form::number, Unit::force, 0, "normal (radial) force that is always there"},
+       {"viscous", Form::number, Unit::damping, 0, "viscous friction of the sliding"},
+       {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of the turning"},
+       {"load_smoothing", Form::number, Unit::force, 1e-6, "size e of a load below which it counts smoothly"}}};
   return info;
 }
 
@@ -110,7 +104,7 @@ JointFriction::Options JointFriction::options(const Params& k) {
 }
 
 std::unique_ptr<Force> JointFriction::make(const Site& site, const Params& k) {
-  return built(k, [&] { return std::make_unique<JointFriction>(site.name, site.carrier(), options(k)); });
+  return std::make_unique<JointFriction>(site.name, site.carrier(), options(k));
 }
 
 void JointFriction::setup() {
@@ -118,7 +112,7 @@ void JointFriction::setup() {
     if (m->slide || m->spin)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
                        "' moves on its body by a law, and friction is not there for that; drive the link instead");
-  if (const auto* lock = dynamic_cast<const MarkerLock*>(link_); lock != nullptr && lock->turned())
+  if (link_->jointed()->turned())
     throw ModelError("force '" + name() + "': link '" + link_->name() +
                      "' has a law \"turn\", which turns its free axis away from z of S, and friction is not there for "
                      "that; turn the marker instead, or drive the link");
@@ -130,89 +124,84 @@ double JointFriction::size(double square) const {
   return std::sqrt(square + e * e) - e;
 }
 
-// mu(s) = (mu_k + d exp(-(s/v_s)^2)) tanh(s/v_0) as mu/s and (mu/s)'/s, whose limits at rest are the first terms of
-// their series.
-JointFriction::Slope JointFriction::coefficient(double s) const {
+// mu(s)/s of s^2; near rest the first terms of its series.
+template <class T>
+T JointFriction::coefficient(const T& s2) const {
+  using std::exp, std::sqrt, std::tanh;
   const double v0 = options_.smoothing_speed, vs = options_.stribeck_speed;
   const double d = options_.mu_static >= 0 ? options_.mu_static - options_.mu : 0.0;
-  if (s < 1e-4 * v0) {
+  if (s2 < 1e-8 * v0 * v0) {
     const double at_rest = options_.mu + d;
-    return {at_rest / v0, -2.0 * (at_rest / (3 * v0 * v0) + d / (vs * vs)) / v0};
+    return at_rest / v0 - (at_rest / (3 * v0 * v0) + d / (vs * vs)) / v0 * s2;
   }
-  const double bell = d * std::exp(-(s / vs) * (s / vs)), th = std::tanh(s / v0);
-  const double mu = (options_.mu + bell) * th;
-  const double slope = -2.0 * s / (vs * vs) * bell * th + (options_.mu + bell) * (1 - th * th) / v0;
-  return {mu / s, (slope - mu / s) / (s * s)};
+  const T s = sqrt(s2);
+  return (options_.mu + d * exp(-s2 / (vs * vs))) * tanh(s / v0) / s;
 }
 
-JointFriction::Rubbing JointFriction::rubbing(const Inputs& in, const Reactions& reactions) const {
-  const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
-  Rubbing r;
-  r.A = S.A, r.point = P.x;
-  r.u = sliding_.cwiseProduct(S.A.transpose() * (P.v - point_velocity(in, S_.slot, P.x)));
-  r.in_force = reactions.in_force(*link_);
-  if (turning_ >= 0) r.rate = S.A.col(turning_).dot(P.w - S.w);
-  if (!r.in_force) return r;
-  const LinkWrench load = reactions.on_body_of(P_, *link_, in);
-  const Vec3 F = S.A.transpose() * load.force, M = S.A.transpose() * load.moment;
+JointFriction::Pressing JointFriction::pressing(const Inputs& in, const Reactions& reactions) const {
+  if (!reactions.in_force(*link_)) return {};
+  Pressing r{true};
+  const Mat3 A = in_world(S_, in).A;
+  const LinkWrench wrench = reactions.on_body_of(P_, *link_, in);
+  const Vec3 F = A.transpose() * wrench.force, M = A.transpose() * wrench.moment;
   const Options& o = options_;
-  if (!sliding_.isZero(0)) {
-    r.normal = o.preload + size(pressing_.cwiseProduct(F).squaredNorm());
-    if (o.bending_length > 0) r.normal += size(bending_.cwiseProduct(M).squaredNorm()) / o.bending_length;
-    r.force = -(r.normal * coefficient(r.u.norm()).over_speed + o.viscous) * r.u;
-  }
-  if (turning_ >= 0) {
-    r.radial = o.preload + size(radial_.cwiseProduct(F).squaredNorm());
-    r.axial = size(axial_.cwiseProduct(F).squaredNorm());
-    const double grip = o.radius * r.radial + o.axial_radius * r.axial;
-    r.torque = -(grip * arm_ * coefficient(arm_ * std::abs(r.rate)).over_speed + o.viscous_turn) * r.rate;
-  }
+  r.normal = o.preload + size(pressing_.cwiseProduct(F).squaredNorm());
+  if (o.bending_length > 0) r.normal += size(bending_.cwiseProduct(M).squaredNorm()) / o.bending_length;
+  r.radial = o.preload + size(radial_.cwiseProduct(F).squaredNorm());
+  r.axial = size(axial_.cwiseProduct(F).squaredNorm());
   return r;
 }
 
-void JointFriction::react(const Inputs& in, const Reactions& reactions, WrenchSum& out) const {
-  const Rubbing r = rubbing(in, reactions);
-  if (!r.in_force) return;
-  const Vec3 F = r.A * r.force;
-  out.force(P_.slot, F, r.point);
-  out.force(S_.slot, -F, r.point);
-  if (turning_ < 0) return;
-  const Vec3 M = r.torque * r.A.col(turning_);
-  out.torque(P_.slot, M);
-  out.torque(S_.slot, -M);
+// The loads are numbers here: the rows hold in S axes, so a reaction with fixed multipliers turns with S.
+template <class T, class Load>
+void JointFriction::act(const Pressing& by, const Ends<T>& at, Load& load) const {
+  using V = Vec3T<T>;
+  const Options& o = options_;
+  if (!sliding_.isZero(0)) {
+    const Mat3T<T> A = at.S.A();
+    const V x = at.P.x(), v = at.P.v() - at.S.slot_velocity(x), u = sliding_.cwiseProduct(V(A.transpose() * v));
+    const T friction = by.in_force ? T(by.normal * coefficient(T(u.dot(u))) + o.viscous) : T(0);
+    const V F = -friction * u;
+    load.force(A * F, x);
+    load.dissipates(-F.dot(u));
+    const bool one = sliding_.sum() == 1;
+    load.shows(T(by.normal), T(one ? F.sum() : norm(F)), T(one ? u.sum() : norm(u)));
+  }
+  if (turning_ >= 0) {
+    const V axis = at.S.axis(turning_);
+    const T rate = axis.dot(at.P.w() - at.S.w());
+    const double grip = arm_ * (o.radius * by.radial + o.axial_radius * by.axial);
+    const T friction = by.in_force ? T(grip * coefficient(T(arm_ * arm_ * rate * rate)) + o.viscous_turn) : T(0);
+    const T torque = -friction * rate;
+    load.torque(torque * axis);
+    load.dissipates(-torque * rate);
+    load.shows(T(by.radial), T(by.axial), torque, rate);
+  }
 }
 
-// N and the bearing's loads are numbers here: the rows hold in S axes, so a reaction with fixed multipliers turns with
-// S.
+void JointFriction::react(const Inputs& in, const Reactions& reactions, WrenchSum& out) const {
+  if (const Pressing by = pressing(in, reactions); by.in_force)
+    formula::apply(
+        P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
+}
+
 void JointFriction::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
-  const Rubbing r = rubbing(in, reactions);
-  if (!r.in_force) return;
-  const Variation at(in, P_, S_);
-  if (!sliding_.isZero(0)) {
-    const VaryingVector x = at.point(0);
-    const VaryingVector v = at.velocity(0) - (at.velocity(1) + cross(at.turn_rate(1), x - at.point(1)));
-    const VaryingVector u = scaled(sliding_, at.in_marker(1, v));
-    const Slope mu = coefficient(u.v.norm());
-    VaryingVector F = -(r.normal * mu.over_speed + options_.viscous) * u;
-    F.d -= r.normal * mu.bend * u.v * (u.v.transpose() * u.d);
-    const VaryingVector world = at.in_world(1, F);
-    at.force(0, world, x, out);
-    at.force(1, -world, x, out);
-  }
-  if (turning_ < 0) return;
-  const VaryingVector axis = at.axis(1, turning_);
-  const VaryingNumber w = dot(axis, at.turn_rate(0) - at.turn_rate(1));
-  const Slope mu = coefficient(arm_ * std::abs(w.v));
-  const double grip = arm_ * (options_.radius * r.radial + options_.axial_radius * r.axial);
-  VaryingNumber T = -(grip * mu.over_speed + options_.viscous_turn) * w;
-  T.d -= grip * mu.bend * arm_ * arm_ * w.v * w.v * w.d;
-  at.torque(0, T * axis, out);
-  at.torque(1, -(T * axis), out);
+  if (const Pressing by = pressing(in, reactions); by.in_force)
+    formula::tangent(
+        P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); }, out);
+}
+
+ForceAccount JointFriction::account(const Inputs& in, const Reactions& reactions) const {
+  const Pressing by = pressing(in, reactions);
+  return formula::account(P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); });
 }
 
 double JointFriction::friction_loss(const Inputs& in, const Reactions& reactions) const {
-  const Rubbing r = rubbing(in, reactions);
-  return r.in_force ? -(r.force.dot(r.u) + r.torque * r.rate) : 0.0;
+  return account(in, reactions).dissipation;
+}
+
+double JointFriction::reacting_quantity(int k, const Inputs& in, const Reactions& reactions) const {
+  return account(in, reactions).shown[static_cast<std::size_t>(k)];
 }
 
 std::vector<Quantity> JointFriction::quantities() const {
@@ -223,28 +212,6 @@ std::vector<Quantity> JointFriction::quantities() const {
                               Quantity{"friction_torque", "N m"}, Quantity{"turning_rate", "rad/s"}})
       all.push_back(q);
   return all;
-}
-
-double JointFriction::reacting_quantity(int k, const Inputs& in, const Reactions& reactions) const {
-  const Rubbing r = rubbing(in, reactions);
-  const bool one = sliding_.sum() == 1;
-  if (sliding_.isZero(0)) k += 3;
-  switch (k) {
-    case 0:
-      return r.normal;
-    case 1:
-      return one ? r.force.sum() : r.force.norm();
-    case 2:
-      return one ? r.u.sum() : r.u.norm();
-    case 3:
-      return r.radial;
-    case 4:
-      return r.axial;
-    case 5:
-      return r.torque;
-    default:
-      return r.rate;
-  }
 }
 
 }  // namespace lockstep

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "framework/mechanism/forces/force.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include "framework/mechanism/forces/formula.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
 
@@ -24,7 +24,7 @@ namespace lockstep {
 ///
 /// All of it is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. The torque takes r_a
 /// for r in mu where r is zero. Refused: links that are no locks of markers, markers with laws of their own.
-class LOCKSTEP_API JointFriction final : public Force {
+class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
   struct Options {
     double mu = 0;                  ///< mu_k, not negative
@@ -39,7 +39,7 @@ class LOCKSTEP_API JointFriction final : public Force {
     double viscous_turn = 0;        ///< c_t, N m s/rad
     double load_smoothing = 1e-6;   ///< e, N
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
+  /// Throws ParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
   JointFriction(std::string name, const Lock& link, Options options);
 
   std::string_view type() const override { return info().name; }
@@ -52,6 +52,7 @@ class LOCKSTEP_API JointFriction final : public Force {
   void apply(const Inputs&, WrenchSum&) const override {}
   void tangent(const Inputs&, TangentSum&) const override {}
 
+  const Reacting* reacting() const override { return this; }
   std::vector<const Lock*> reads() const override { return {link_}; }
   void react(const Inputs&, const Reactions&, WrenchSum& out) const override;
   void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;
@@ -62,12 +63,15 @@ class LOCKSTEP_API JointFriction final : public Force {
   static std::unique_ptr<Force> make(const Site&, const Params&);
 
  private:
-  struct Rubbing;
-  struct Slope;
+  struct Pressing;
   void check_numbers() const;
-  Slope coefficient(double speed) const;
+  template <class T>
+  T coefficient(const T& square_of_speed) const;
   double size(double square) const;
-  Rubbing rubbing(const Inputs&, const Reactions&) const;
+  Pressing pressing(const Inputs&, const Reactions&) const;
+  template <class T, class Load>
+  void act(const Pressing&, const Ends<T>&, Load&) const;
+  ForceAccount account(const Inputs&, const Reactions&) const;
 
   const Lock* link_;
   const Marker *p_, *s_;

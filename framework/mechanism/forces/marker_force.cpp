@@ -2,16 +2,10 @@
 
 #include <cmath>
 
-#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/law_fault.h"
 
 namespace lockstep {
-
-ForceParameterError::ForceParameterError(const std::string& force, std::string its_key, std::string its_problem)
-    : ModelError("force '" + force + "': " + its_key + " " + its_problem),
-      key(std::move(its_key)),
-      problem(std::move(its_problem)) {}
-ForceParameterError::~ForceParameterError() = default;
 
 namespace {
 void require_body(const std::string& force, const Marker& m) {
@@ -41,9 +35,9 @@ void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) co
   for (const LawPtr<MotionLaw>& law : laws_) law->breakpoints(t0, t1, out);
 }
 
-std::string MarkerForce::blame(double t) const {
+std::string MarkerForce::diagnose(double t) const {
   for (const LawPtr<MotionLaw>& law : laws_)
-    if (std::string f = law_fault("its law", *law, t); !f.empty()) return f;
+    if (std::string f = law_fault("its law", law, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() && s_ != nullptr ? marker_fault(*s_, t) : at_p;
 }
@@ -54,7 +48,7 @@ void MarkerForce::setup() {
 }
 
 void MarkerForce::require(bool ok, const char* key, const std::string& problem) const {
-  if (!ok) throw ForceParameterError(name(), key, problem);
+  if (!ok) throw ParameterError({.kind = "force", .name = name()}, key, problem);
 }
 void MarkerForce::require_finite(const char* key, double value) const {
   require(std::isfinite(value), key, "is " + number(value) + "; must be a finite number");

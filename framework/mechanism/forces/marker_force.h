@@ -4,21 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/forces/force.h"
 #include "framework/mechanism/lock/marker_frame.h"
 #include "framework/mechanism/params/params.h"
 #include "framework/mechanism/params/site.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
-
-/// A parameter of a force that cannot be; `key` is its name in the force's table of keys.
-class LOCKSTEP_API ForceParameterError : public ModelError {
- public:
-  ForceParameterError(const std::string& force, std::string its_key, std::string its_problem);
-  ~ForceParameterError() override;
-  std::string key, problem;
-};
 
 class LOCKSTEP_API MarkerForce : public Force {
  public:
@@ -29,8 +21,8 @@ class LOCKSTEP_API MarkerForce : public Force {
   std::vector<const Marker*> markers() const override;
   /// Of the markers' laws and of all laws that were handed to `add_law`.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  /// What is wrong with one of these laws at time t, in words; "" when nothing is. As Lock::blame.
-  std::string blame(double t) const;
+  /// The same laws.
+  std::string diagnose(double t) const override;
   /// Folds the markers into their slots.
   void setup() override;
 
@@ -38,7 +30,7 @@ class LOCKSTEP_API MarkerForce : public Force {
   const Marker* s() const { return s_; }  ///< nullptr: nothing takes the reaction
 
  protected:
-  // All throw ForceParameterError "force 'name': key is value; must be ...".
+  // All throw ParameterError "force 'name': key is value; must be ...".
   void require(bool ok, const char* key, const std::string& problem) const;
   void require_finite(const char* key, double value) const;
   void require_finite(const char* key, const Vec3& value) const;
@@ -57,16 +49,6 @@ class LOCKSTEP_API MarkerForce : public Force {
   const Marker* s_;
   std::vector<LawPtr<MotionLaw>> laws_;
 };
-
-/// What `make` makes; a ForceParameterError is refused at the place of its key (SceneError).
-template <class F>
-auto built(const Params& params, F make) -> decltype(make()) {
-  try {
-    return make();
-  } catch (const ForceParameterError& e) {
-    params.refuse(e.key, e.problem);
-  }
-}
 
 /// The markers of a site, for makers. Throw SceneError when there is none.
 LOCKSTEP_API Marker& p_of(const Site&, const Params&);

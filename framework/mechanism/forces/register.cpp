@@ -1,14 +1,12 @@
 #include "framework/mechanism/forces/register.h"
 
-#include "framework/mechanism/forces/applied_force.h"
-#include "framework/mechanism/forces/applied_torque.h"
-#include "framework/mechanism/forces/bushing.h"
-#include "framework/mechanism/forces/force_motor.h"
-#include "framework/mechanism/forces/joint_friction.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/mechanism/forces/torque_motor.h"
-#include "framework/mechanism/forces/torsion_spring_damper.h"
 #include "framework/description/registry/registry.h"
+#include "framework/mechanism/forces/applied.h"
+#include "framework/mechanism/forces/bushing.h"
+#include "framework/mechanism/forces/joint_friction.h"
+#include "framework/mechanism/forces/motor.h"
+#include "framework/mechanism/forces/spring_damper.h"
+#include "framework/mechanism/forces/torsion_spring_damper.h"
 
 namespace lockstep {
 

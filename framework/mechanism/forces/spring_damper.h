@@ -3,9 +3,12 @@
 
 #include <memory>
 
-#include "framework/mechanism/forces/marker_force.h"
+#include "framework/mechanism/forces/formula_force.h"
 
 namespace lockstep {
+
+class SpringDamper;
+extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
 
 /// Spring and damper on the line between the origins of P and S; pulls P and S together when its force is positive.
 ///
@@ -14,13 +17,12 @@ namespace lockstep {
 ///   force       T = k (l - l0) + T0 + c ld + law(t)               N, positive = pulls; -T n on P, +T n on S
 ///   potential   V = 1/2 k (l - l0)^2 + T0 (l - l0)                J
 ///   dissipation D = c ld^2                                        W
-///   power       what it gives to the two bodies: T n.(v_S - v_P)  W; = -dV/dt - D - law ld for markers that stand
-///   still
+///   power       T n.(v_S - v_P) of the two bodies                 W; = -dV/dt - D - law ld, markers still
 ///
 /// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the
 /// force is zero there. k may be negative (a spring that pushes away); c and l0 may not. Moving markers: x and v are
 /// theirs.
-class LOCKSTEP_API SpringDamper final : public MarkerForce {
+class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
  public:
   struct Options {
     double stiffness = 0;       ///< k, N/m
@@ -29,25 +31,19 @@ class LOCKSTEP_API SpringDamper final : public MarkerForce {
     double preload = 0;         ///< T0, N: force at l0, positive = pulls
     LawPtr<MotionLaw> force{};  ///< N, added to the force: a linear actuator
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   SpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< length, rate, force, power
-  double quantity(int k, const Inputs&) const override;
-  double supply(const Inputs&) const override;
   void setup() override;
-  void apply(const Inputs&, WrenchSum& out) const override;
-  void tangent(const Inputs&, TangentSum& out) const override;
-  double potential(const Inputs&) const override;
-  double dissipation(const Inputs&) const override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
 
   static const TypeInfo& info();
   static std::unique_ptr<Force> make(const Site&, const Params&);
 
  private:
-  struct Line;
-  Line line(const Inputs&) const;
   Options options_;
 };
 

@@ -3,9 +3,12 @@
 
 #include <memory>
 
-#include "framework/mechanism/forces/marker_force.h"
+#include "framework/mechanism/forces/formula_force.h"
 
 namespace lockstep {
+
+class TorsionSpringDamper;
+extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 
 /// Spring and damper about the common z axis of P and S; turns P back when its torque is positive.
 ///
@@ -20,7 +23,7 @@ namespace lockstep {
 /// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
 /// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
 /// c not.
-class LOCKSTEP_API TorsionSpringDamper final : public MarkerForce {
+class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
   struct Options {
     double stiffness = 0;        ///< k, N m/rad
@@ -29,28 +32,24 @@ class LOCKSTEP_API TorsionSpringDamper final : public MarkerForce {
     double preload = 0;          ///< T0, N m: torque at th0
     LawPtr<MotionLaw> torque{};  ///< N m, added to the torque
   };
-  /// Throws ForceParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
   TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< angle, rate, torque, power
-  double quantity(int k, const Inputs&) const override;
-  double supply(const Inputs&) const override;
   void setup() override;
-  void apply(const Inputs&, WrenchSum& out) const override;
-  void tangent(const Inputs&, TangentSum& out) const override;
-  double potential(const Inputs&) const override;
-  double dissipation(const Inputs&) const override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
 
-  int n_memory() const override { return 1; }
-  void accept(const Inputs&, std::span<double> z) const override;  ///< z[0]: the counted angle
+  const Remembering* remembering() const override { return this; }
+  int n_memory() const override { return 1; }  ///< z[0]: the counted angle
+  void start_memory(std::span<double> z) const override { z[0] = 0; }
+  void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
 
   static const TypeInfo& info();
   static std::unique_ptr<Force> make(const Site&, const Params&);
 
  private:
-  struct Turn;
-  Turn turn(const Inputs&) const;
   Options options_;
 };
 

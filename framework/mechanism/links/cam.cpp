@@ -79,7 +79,7 @@ void CamProfile::check(const std::string& link, double roller) const {
                      " after a turn; let the law repeat after 2 pi");
 }
 
-void RollerOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const CamProfile::Vec2 p(y.x.v, y.y.v);  // the nearest point of the profile
   double best = std::numeric_limits<double>::infinity();
   const double psi = std::atan2(p[1], p[0]);
@@ -88,12 +88,12 @@ void RollerOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = foot(p, z[0]) - psi;
 }
 
-void RollerOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void RollerOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const CamProfile::Vec2 p(y.x.v, y.y.v);
   z[0] = foot(p, y.memory[0]) - std::atan2(p[1], p[0]);
 }
 
-void FaceOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void FaceOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
   const CamProfile::Vec2 n(std::cos(alpha), std::sin(alpha));
   double best = -std::numeric_limits<double>::infinity();  // the foremost point of the profile
@@ -102,7 +102,7 @@ void FaceOnCam::begin(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = profile.facing(alpha, alpha + z[0]) - alpha;
 }
 
-void FaceOnCam::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
   z[0] = profile.facing(alpha, alpha + y.memory[0]) - alpha;
 }
@@ -117,8 +117,8 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
 TypeInfo CamRoller::info() {
   return {"cam_roller",
           "the centre P of a roller rides on a disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"},
-           {"roller", Form::number, Unit::length, "0", "radius of the roller; 0: a knife edge"}}};
+          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"},
+           {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
@@ -134,7 +134,7 @@ CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radiu
 TypeInfo CamFlat::info() {
   return {"cam_flat",
           "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, "", "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
+          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Site& site, const Params& p) {

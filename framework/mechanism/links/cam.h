@@ -36,38 +36,38 @@ class LOCKSTEP_API CamProfile {
 /// phi = distance of P from the profile - roller radius, m; gradient n, second derivative k/(1 + k d) t t^T.
 struct LOCKSTEP_API RollerOnCam {
   CamProfile profile;
-  double roller;
-  static constexpr Needs kNeeds = Needs::translation;
+  double roller;  ///< its radius, m; 0: a knife edge
+  static constexpr Reads kReads = Reads::translation;
   static constexpr RowKind kKind = RowKind::translation;
   static constexpr int kMemory = 1;  // foot's u - angle of P
   static constexpr std::array<const char*, 1> kNames = {"contact"};
 
-  template <int N>
-  Jet<N> operator()(const LockCoords<Jet<N>>& y) const {
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
     const CamProfile::Vec2 p(y.x.v, y.y.v);
     const CamProfile::Point at = profile.at(foot(p, y.memory[0]));
     const double d = at.n.dot(p - at.c), k = at.curvature / (1 + at.curvature * d);
-    return of(y.x, y.y, d - roller, at.n[0], at.n[1], k * at.t[0] * at.t[0], k * at.t[0] * at.t[1],
-              k * at.t[1] * at.t[1]);
+    return function_of(y.x, y.y, d - roller, at.n[0], at.n[1], k * at.t[0] * at.t[0], k * at.t[0] * at.t[1],
+                       k * at.t[1] * at.t[1]);
   }
   double foot(const CamProfile::Vec2& p, double ahead) const { return profile.foot(p, std::atan2(p[1], p[0]) + ahead); }
-  void at_home(const std::string& link, const LockCoords<Time>&) const { profile.check(link, roller); }
-  void begin(std::span<double> z, const LockCoords<Time>& y) const;
-  void remember(std::span<double> z, const LockCoords<Time>& y) const;
+  void initialise(const std::string& link, const LockCoords<Time>&) const { profile.check(link, roller); }
+  void reset(std::span<double> z, const LockCoords<Time>& y) const;
+  void accept_step(std::span<double> z, const LockCoords<Time>& y) const;
 };
 
 /// phi = n . rho - h(alpha), m: the face goes through P, its normal n is y of P, alpha the normal's angle in S, h the
 /// cam's support function: h' = c . n', h'' = 1/curvature - h.
 struct LOCKSTEP_API FaceOnCam {
   CamProfile profile;
-  static constexpr Needs kNeeds = Needs::both;
+  static constexpr Reads kReads = Reads::both;
   static constexpr RowKind kKind = RowKind::translation;
   static constexpr int kMemory = 1;  // u of the contact - alpha
   static constexpr std::array<const char*, 1> kNames = {"contact"};
 
-  template <int N>
-  Jet<N> operator()(const LockCoords<Jet<N>>& y) const {
-    const Jet<N> alpha = angle_of_normal(y), nx = cos(alpha), ny = sin(alpha);
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    const T alpha = angle_of_normal(y), nx = cos(alpha), ny = sin(alpha);
     const CamProfile::Point at = profile.at(profile.facing(alpha.v, alpha.v + y.memory[0]));
     const double h = at.c.dot(CamProfile::Vec2(nx.v, ny.v)), h1 = at.c.dot(CamProfile::Vec2(-ny.v, nx.v));
     return nx * y.x + ny * y.y - jet_detail::chain(alpha, h, h1, 1 / at.curvature - h);
@@ -78,15 +78,15 @@ struct LOCKSTEP_API FaceOnCam {
     using std::atan2;
     return atan2(y.e0 * y.e0 - y.e1 * y.e1 + y.e2 * y.e2 - y.e3 * y.e3, 2.0 * (y.e1 * y.e2 - y.e0 * y.e3));
   }
-  void at_home(const std::string& link, const LockCoords<Time>&) const {
+  void initialise(const std::string& link, const LockCoords<Time>&) const {
     profile.check(link, std::numeric_limits<double>::infinity());
   }
-  void begin(std::span<double> z, const LockCoords<Time>& y) const;
-  void remember(std::span<double> z, const LockCoords<Time>& y) const;
+  void reset(std::span<double> z, const LockCoords<Time>& y) const;
+  void accept_step(std::span<double> z, const LockCoords<Time>& y) const;
 };
 
 /// The centre P of a roller rides on the cam. Free: everything but the distance of P from the profile, in the plane of
-/// the cam. It holds both ways: a groove; `one_sided` makes it a cam that the roller may leave.
+/// the cam. It holds both ways: a groove; set_unilateral() makes it a cam that the roller may leave.
 class LOCKSTEP_API CamRoller final : public PhiLock<RollerOnCam> {
  public:
   /// `radius`: r(psi), m, one turn of it; `roller` m, zero for a knife edge. Throws ModelError.

@@ -72,7 +72,7 @@ double CurvePoint::nearest(const Vec3& rho, double s) const {
   return kNaN;
 }
 
-void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) const {
+void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) const {
   const std::string who = "link '" + link + "': ";
   double s = kNaN;
   try {
@@ -86,14 +86,14 @@ void CurvePoint::at_home(const std::string& link, const LockCoords<Time>& y) con
                      " is nearest to P at the start; let \"near\" say where on the path P begins");
 }
 
-void CurvePoint::begin(std::span<double> z, const LockCoords<Time>& y) const {
+void CurvePoint::reset(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_), z[1] = z[2] = 0;
   Eigen::Map<Vec3>(z.data() + 3) = normal(z[0], Vec3::Zero());
 }
 
 // The nearest point, not the one in the plane of the last tangent: off the curve the latter would move when asked
 // again.
-void CurvePoint::remember(std::span<double> z, const LockCoords<Time>& y) const {
+void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const Vec3 rho(y.x.v, y.y.v, y.z.v), rate(y.x.d, y.y.d, y.z.d);
   const double s = nearest(rho, expected(y));
   const TranslationValue c = path_->at(s);
@@ -112,17 +112,17 @@ double PointOnCurve::quantity(int k, const Inputs& in) const { return seen_on(fu
 TypeInfo PointOnCurve::info() {
   return {"point_on_curve",
           "origin of P on a space curve c(s) fixed to S; free: moving along it, all turns",
-          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
-           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
+           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
 std::unique_ptr<Lock> PointOnCurve::make(const Site& site, const Params& p) {
   return std::make_unique<PointOnCurve>(site.name, site.p(), site.s(), p.translation_law("path"), p.number("near"));
 }
 
-PathFollower::PathFollower(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path,
-                           LawPtr<RotationLaw> turn, double near)
-    : PhiLock(std::move(name), p, s, Mask::none, OnPath{CurvePoint(std::move(path), near), std::move(turn)}) {
+PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
+    : PhiLock(std::move(name), p, s, Mask::none,
+              OnPath{CurvePoint(std::move(options.path), options.near), std::move(options.turn)}) {
   if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
   if (!phi().turn) throw ModelError("link '" + this->name() + "': no turn of the axes along its path was given");
 }
@@ -133,14 +133,15 @@ double PathFollower::quantity(int k, const Inputs& in) const { return seen_on(fu
 TypeInfo PathFollower::info() {
   return {"path_follower",
           "P follows a path c(s) with axes q(s), both fixed to S; free: moving along it",
-          {{"path", Form::translation_law, Unit::length, "", "c(s), m, S axes: a translation law whose time is s"},
-           {"turning", Form::rotation_law, Unit::angle, "", "q(s), S axes: a rotation law whose time is s"},
-           {"near", Form::number, Unit::none, "0", "an s near which P begins"}}};
+          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
+           {"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"},
+           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
 std::unique_ptr<Lock> PathFollower::make(const Site& site, const Params& p) {
-  return std::make_unique<PathFollower>(site.name, site.p(), site.s(), p.translation_law("path"),
-                                        p.rotation_law("turning"), p.number("near"));
+  return std::make_unique<PathFollower>(
+      site.name, site.p(), site.s(),
+      Options{.path = p.translation_law("path"), .turn = p.rotation_law("turning"), .near = p.number("near")});
 }
 
 }  // namespace lockstep

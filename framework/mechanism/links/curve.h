@@ -51,9 +51,9 @@ class LOCKSTEP_API CurvePoint {
 
   // -- memory: s, its rate, the instant; n1
   static constexpr int kMemory = 6;
-  void at_home(const std::string& link, const LockCoords<Time>& y) const;
-  void begin(std::span<double> z, const LockCoords<Time>& y) const;
-  void remember(std::span<double> z, const LockCoords<Time>& y) const;
+  void initialise(const std::string& link, const LockCoords<Time>& y) const;
+  void reset(std::span<double> z, const LockCoords<Time>& y) const;
+  void accept_step(std::span<double> z, const LockCoords<Time>& y) const;
 
  private:
   Vec3 normal(double s, const Vec3& like) const;
@@ -69,7 +69,7 @@ class LOCKSTEP_API CurvePoint {
 struct OnCurve {
   CurvePoint curve;
   static constexpr int kRows = 2;
-  static constexpr Needs kNeeds = Needs::translation;
+  static constexpr Reads kReads = Reads::translation;
   static constexpr RowKind kKind = RowKind::translation;
   static constexpr int kMemory = CurvePoint::kMemory;
   static constexpr std::array<const char*, 2> kNames = {"normal1", "normal2"};
@@ -81,9 +81,9 @@ struct OnCurve {
     const T s = curve.parameter(y, f, at);
     return {curve.offset(y, f.n1, s, at), curve.offset(y, f.n2, s, at)};
   }
-  void at_home(const std::string& link, const LockCoords<Time>& y) const { curve.at_home(link, y); }
-  void begin(std::span<double> z, const LockCoords<Time>& y) const { curve.begin(z, y); }
-  void remember(std::span<double> z, const LockCoords<Time>& y) const { curve.remember(z, y); }
+  void initialise(const std::string& link, const LockCoords<Time>& y) const { curve.initialise(link, y); }
+  void reset(std::span<double> z, const LockCoords<Time>& y) const { curve.reset(z, y); }
+  void accept_step(std::span<double> z, const LockCoords<Time>& y) const { curve.accept_step(z, y); }
 };
 
 /// The same, and the axes of P turned with the path: e = q(s)' r, three rows vec(e) = 0.
@@ -91,7 +91,7 @@ struct OnPath {
   CurvePoint curve;
   LawPtr<RotationLaw> turn;
   static constexpr int kRows = 5;
-  static constexpr Needs kNeeds = Needs::both;
+  static constexpr Reads kReads = Reads::both;
   static constexpr RowKind kKind = RowKind::function;
   static constexpr int kMemory = CurvePoint::kMemory;
   static constexpr std::array<const char*, 5> kNames = {"normal1", "normal2", "turn1", "turn2", "turn3"};
@@ -111,17 +111,18 @@ struct OnPath {
             a * y.e1 - bx * y.e0 - by * y.e3 + bz * y.e2,  // vec( (a, -b) (e0, e1 e2 e3) )
             a * y.e2 - by * y.e0 - bz * y.e1 + bx * y.e3, a * y.e3 - bz * y.e0 - bx * y.e2 + by * y.e1};
   }
-  void at_home(const std::string& link, const LockCoords<Time>& y) const { curve.at_home(link, y); }
-  void begin(std::span<double> z, const LockCoords<Time>& y) const { curve.begin(z, y); }
-  void remember(std::span<double> z, const LockCoords<Time>& y) const { curve.remember(z, y); }
+  void initialise(const std::string& link, const LockCoords<Time>& y) const { curve.initialise(link, y); }
+  void reset(std::span<double> z, const LockCoords<Time>& y) const { curve.reset(z, y); }
+  void accept_step(std::span<double> z, const LockCoords<Time>& y) const { curve.accept_step(z, y); }
 };
 
 /// Free: moving along the curve, all turns. A closed curve is a law that repeats.
-class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve> {
+class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observable {
  public:
   /// `path`: c(s) in S axes, m, of any parameter s on which it moves without a halt; `near`: an s near which P begins.
   PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near = 0);
   std::string_view type() const override { return "point_on_curve"; }
+  const Observable* observable() const override { return this; }
   std::vector<Quantity> quantities() const override;  ///< s, rate
   double quantity(int k, const Inputs&) const override;
   static TypeInfo info();
@@ -129,11 +130,17 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve> {
 };
 
 /// Free: moving along the curve. The axes of P are those of S turned by q(s).
-class LOCKSTEP_API PathFollower final : public PhiLock<OnPath> {
+class LOCKSTEP_API PathFollower final : public PhiLock<OnPath>, public Observable {
  public:
-  PathFollower(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, LawPtr<RotationLaw> turn,
-               double near = 0);
+  struct Options {
+    LawPtr<TranslationLaw> path;  ///< c(s) in S axes, m, of any parameter s on which it moves without a halt
+    LawPtr<RotationLaw> turn;     ///< q(s) in S axes
+    double near = 0;              ///< an s near which P begins
+  };
+  /// Throws ModelError: a path or a turn that is missing.
+  PathFollower(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "path_follower"; }
+  const Observable* observable() const override { return this; }
   std::vector<Quantity> quantities() const override;  ///< s, rate
   double quantity(int k, const Inputs&) const override;
   static TypeInfo info();

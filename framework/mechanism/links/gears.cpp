@@ -6,12 +6,12 @@
 namespace lockstep {
 namespace {
 
-double positive(const Site& site, const char* what, double x) {
+double positive(const CoupledPairs& pairs, const char* what, double x) {
   if (x > 0 && x < 1e300) return x;
-  throw ModelError("link '" + site.name + "': " + what + " " + brief(x) + "; it must be above zero");
+  throw ModelError("link '" + pairs.name + "': " + what + " " + brief(x) + "; it must be above zero");
 }
 
-// The maker's words stand at the key; the constructor's serve C++.
+// The maker's words name the key; the constructor's serve C++.
 void require_positive(const Params& p, const char* key) {
   if (!(p.number(key) > 0)) p.refuse(key, "is " + brief(p.number(key)) + "; it must be above zero");
 }
@@ -22,19 +22,19 @@ Gear::Mesh mesh_of(const std::string& word) {
 
 }  // namespace
 
-Gear::Gear(const Site& site, double ratio, Mesh mesh)
-    : PhiCoupling(site, {1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(site, "ratio", ratio)}) {}
+Gear::Gear(const CoupledPairs& pairs, double ratio, Mesh mesh)
+    : PhiCoupling(pairs, {1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(pairs, "ratio", ratio)}) {}
 
 TypeInfo Gear::info() {
   return {"gear",
           "two gears in joints on a common carrier, each turning about its own z",
-          {{"ratio", Form::number, Unit::none, "absent", "turns of gear 1 a turn of gear 2; or give the teeth"},
-           {"teeth_1", Form::integer, Unit::none, "absent", "teeth of gear 1"},
-           {"teeth_2", Form::integer, Unit::none, "absent", "teeth of gear 2"},
+          {{"ratio", Form::number, Unit::none, kOptional, "turns of gear 1 per turn of gear 2; or give the teeth"},
+           {"teeth_1", Form::integer, Unit::none, kOptional, "teeth of gear 1"},
+           {"teeth_2", Form::integer, Unit::none, kOptional, "teeth of gear 2"},
            {"mesh",
             Form::choice,
             Unit::none,
-            "\"external\"",
+            "external",
             "external and bevel turn against each other (bevel: both z away from the apex), internal alike",
             {"external", "internal", "bevel"}}}};
 }
@@ -57,30 +57,31 @@ std::unique_ptr<Lock> Gear::make(const Site& site, const Params& p) {
   return std::make_unique<Gear>(site, ratio, mesh_of(p.text("mesh")));
 }
 
-Belt::Belt(const Site& site, double radius1, double radius2, bool crossed)
-    : PhiCoupling(
-          site, {positive(site, "radius 1", radius1), (crossed ? 1.0 : -1.0) * positive(site, "radius 2", radius2)}) {}
+Belt::Belt(const CoupledPairs& pairs, Options o)
+    : PhiCoupling(pairs, {positive(pairs, "radius 1", o.radius1),
+                          (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius 2", o.radius2)}) {}
 
 TypeInfo Belt::info() {
   return {"belt",
           "two pulleys in joints on a common carrier, each turning about its own z; no slip",
-          {{"radius_1", Form::number, Unit::length, "", "of pulley 1"},
-           {"radius_2", Form::number, Unit::length, "", "of pulley 2"},
-           {"crossed", Form::boolean, Unit::none, "false", "the pulleys turn against each other"}}};
+          {{"radius_1", Form::number, Unit::length, kRequired, "of pulley 1"},
+           {"radius_2", Form::number, Unit::length, kRequired, "of pulley 2"},
+           {"crossed", Form::boolean, Unit::none, false, "the pulleys turn against each other"}}};
 }
 
 std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
   for (const char* key : {"radius_1", "radius_2"}) require_positive(p, key);
-  return std::make_unique<Belt>(site, p.number("radius_1"), p.number("radius_2"), p.boolean("crossed"));
+  return std::make_unique<Belt>(
+      site, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
 }
 
-Differential::Differential(const Site& site, double ratio)
-    : PhiCoupling(site, {1.0, positive(site, "ratio", ratio), -(1.0 + ratio)}) {}
+Differential::Differential(const CoupledPairs& pairs, double ratio)
+    : PhiCoupling(pairs, {1.0, positive(pairs, "ratio", ratio), -(1.0 + ratio)}) {}
 
 TypeInfo Differential::info() {
   return {"differential",
           "three turns on a common carrier: theta1 + ratio theta2 = (1 + ratio) theta3",
-          {{"ratio", Form::number, Unit::none, "1", "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
+          {{"ratio", Form::number, Unit::none, 1, "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
 }
 
 std::unique_ptr<Lock> Differential::make(const Site& site, const Params& p) {

@@ -19,13 +19,13 @@ double checked_radius(const std::string& link, double radius) {
 RollingRack::RollingRack(std::string name, Marker& p, Marker& s, double radius)
     : PhiLock(name, p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2, RollingPinion{checked_radius(name, radius)}) {}
 
-RackAndPinion::RackAndPinion(const Site& site, double radius)
-    : PhiCoupling(site, PinionAndSlide{checked_radius(site.name, radius)}) {}
+RackAndPinion::RackAndPinion(const CoupledPairs& pairs, double radius)
+    : PhiCoupling(pairs, PinionAndSlide{checked_radius(pairs.name, radius)}) {}
 
 TypeInfo RackAndPinion::info() {
   return {"rack_and_pinion",
           "one pair: P, a pinion about z, rolls along x of S; two: pinion (turn about z) and rack (slide along z)",
-          {{"radius", Form::number, Unit::length, "", "of the pitch circle; negative reverses the sense"}}};
+          {{"radius", Form::number, Unit::length, kRequired, "of the pitch circle; negative reverses the sense"}}};
 }
 
 std::unique_ptr<Lock> RackAndPinion::make(const Site& site, const Params& p) {

@@ -10,11 +10,11 @@
 
 namespace lockstep {
 
-/// (7.4) phi = x + radius theta - home, m: the pinion's centre along x of S, its turn about z. Its multiplier is the
-/// force at the teeth along the rack.
+/// (7.4) phi = x + radius theta - reference, m: the pinion's centre along x of S, its turn about z. Its multiplier is
+/// the force at the teeth along the rack.
 struct RollingPinion {
-  double radius;
-  double home = 0;
+  double radius;         ///< of the pitch circle, m
+  double reference = 0;  ///< of the start, m
   static constexpr bool kCountsTurns = true;
   static constexpr RowKind kKind = RowKind::translation;
   static constexpr std::array<const char*, 1> kNames = {"teeth"};
@@ -24,12 +24,12 @@ struct RollingPinion {
   }
   template <class T>
   T operator()(const LockCoords<T>& y) const {
-    return rolled(y) - home;
+    return rolled(y) - reference;
   }
-  void at_home(const std::string&, const LockCoords<Time>& y) { home = rolled(y).v; }
+  void initialise(const std::string&, const LockCoords<Time>& y) { reference = rolled(y).v; }
 };
 
-/// A pinion that rolls along a rack: its centre P moves along x of S, which is fixed to the rack and stands on the line
+/// A pinion that rolls along a rack: its centre P moves along x of S, which is fixed to the rack and lies on the line
 /// of the centre. Free: rolling.
 class LOCKSTEP_API RollingRack final : public PhiLock<RollingPinion> {
  public:
@@ -38,13 +38,13 @@ class LOCKSTEP_API RollingRack final : public PhiLock<RollingPinion> {
   std::string_view type() const override { return "rack_and_pinion"; }
 };
 
-/// phi = z2 - radius theta1 - home, m: pair 1 is the pinion's joint (turn about z), pair 2 the rack's (sliding along
-/// z).
+/// phi = z2 - radius theta1 - reference, m: pair 1 is the pinion's joint (turn about z), pair 2 the rack's (sliding
+/// along z).
 struct PinionAndSlide {
-  double radius;
-  double home = 0;
+  double radius;         ///< of the pitch circle, m
+  double reference = 0;  ///< of the start, m
   static constexpr int kPairs = 2;
-  static constexpr std::array<Needs, 2> kNeeds = {Needs::both, Needs::both};
+  static constexpr std::array<Reads, 2> kReads = {Reads::rotation, Reads::translation};
   static constexpr bool kCountsTurns = true;
   static constexpr RowKind kKind = RowKind::translation;
   static constexpr std::array<const char*, 1> kNames = {"teeth"};
@@ -54,19 +54,19 @@ struct PinionAndSlide {
   }
   template <class T>
   T operator()(const LockCoords<T>& pinion, const LockCoords<T>& rack) const {
-    return advance(pinion, rack) - home;
+    return advance(pinion, rack) - reference;
   }
-  void at_home(const std::string&, const LockCoords<Time>& pinion, const LockCoords<Time>& rack) {
-    home = advance(pinion, rack).v;
+  void initialise(const std::string&, const LockCoords<Time>& pinion, const LockCoords<Time>& rack) {
+    reference = advance(pinion, rack).v;
   }
 };
 
-/// Pinion and rack in joints of their own on a common carrier, the ground or a moving one. The home poses mesh. The
-/// carrier's share of the tooth force stands in this link, not in the bearings.
+/// Pinion and rack in joints of their own on a common carrier, the ground or a moving one. They mesh at the start. The
+/// carrier's share of the tooth force is in the reactions of this link, not in those of the bearings.
 class LOCKSTEP_API RackAndPinion final : public PhiCoupling<PinionAndSlide> {
  public:
-  /// `radius`: slide along z a radian of the pinion, m; negative reverses it.
-  RackAndPinion(const Site& site, double radius);
+  /// `radius`: slide along z per radian of the pinion, m; negative reverses it.
+  RackAndPinion(const CoupledPairs& pairs, double radius);
   std::string_view type() const override { return "rack_and_pinion"; }
   static TypeInfo info();
   /// With one pair a RollingRack, with two a RackAndPinion.

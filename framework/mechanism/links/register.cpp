@@ -2,7 +2,7 @@
 
 #include "framework/mechanism/links/cam.h"
 #include "framework/mechanism/links/curve.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/links/gears.h"
 #include "framework/mechanism/links/joints.h"
 #include "framework/mechanism/links/rack_and_pinion.h"

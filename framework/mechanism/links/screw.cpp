@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "framework/mechanism/links/laws.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 
@@ -12,7 +11,7 @@ void ScrewThread::breakpoints(double t0, double t1, std::vector<double>& out) co
   if (slip) slip->breakpoints(t0, t1, out);
 }
 
-std::string ScrewThread::blame(double t) const { return blame_law(slip, t, "the law of its slip"); }
+std::string ScrewThread::diagnose(double t) const { return law_fault("the law of its slip", slip, t); }
 
 Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip)
     : PhiLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2, ScrewThread{lead, std::move(slip)}) {
@@ -31,8 +30,8 @@ double Screw::quantity(int k, const Inputs& in) const {
 TypeInfo Screw::info() {
   return {"screw",
           "nut on a thread about z of S; free: turning about z, and with it sliding along z",
-          {{"lead", Form::number, Unit::length, "", "advance a turn, negative for a left-hand thread"},
-           {"slip", Form::law, Unit::length, "absent", "distance from the thread, m; default: none"}}};
+          {{"lead", Form::number, Unit::length, kRequired, "advance per turn, negative for a left-hand thread"},
+           {"slip", Form::law, Unit::length, kOptional, "distance from the thread, m; default: none"}}};
 }
 
 std::unique_ptr<Lock> Screw::make(const Site& site, const Params& p) {

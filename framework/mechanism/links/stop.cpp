@@ -17,14 +17,14 @@ double finite(const std::string& name, double limit) {
 
 }  // namespace
 
-SlideStop::SlideStop(std::string name, Marker& p, Marker& s, int axis, double limit, bool low)
-    : PhiLock(name, p, s, Mask::none, StopAlong{axis, finite(name, limit), low ? 1.0 : -1.0}) {
-  one_sided = OneSided{};
+SlideStop::SlideStop(std::string name, Marker& p, Marker& s, Options o)
+    : PhiLock(name, p, s, Mask::none, StopAlong{o.axis, finite(name, o.limit), o.low ? 1.0 : -1.0}) {
+  set_unilateral({});
 }
 
-TurnStop::TurnStop(std::string name, Marker& p, Marker& s, double limit, bool low)
-    : PhiLock(name, p, s, Mask::none, StopAbout{finite(name, limit), low ? 1.0 : -1.0}) {
-  one_sided = OneSided{};
+TurnStop::TurnStop(std::string name, Marker& p, Marker& s, Options o)
+    : PhiLock(name, p, s, Mask::none, StopAbout{finite(name, o.limit), o.low ? 1.0 : -1.0}) {
+  set_unilateral({});
 }
 
 TypeInfo Stop::info() {
@@ -33,11 +33,11 @@ TypeInfo Stop::info() {
           {{"coordinate",
             Form::choice,
             Unit::none,
-            "",
+            kRequired,
             "along an axis of S, or the turn about its z, counted past full turns",
             {"x", "y", "z", "rz"}},
-           {"low", Form::number, Unit::any, "absent", "the coordinate stays above this, m or rad; or \"high\""},
-           {"high", Form::number, Unit::any, "absent", "the coordinate stays below this, m or rad; or \"low\""}}};
+           {"low", Form::number, Unit::any, kOptional, "the coordinate stays above this, m or rad; or \"high\""},
+           {"high", Form::number, Unit::any, kOptional, "the coordinate stays below this, m or rad; or \"low\""}}};
 }
 
 std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
@@ -48,8 +48,10 @@ std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
   const bool low = params.has("low");
   const double limit = params.number(low ? "low" : "high");
   const Axis axis = axis_from(params.text("coordinate"));
-  if (axis == Axis::rz) return std::make_unique<TurnStop>(site.name, site.p(), site.s(), limit, low);
-  return std::make_unique<SlideStop>(site.name, site.p(), site.s(), index(axis), limit, low);
+  if (axis == Axis::rz)
+    return std::make_unique<TurnStop>(site.name, site.p(), site.s(), TurnStop::Options{.limit = limit, .low = low});
+  return std::make_unique<SlideStop>(site.name, site.p(), site.s(),
+                                     SlideStop::Options{.axis = index(axis), .limit = limit, .low = low});
 }
 
 }  // namespace lockstep

@@ -10,7 +10,7 @@ namespace lockstep {
 
 /// (7.4) phi = x_S . y_P = 2 (e1 e2 - e0 e3): the two pins of the cross stay normal to each other.
 struct Cross {
-  static constexpr Needs kNeeds = Needs::rotation;
+  static constexpr Reads kReads = Reads::rotation;
   static constexpr std::array<const char*, 1> kNames = {"cross"};
   template <class T>
   T operator()(const LockCoords<T>& y) const {

@@ -49,24 +49,4 @@ inline void add_rotation_stiffness(const Inputs& in, int slot1, int slot2, const
   out.add_K(slot2, Half::turn, slot1, Half::turn, K12.transpose());
 }
 
-/// (9.11) A function phi of the raw coordinates y, times its multiplier: phi_y and phi_yy come multiplied.
-///
-///   K = Jh_y^T phi_yy Jh_y + K_lock( lt = phi_rho, L = phi_e ),  p = 0, q_D = 1
-inline void add_function_stiffness(const Inputs& in, int slot1, int slot2, const MarkerMotion& P, const MarkerMotion& S,
-                                   const LockPoint& y, Needs needs, const Vec7T<double>& phi_y,
-                                   const Eigen::Matrix<double, 7, 7>& phi_yy, TangentSum& out) {
-  Eigen::Matrix<double, 7, 6> J1, J2;
-  J1 << y.Jv1, y.Jw1;
-  J2 << -y.Jv1, y.Jw2;
-  const Eigen::Matrix<double, 7, 6> H1 = phi_yy * J1, H2 = phi_yy * J2;
-  out.add_K(slot1, slot1, J1.transpose() * H1);
-  out.add_K(slot1, slot2, J1.transpose() * H2);
-  out.add_K(slot2, slot1, J2.transpose() * H1);
-  out.add_K(slot2, slot2, J2.transpose() * H2);
-  if (unsigned(needs) & unsigned(Needs::translation))
-    add_translation_stiffness(in, slot1, slot2, P, S, phi_y.head<3>(), out);
-  if (unsigned(needs) & unsigned(Needs::rotation))
-    add_rotation_stiffness(in, slot1, slot2, P, S, Quat{}, Quat::from(phi_y.tail<4>()), out);
-}
-
 }  // namespace lockstep

@@ -1,40 +1,75 @@
 #include "framework/mechanism/lock/lock.h"
 
-#include <algorithm>
+#include <cmath>
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
 
 namespace lockstep {
+
+namespace {
+
+[[noreturn]] void refuse(const Lock& link, const std::string& problem) {
+  throw ModelError(
+      "link '" + link.name() + "' " + problem,
+      {.thing = {.kind = "link", .name = link.name(), .type = std::string(link.type()), .origin = link.origin()}});
+}
+
+}  // namespace
 
 Lock::Lock(std::string name) : name_(std::move(name)) {}
 Lock::~Lock() = default;
 
-int Lock::drive_row(int) const { return -1; }
-int Lock::n_drives() const { return 0; }
-Quantity Lock::drive(int) const { return {}; }
-void Lock::breakpoints(double, double, std::vector<double>&) const {}
-std::string Lock::blame(double) const { return {}; }
-std::vector<Quantity> Lock::quantities() const { return {}; }
-double Lock::quantity(int, const Inputs&) const { return 0; }
+void Lock::set_unilateral(const Unilateral& u) {
+  if (!(u.restitution >= 0 && u.restitution <= 1))
+    refuse(*this, "is one-sided with restitution " + brief(u.restitution) + "; it must lie between 0 and 1");
+  if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
+    refuse(*this, "is one-sided with rest_speed " + brief(u.rest_speed) +
+                      "; it must be above zero, or bounces would never end");
+  unilateral_ = u;
+}
 
-void Lock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
+void Lock::setup() {
+  plan_ = plan_rows();
+  const std::string rows = std::to_string(row_count()) + " rows; ";
+  if (row_count() < 1 || row_count() > kMaxRows)
+    refuse(*this,
+           "has " + rows + "a link has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
+  if (unilateral_ && row_count() != 1)
+    refuse(*this, "is one-sided and has " + rows +
+                      "a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+                      "point_on_plane, or a lock with a mask of one word");
+}
+
+void Lock::place(int number, int first_state, int first_memory) {
+  number_ = number;
+  first_state_ = first_state;
+  first_memory_ = first_memory;
+}
+
+// ------------------------------------------------------------------------------------------------------------- tangent
+
+void add_tangent(const Lock& link, const Inputs& in, std::span<const double> lambda, TangentSum& out) {
+  if (const TangentFormula* formula = link.tangent_formula())
+    formula->tangent(in, lambda, out);
+  else
+    difference_tangent(link, in, lambda, out);
+}
+
+void difference_tangent(const Lock& link, const Inputs& in, std::span<const double> lambda, TangentSum& out) {
   Differences& scratch = out.differences(in);
   Inputs at = in;
   at.motions = scratch.motions;
-  RowTable& rows = scratch.rows;
-  rows.entries.resize(1);
-  RowEntry& entry = rows.entries.front();
-  entry.link = number_, entry.m = row_count(), entry.slots = slots();
-  entry.layout = layout(), entry.sign = row_sign();
-  for (int k = 0; k < entry.m; ++k) entry.kind[static_cast<std::size_t>(k)] = row_kind(k);
-  rows.lay_out();
-  const SlotList& on = entry.slots;
-  const Lock* self = this;
+  const RowShape shape = link.shape();
+  const SlotList& on = link.slots();
+  const Lock* const one = &link;
 
   Eigen::Matrix<double, 6 * kMaxSlots, 1> column;
   const auto add_force = [&](double factor) {  // Jh^T lambda of the moved pose
-    gather(Group(&self, 1), at, rows.span(entry));
-    const RowBlock block = rows.block(entry);
+    link.gather(Group(&one, 1), at, scratch.rows.spatial_span(shape));
+    const RowBlock block = scratch.rows.spatial(shape);
     for (int i = 0; i < on.n; ++i)
-      for (int k = 0; k < entry.m; ++k) {
+      for (int k = 0; k < shape.m; ++k) {
         const auto r = block.J(i, k);
         for (int j = 0; j < 6; ++j) column[6 * i + j] += factor * lambda[static_cast<std::size_t>(k)] * r[j];
       }
@@ -58,18 +93,6 @@ void Lock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum&
         out.add_K(on[i], on[j], K);
       }
     }
-}
-
-void Lock::start_states(std::span<double> s) const { std::fill(s.begin(), s.end(), 0.0); }
-void Lock::state_rates(const Inputs&, std::span<double> sd) const { std::fill(sd.begin(), sd.end(), 0.0); }
-void Lock::engage(const Inputs&, std::span<double>) const {}
-void Lock::start_memory(std::span<double> z) const { std::fill(z.begin(), z.end(), 0.0); }
-void Lock::accept(const Inputs&, std::span<double>) const {}
-
-void Lock::place(int number, int first_state, int first_memory) {
-  number_ = number;
-  first_state_ = first_state;
-  first_memory_ = first_memory;
 }
 
 }  // namespace lockstep

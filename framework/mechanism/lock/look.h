@@ -12,7 +12,7 @@ template <class T>
 using Mat73T = Eigen::Matrix<T, 7, 3>;
 
 /// Which coordinates are wanted; the others stay unset and cost nothing.
-enum class Needs { translation = 1, rotation = 2, both = 3 };
+enum class Reads { translation = 1, rotation = 2, both = 3 };
 
 /// y = (x y z | e0 e1 e2 e3): position of P in S axes, relative quaternion r = q_S' q_2' q_1 q_P; yd, partial Ct and
 /// Qhat; jacobians on v1 (world), w1, w2 (slot axes); those on v2 are minus those on v1.
@@ -26,11 +26,11 @@ using LockPoint = LockPointT<double>;
 /// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers that stand still on their bodies.
 template <class T>
 inline LockPointT<T> look(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                          const MarkerMotionT<T>& S, unsigned laws, Needs needs = Needs::both) {
+                          const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
   constexpr unsigned kStill = with::rates | with::scalar_row;
   constexpr unsigned kMoving = kStill | with::uP | with::qP | with::uS | with::qS;
   LockPointT<T> L;
-  if (unsigned(needs) & unsigned(Needs::translation)) {
+  if (unsigned(which) & unsigned(Reads::translation)) {
     TranslationRowsT<T> r;
     if (laws)
       translation<kMoving>(O1, O2, P, S, {}, Mask::xyz, r);
@@ -40,7 +40,7 @@ inline LockPointT<T> look(const MotionT<T>& O1, const MotionT<T>& O2, const Mark
     L.Ct.template head<3>() = r.Ct, L.Qhat.template head<3>() = r.Qhat;
     L.Jv1.template topRows<3>() = r.Jv, L.Jw1.template topRows<3>() = r.Jw1, L.Jw2.template topRows<3>() = r.Jw2;
   }
-  if (unsigned(needs) & unsigned(Needs::rotation)) {
+  if (unsigned(which) & unsigned(Reads::rotation)) {
     RotationRowsT<T> r;
     if (laws)
       rotation<kMoving>(O1, O2, P, S, {}, Mask::e123, r);

@@ -51,15 +51,26 @@ struct MarkerInWorld {
   Vec3 x, v, w;
   Mat3 A;
 };
+/// A marker on its slot at one instant, on any scalar; each quantity is computed when asked for.
+template <class T>
+struct MarkerOn {
+  const MotionT<T>& slot;
+  MarkerMotion marker;
+
+  Mat3T<T> A() const { return slot.A * marker.A; }                         ///< marker axes -> world
+  Vec3T<T> axis(int k) const { return slot.A * marker.A.col(k); }          ///< column k of A
+  Vec3T<T> x() const { return slot.x + slot.A * marker.u; }                ///< origin, world, m
+  Vec3T<T> v() const { return slot.v + slot.A * (cross(slot.w, marker.u) + marker.ud); }  ///< its velocity, m/s
+  Vec3T<T> w() const { return slot.A * (slot.w + marker.A * marker.w); }   ///< angular velocity, world, rad/s
+  QuatT<T> q() const { return slot.e * QuatT<T>{marker.q.w, marker.q.x, marker.q.y, marker.q.z}; }
+  /// Velocity (world) of the point of the slot that is at x now.
+  Vec3T<T> slot_velocity(const Vec3T<T>& at) const { return slot.v + cross(slot_rate(), Vec3T<T>(at - slot.x)); }
+  /// Angular velocity of the slot, world axes.
+  Vec3T<T> slot_rate() const { return slot.A * slot.w; }
+};
 inline MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
-  const Motion& O = in.slot(f.slot);
-  const MarkerMotion m = f.at(in.t);
-  MarkerInWorld r;
-  r.A = O.A * m.A;
-  r.x = O.x + O.A * m.u;
-  r.v = O.v + O.A * (cross(O.w, m.u) + m.ud);
-  r.w = O.A * O.w + r.A * m.w;
-  return r;
+  const MarkerOn<double> m{in.slot(f.slot), f.at(in.t)};
+  return {m.x(), m.v(), m.w(), m.A()};
 }
 
 }  // namespace lockstep

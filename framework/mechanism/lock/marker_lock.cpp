@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
-#include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/marker_lock_gather.h"
-#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/clones.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/lock/dispatch.h"
+#include "framework/mechanism/lock/marker_lock_gather.h"
+#include "framework/mechanism/lock/pair_setup.h"
+#include "framework/mechanism/model/law_fault.h"
 
 namespace lockstep {
 
@@ -19,7 +20,7 @@ MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
 MarkerLock::~MarkerLock() = default;
 
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
-  if (slots_.n == 0) return;
+  if (slots().n == 0) return;
   throw ModelError("link '" + name() + "': " + what +
                    " comes after the system was set up, when its rows are counted already; "
                    "give every law before the first evaluation");
@@ -64,27 +65,11 @@ void MarkerLock::add_drive(Drive drive) {
   drives_.push_back(std::move(drive));
 }
 
-RowKind MarkerLock::row_kind(int k) const {
-  return row_[static_cast<std::size_t>(k)] < 3 ? RowKind::translation : RowKind::rotation;
-}
-std::string MarkerLock::row_name(int k) const {
-  return std::string(lockstep::row_name(row_[static_cast<std::size_t>(k)]));
-}
-
-int MarkerLock::drive_row(int k) const {
-  for (std::size_t d = 0; d < drives_.size(); ++d)
-    if (index(drives_[d].axis) == row_[static_cast<std::size_t>(k)]) return static_cast<int>(d);
-  return -1;
-}
-
-std::string MarkerLock::blame(double t) const {
+std::string MarkerLock::diagnose(double t) const {
   for (const Drive& d : drives_)
-    if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), *d.law, t); !f.empty())
-      return f;
-  if (move_)
-    if (std::string f = law_fault("the imposed translation law", *move_, t); !f.empty()) return f;
-  if (turn_)
-    if (std::string f = law_fault("the imposed rotation law", *turn_, t); !f.empty()) return f;
+    if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), d.law, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed translation law", move_, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed rotation law", turn_, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() ? marker_fault(*s_, t) : at_p;
 }
@@ -102,30 +87,28 @@ void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) con
   for (const Drive& d : drives_) d.law->breakpoints(t0, t1, out);
 }
 
-void MarkerLock::refuse_particles(const std::string& rows) const {
-  for (const Marker* m : {p_, s_})
-    if (m->body->freedoms == Freedoms::particle)
-      throw ModelError(
-          "link '" + name() + "' holds turns (" + rows + ") of '" + m->body->name +
-          "', which is a particle and does not turn; give it an inertia, or take a link that leaves turns free");
-}
-
-void MarkerLock::setup() {
-  if (any(rows_, Mask::e123)) refuse_particles(to_string(rows_ & Mask::e123));
+RowPlan MarkerLock::plan_rows() {
+  if (any(rows_, Mask::e123)) refuse_particles(name(), to_string(rows_ & Mask::e123), *p_, *s_);
   P_ = MarkerFrame(*p_);
   S_ = MarkerFrame(*s_);
-  slots_ = {};
-  slots_.add(P_.slot);
-  slots_.add(S_.slot);
-  if (slots_.n == 0)
+  RowPlan plan;
+  plan.slots.add(P_.slot);
+  plan.slots.add(S_.slot);
+  if (plan.slots.n == 0)
     throw ModelError("link '" + name() + "': neither '" + p_->body->name + "' nor '" + s_->body->name +
                      "' can move; join at least one moving body");
-  side1_ = slots_.position(P_.slot);
-  side2_ = slots_.position(S_.slot);
+  side1_ = plan.slots.position(P_.slot);
+  side2_ = plan.slots.position(S_.slot);
 
   n_rows_ = 0;
-  for (int k = 0; k < 6; ++k)
-    if (has(rows_, row_bit(k))) row_[static_cast<std::size_t>(n_rows_++)] = k;
+  for (int k = 0; k < 6; ++k) {
+    if (!has(rows_, row_bit(k))) continue;
+    row_[static_cast<std::size_t>(n_rows_++)] = k;
+    const auto driven =
+        std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return index(d.axis) == k; });
+    plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
+                         driven == drives_.end() ? -1 : static_cast<int>(driven - drives_.begin())});
+  }
 
   laws_ = with::nothing;
   if (P_.slide) laws_ |= with::uP;
@@ -136,12 +119,15 @@ void MarkerLock::setup() {
   if (turn_) laws_ |= with::qD;
   for (const Drive& d : drives_) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
   if (P_.parallel() && S_.parallel()) laws_ |= with::parallel;
-  const unsigned sides = (side1_ < 0 ? 1u : 0u) | (side2_ < 0 ? 2u : 0u);
-  pattern_ = laws_ | static_cast<unsigned>(rows_) << 8 | static_cast<unsigned>(mask_) << 14 | sides << 20;
+  const auto grounded = static_cast<unsigned char>((side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0));
+  plan.pattern = {laws_, rows_, mask_, grounded};
+  plan.layout = has(rows_, Mask::xyz) ? RowLayout::triple : RowLayout::dense;
+  plan.sign = side1_ >= 0 ? 1.0 : -1.0;
 
   speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
   for (const Drive& d : drives_)
-    if (d.speed) speed_start_[static_cast<std::size_t>(d.state)] = coordinate(d, start_pose(), 0.0);
+    if (d.speed) speed_start_[static_cast<std::size_t>(d.state)] = coordinate(d, pose_at_start(*p_, *s_, P_, S_), 0.0);
+  return plan;
 }
 
 /// rho_k, or the turn of P against S (turned by q_D) about the axis.
@@ -161,14 +147,6 @@ void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
   const Pose rel = inverse(pose_of(S_)) * pose_of(P_);
   for (const Drive& d : drives_)
     if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, in.t);
-}
-
-Pose MarkerLock::start_pose() const {
-  const auto in_world = [](const Marker& m, const MarkerMotion& k) {
-    const Pose slot = m.body->slot == kGround ? Pose{} : m.body->home * inverse(m.body->in_slot);
-    return slot * Pose{k.u, k.q};
-  };
-  return inverse(in_world(*s_, S_.at(0.0))) * in_world(*p_, P_.at(0.0));
 }
 
 void MarkerLock::start_states(std::span<double> s) const {

@@ -19,66 +19,68 @@ struct Drive {
   int state = 0;       ///< then: which of the link's states
 };
 
-class LOCKSTEP_API MarkerLock : public Lock {
+class LOCKSTEP_API MarkerLock : public Lock,
+                                public Jointed,
+                                public Driven,
+                                public Stateful,
+                                public Planar,
+                                public TangentFormula {
  public:
   /// P on O1, S on O2; rows of `mask` hold P at S. Both markers' bodies must differ.
   MarkerLock(std::string name, Marker& p, Marker& s, Mask mask);
   ~MarkerLock() override;
 
   // -- laws; before the system is set up
-  void move(LawPtr<TranslationLaw> law);  ///< p(t), S axes: where P is held, on the rows x y z of the mask
-  void turn(LawPtr<RotationLaw> law);     ///< q_D(t): P is held at S turned by it
+  void move(LawPtr<TranslationLaw> law) override;  ///< p(t), S axes: where P is held, on the rows x y z of the mask
+  void turn(LawPtr<RotationLaw> law) override;     ///< q_D(t): P is held at S turned by it
   /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other
   /// two turns are not held has no axis of its own.
-  void drive(Axis axis, LawPtr<MotionLaw> law);
+  void drive(Axis axis, LawPtr<MotionLaw> law) override;
   /// The same with the speed given, m/s or rad/s; the coordinate starts where the mechanism does and is integrated.
-  void drive_speed(Axis axis, LawPtr<MotionLaw> law);
+  void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
 
-  bool turned() const { return turn_ != nullptr; }  ///< whether turn() imposed a law
-  Mask mask() const { return mask_; }               ///< the joint's own rows
-  Mask rows() const { return rows_; }               ///< with the drives'
+  bool turned() const override { return turn_ != nullptr; }
+  Mask mask() const override { return mask_; }
+  Mask rows() const override { return rows_; }
+  /// with::Bits of the laws present, and of parallel markers; after setup().
+  unsigned laws() const { return laws_; }
   const Marker& p() const { return *p_; }
   const Marker& s() const { return *s_; }
 
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
-  int row_count() const override { return n_rows_; }
-  RowKind row_kind(int k) const override;
-  std::string row_name(int k) const override;
-  int drive_row(int k) const override;
-  int n_drives() const override { return static_cast<int>(drives_.size()); }
-  Quantity drive(int d) const override;
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  std::string blame(double t) const override;
-
-  void setup() override;
-  SlotList slots() const override { return slots_; }
-  unsigned pattern() const override { return pattern_; }
-  /// A class that adds rows of its own has columns on v, unless it says otherwise.
-  RowLayout layout() const override {
-    return has(rows_, Mask::xyz) && row_count() == n_rows_ ? RowLayout::triple : RowLayout::dense;
-  }
-  double row_sign() const override { return side1_ >= 0 ? 1.0 : -1.0; }
   void gather(Group, const Inputs&, RowSpan out) const override;
-  bool setup_plane(Plane) override;
-  RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
-  void gather_plane(Group, const Inputs&, RowSpan out) const override;
-  void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
-
-  bool bolts() const override {
+  bool is_weld() const override {
     return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide &&
            !s_->spin;
   }
+
+  // -- facets
+  const Jointed* jointed() const override { return this; }
+  Jointed* jointed() override { return this; }
+  const Driven* driven() const override { return this; }
+  const Stateful* stateful() const override { return this; }
+  const Planar* planar() const override { return this; }
+  Planar* planar() override { return this; }
+  const TangentFormula* tangent_formula() const override { return this; }
+
+  int n_drives() const override { return static_cast<int>(drives_.size()); }
+  Quantity drive(int d) const override;
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
+  std::string diagnose(double t) const override;
 
   int n_states() const override { return n_speeds_; }
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;
   void engage(const Inputs&, std::span<double> s) const override;
 
+  bool setup_plane(Plane) override;
+  RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
+  void gather_plane(Group, const Inputs&, RowSpan out) const override;
+  void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
+
  protected:
-  /// Throws ModelError when a particle is asked to hold a turn: by `rows`, or by a function of the turn ("phi").
-  void refuse_particles(const std::string& rows) const;
-  /// P seen from S in the home poses, the markers' own laws at t = 0 included.
-  Pose start_pose() const;
+  /// A class with rows of its own adds them to what this returns.
+  RowPlan plan_rows() override;
 
  private:
   friend struct MarkerLockGather;
@@ -97,11 +99,10 @@ class LOCKSTEP_API MarkerLock : public Lock {
 
   // made by setup()
   MarkerFrame P_, S_;
-  SlotList slots_;
-  int side1_ = -1, side2_ = -1;  // where O1 and O2 stand in slots_; -1: the ground
+  int side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
   int n_rows_ = 0;
-  std::array<int, 6> row_{};         // row k of the link is row row_[k] of the lock
-  unsigned pattern_ = 0, laws_ = 0;  // with::Bits of the laws present
+  std::array<int, 6> row_{};  // row k of the link is row row_[k] of the lock
+  unsigned laws_ = 0;         // with::Bits of the laws present
   std::vector<double> speed_start_;
 
   /// The lock in the plane of a planar mechanism: numbers where the plane's i and j stand for x and y.

@@ -19,6 +19,10 @@ int position(const std::array<std::string_view, 6>& words, std::string_view word
 std::string listed(const std::array<std::string_view, 6>& words) {
   return join(std::vector<std::string>(words.begin(), words.end()));
 }
+
+[[noreturn]] void refuse(const std::string& key, const std::string& problem) {
+  throw ParameterError({}, key, problem);
+}
 }  // namespace
 
 Mask mask_from(std::string_view words) {
@@ -31,9 +35,9 @@ Mask mask_from(std::string_view words) {
     words.remove_prefix(word.size());
     const int k = position(kRows, word);
     if (k < 0)
-      throw ModelError("mask: unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
+      refuse("mask", "has the unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
     if (has(mask, row_bit(k)))
-      throw ModelError("mask: row \"" + std::string(word) + "\" is named twice; name each row once");
+      refuse("mask", "names row \"" + std::string(word) + "\" twice; name each row once");
     mask = mask | row_bit(k);
   }
 }
@@ -47,7 +51,7 @@ std::string to_string(Mask mask) {
 
 Axis axis_from(std::string_view word) {
   const int k = position(kAxes, word);
-  if (k < 0) throw ModelError("axis: unknown axis \"" + std::string(word) + "\"; an axis is one of " + listed(kAxes));
+  if (k < 0) refuse("axis", "is \"" + std::string(word) + "\"; an axis is one of " + listed(kAxes));
   return Axis(k);
 }
 

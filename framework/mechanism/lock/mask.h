@@ -40,10 +40,10 @@ constexpr bool is_rotation(Axis a) { return index(a) >= 3; }
 /// The row that a drive on this axis adds.
 constexpr Mask row_of(Axis a) { return row_bit(index(a)); }
 
-/// "x y z e1 e2" -> Mask; throws ModelError naming the word that is none.
+/// "x y z e1 e2" -> Mask; throws ParameterError (key "mask") naming the word that is not a row.
 LOCKSTEP_API Mask mask_from(std::string_view words);
 LOCKSTEP_API std::string to_string(Mask);
-/// "x", "rz" -> Axis; throws ModelError.
+/// "x", "rz" -> Axis; throws ParameterError (key "axis").
 LOCKSTEP_API Axis axis_from(std::string_view word);
 LOCKSTEP_API std::string_view to_string(Axis);
 /// "x" "y" "z" "e1" "e2" "e3" for k = 0..5.

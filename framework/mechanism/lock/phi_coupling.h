@@ -4,7 +4,7 @@
 //   struct Mesh {
 //     double r1, r2;
 //     static constexpr int kPairs = 2;
-//     static constexpr Needs kNeeds = Needs::rotation;
+//     static constexpr Reads kReads = Reads::rotation;
 //     static constexpr bool kCountsTurns = true;
 //     template <class T> T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
 //       return r1 * a.angle_z() + r2 * b.angle_z();
@@ -21,79 +21,93 @@
 #include <utility>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/lock/lock.h"
 #include "framework/mechanism/lock/phi_function.h"
 #include "framework/mechanism/params/site.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
-/// Where a coupling stands that takes the markers of these joints:
-/// sys.add(std::make_unique<Gear>(across("mesh", {one, two}), 2.0)).
-inline Site across(std::string name, std::initializer_list<std::reference_wrapper<const Lock>> joints) {
-  Site site;
-  site.name = std::move(name);
-  for (const Lock& joint : joints) {
-    const auto [p, s] = joint.pairs().front();
-    site.pairs.emplace_back(const_cast<Marker*>(p), const_cast<Marker*>(s));  // a coupling only looks at them
+/// The pairs of markers that a coupling takes, which it only reads: those of a site, or of joints (across).
+struct CoupledPairs {
+  std::string name;  ///< of the coupling
+  std::vector<std::pair<const Marker*, const Marker*>> pairs;
+
+  explicit CoupledPairs(std::string of) : name(std::move(of)) {}
+  CoupledPairs(const Site& site)
+      : name(site.name), pairs(site.pairs.begin(), site.pairs.end()) {}  // NOLINT: a site is one
+  /// Of pair k; throw ModelError when the marker is not given.
+  const Marker& p(std::size_t k) const {
+    return Site::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
   }
-  return site;
+  const Marker& s(std::size_t k) const {
+    return Site::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k);
+  }
+};
+
+/// The first pairs of these joints: sys.add(std::make_unique<Gear>(across("mesh", {one, two}), Gear::Settings{2.0})).
+inline CoupledPairs across(std::string name, std::initializer_list<std::reference_wrapper<const Lock>> joints) {
+  CoupledPairs coupled(std::move(name));
+  for (const Lock& joint : joints) coupled.pairs.push_back(joint.pairs().front());
+  return coupled;
 }
 
 /// Rows: those of phi. Derive, give it a type() and, for files, info() with the number of pairs, and make(). What phi
 /// may say about itself: PhiTraits.
 template <class Phi>
-class PhiCoupling : public Lock {
+class PhiCoupling : public Lock, public Driven, public Remembering, public TangentFormula {
   using Function = PhiFunction<Phi>;
   using Traits = PhiTraits<Phi>;
 
  public:
-  /// Takes kPairs pairs of the site, P before S. Throws ModelError when one is missing.
-  PhiCoupling(const Site& site, Phi phi) : Lock(site.name), function_(std::move(phi), pairs_of(site)) {}
+  /// Takes kPairs pairs, P before S. Throws ModelError when one is missing.
+  PhiCoupling(const CoupledPairs& coupled, Phi phi)
+      : Lock(coupled.name), function_(std::move(phi), pairs_of(coupled)) {}
 
   const Phi& phi() const { return function_.phi(); }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override {
     return {function_.pairs().begin(), function_.pairs().end()};
   }
-  int row_count() const override { return Function::kRows; }
-  RowKind row_kind(int) const override { return Traits::kKind; }
-  std::string row_name(int k) const override { return Traits::row_name(k); }
+  void gather(Group links, const Inputs& in, RowSpan out) const override {
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const auto& link = static_cast<const PhiCoupling&>(*links[i]);
+      link.function_.fill(in, link.memory(in), link.slots(), 0, out.lane(i));
+    }
+  }
+
+  const TangentFormula* tangent_formula() const override { return this; }
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
+    function_.tangent(in, memory(in), lambda.data(), out);
+  }
+
+  const Driven* driven() const override { return this; }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     for (const auto& [p, s] : function_.pairs())
       MarkerFrame(*p).breakpoints(t0, t1, out), MarkerFrame(*s).breakpoints(t0, t1, out);
     function_.breakpoints(t0, t1, out);
   }
-  std::string blame(double t) const override { return function_.blame(t); }
+  std::string diagnose(double t) const override { return function_.diagnose(t); }
 
-  void setup() override {
-    function_.setup(name());
-    slots_ = {};
-    function_.add_slots(slots_);
-    if (slots_.n == 0)
-      throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
-  }
-  SlotList slots() const override { return slots_; }
-
-  void gather(Group links, const Inputs& in, RowSpan out) const override {
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const auto& link = static_cast<const PhiCoupling&>(*links[i]);
-      link.function_.fill(in, link.memory(in), link.slots_, 0, out.lane(i));
-    }
-  }
-  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
-    function_.tangent(in, memory(in), lambda.data(), out);
-  }
-
+  const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
   int n_memory() const override { return Function::kMemory; }
-  void start_memory(std::span<double> z) const override { function_.begin(z); }
-  void accept(const Inputs& in, std::span<double> z) const override { function_.remember(in, z); }
+  void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
 
  protected:
+  RowPlan plan_rows() override {
+    function_.setup(name());
+    RowPlan plan;
+    function_.add_slots(plan.slots);
+    if (plan.slots.n == 0)
+      throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
+    for (int k = 0; k < Function::kRows; ++k) plan.add(Traits::row(k));
+    return plan;
+  }
   const Function& function() const { return function_; }
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
-  static typename Function::Pairs pairs_of(const Site& site) {
+  static typename Function::Pairs pairs_of(const CoupledPairs& site) {
     typename Function::Pairs pairs;
     std::vector<const Body*> seen;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -118,7 +132,6 @@ class PhiCoupling : public Lock {
   }
 
   Function function_;
-  SlotList slots_;
 };
 
 }  // namespace lockstep

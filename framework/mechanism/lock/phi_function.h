@@ -2,17 +2,21 @@
 // (7.2), (7.3)). PhiLock and PhiCoupling are links around it.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/lock/geometric_stiffness.h"
 #include "framework/mechanism/lock/marker_frame.h"
-#include "framework/mechanism/lock/phi.h"
+#include "framework/mechanism/lock/pair_setup.h"
+#include "framework/mechanism/lock/phi_check.h"
 #include "framework/mechanism/lock/relative.h"
-#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 
@@ -20,6 +24,9 @@ template <class Phi>
 class PhiFunction {
  public:
   using Traits = PhiTraits<Phi>;
+  using Hooks = phi_check::Hooks<Phi>;
+  static_assert(phi_check::Spelling<Phi>::kChecked && Hooks::kChecked && phi_check::Reading<Phi>::kChecked);
+  static_assert(phi_check::names_fit<Phi>(), "kNames has one name for each of the kRows rows");
   static constexpr int kPairs = Traits::kPairs, kRows = Traits::kRows;
   using Grad = Jet<Traits::kWidth>;
   using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;
@@ -36,18 +43,15 @@ class PhiFunction {
     moving_ = false;
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
       const auto [p, s] = pairs_[k];
-      if (Traits::needs(static_cast<int>(k), Needs::rotation)) refuse_particles(link, *p, *s);
+      if (Traits::reads(static_cast<int>(k), Reads::rotation)) refuse_particles(link, "phi", *p, *s);
       Side& side = sides_[k];
       side.P = MarkerFrame(*p), side.S = MarkerFrame(*s);
       moving_ = moving_ || side.P.slide || side.P.spin || side.S.slide || side.S.spin;
     }
-    const Coords<Time> y = at_home();
+    const Coords<Time> y = at_start();
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);
-    std::apply(
-        [&](const auto&... each) {
-          if constexpr (requires { phi_.at_home(link, each...); }) phi_.at_home(link, each...);
-        },
-        y);
+    if constexpr (Hooks::kInitialises) std::apply([&](const auto&... each) { phi_.initialise(link, each...); }, y);
+    if constexpr (kPairs > 1) refuse_unread(link, y);
   }
   void add_slots(SlotList& slots) const {
     for (const Side& side : sides_) slots.add(side.P.slot), slots.add(side.S.slot);
@@ -55,14 +59,14 @@ class PhiFunction {
 
   // -- laws
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
-    if constexpr (requires { phi_.breakpoints(t0, t1, out); }) phi_.breakpoints(t0, t1, out);
+    if constexpr (Hooks::kHasBreakpoints) phi_.breakpoints(t0, t1, out);
   }
-  std::string blame(double t) const {
-    if constexpr (requires { phi_.blame(t); }) return phi_.blame(t);
+  std::string diagnose(double t) const {
+    if constexpr (Hooks::kDiagnoses) return phi_.diagnose(t);
     return {};
   }
 
-  // -- evaluation; `memory`: what remember() and begin() wrote
+  // -- evaluation; `memory`: what start_memory() and accept_step() wrote
   /// Rows first, first + 1, ... of the block: each number of them.
   ///
   ///   (7.2)  C = phi,  Ct = phi_y Ct_y + phi_t,  Jh = phi_y Jh_y,  Qhat = phi_y Qhat_y - phi'' along the motion
@@ -87,9 +91,9 @@ class PhiFunction {
       for (int r = 0; r < kRows; ++r) part<k>(phi_y) += lambda[r] * gradient<k>(f[static_cast<std::size_t>(r)]);
       const Side& side = sides_[k];
       const MarkerMotion P = side.P.at(in.t), S = side.S.at(in.t);
-      if (Traits::needs(k, Needs::translation))
+      if (Traits::reads(k, Reads::translation))
         add_translation_stiffness(in, side.P.slot, side.S.slot, P, S, phi_y.template head<3>(), out);
-      if (Traits::needs(k, Needs::rotation))
+      if (Traits::reads(k, Reads::rotation))
         add_rotation_stiffness(in, side.P.slot, side.S.slot, P, S, Quat{}, Quat::from(phi_y.template tail<4>()), out);
     });
     for (int a = 0; a < 2 * kPairs; ++a)
@@ -99,33 +103,28 @@ class PhiFunction {
   }
 
   // -- memory: for each pair that counts turns the last angle, its rate and instant; then phi's own numbers
-  static constexpr int kAngles = Traits::kCountsTurns ? 3 * kPairs : 0;
-  static constexpr int kOwn = [] {
-    if constexpr (requires { Phi::kMemory; }) return int(Phi::kMemory);
-    return 0;
-  }();
+  static constexpr int kAngles = 3 * Traits::counted(kPairs);
+  static constexpr int kOwn = Traits::kMemory;
   static constexpr int kMemory = kAngles + kOwn;
 
-  void begin(std::span<double> z) const {
-    const Coords<Time> y = at_home();
-    if constexpr (Traits::kCountsTurns)
-      for (std::size_t k = 0; k < y.size(); ++k) z[3 * k] = y[k].angle_z().v, z[3 * k + 1] = z[3 * k + 2] = 0;
-    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.begin(z.subspan(kAngles), each...); }, y);
+  void start_memory(std::span<double> z) const {
+    const Coords<Time> y = at_start();
+    each_counted([&](auto k, std::size_t at) { z[at] = y[k].angle_z().v, z[at + 1] = z[at + 2] = 0; });
+    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.reset(z.subspan(kAngles), each...); }, y);
   }
-  void remember(const Inputs& in, std::span<double> z) const {
+  void accept_step(const Inputs& in, std::span<double> z) const {
     const Coords<Time> y = along_motion(in, z.data());
-    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.remember(z.subspan(kAngles), each...); }, y);
-    if constexpr (Traits::kCountsTurns)
-      for (std::size_t k = 0; k < y.size(); ++k) {
-        const Time angle = y[k].angle_z();
-        z[3 * k] = angle.v, z[3 * k + 1] = angle.d, z[3 * k + 2] = in.t;
-      }
+    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.accept_step(z.subspan(kAngles), each...); }, y);
+    each_counted([&](auto k, std::size_t at) {
+      const Time angle = y[k].angle_z();
+      z[at] = angle.v, z[at + 1] = angle.d, z[at + 2] = in.t;
+    });
   }
 
-  /// tell(phi, y...) with the coordinates as they move: value and rate of each; for channels of the link's own.
-  template <class Tell>
-  auto seen(const Inputs& in, const double* memory, Tell&& tell) const {
-    return std::apply([&](const auto&... each) { return tell(phi_, each...); }, along_motion(in, memory));
+  /// f(phi, y...) with the coordinates as they move: value and rate of each; for channels of the link's own.
+  template <class F>
+  auto seen(const Inputs& in, const double* memory, F&& f) const {
+    return std::apply([&](const auto&... each) { return f(phi_, each...); }, along_motion(in, memory));
   }
 
  private:
@@ -143,6 +142,13 @@ class PhiFunction {
     [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>{}), ...); }
     (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
   }
+  /// f(k, number of its angle in the memory) for each pair k whose turns are counted.
+  template <class F>
+  static void each_counted(F&& f) {
+    each_pair([&](auto k) {
+      if constexpr (Traits::counts(k)) f(k, static_cast<std::size_t>(3 * Traits::counted(k)));
+    });
+  }
   /// Those of the seven numbers of pair k that phi reads.
   template <int k, class V>
   static auto part(V&& seven) {
@@ -159,22 +165,25 @@ class PhiFunction {
       const Side& side = sides_[static_cast<std::size_t>(k)];
       y[static_cast<std::size_t>(k)] =
           look(in.slot(side.P.slot), in.slot(side.S.slot), side.P.at(in.t), side.S.at(in.t), moving_ ? 1u : 0u,
-               Traits::kNeeds[static_cast<std::size_t>(k)]);
+               Traits::kReads[static_cast<std::size_t>(k)]);
     }
     return y;
   }
 
   template <class T>
   void expect(LockCoords<T>& y, std::size_t k, double t, const double* memory) const {
-    if constexpr (Traits::kCountsTurns) y.near_angle = memory[3 * k] + memory[3 * k + 1] * (t - memory[3 * k + 2]);
+    if (Traits::counts(static_cast<int>(k))) {
+      const double* a = memory + 3 * Traits::counted(static_cast<int>(k));
+      y.near_angle = a[0] + a[1] * (t - a[2]);
+    }
     if constexpr (kOwn > 0) y.memory = memory + kAngles;
   }
   /// Coordinates of pair k; `variable(n, i)` makes number n of the variables, coordinate i of the pair.
   template <int k, class T, class Variable>
   void place(LockCoords<T>& c, double t, const T& time, const double* memory, Variable&& variable) const {
     const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i); };
-    if constexpr (Traits::needs(k, Needs::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
-    if constexpr (Traits::needs(k, Needs::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
+    if constexpr (Traits::reads(k, Reads::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
+    if constexpr (Traits::reads(k, Reads::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
     c.t = time;
     expect(c, k, t, memory);
   }
@@ -196,10 +205,10 @@ class PhiFunction {
     }
     return y;
   }
-  Coords<Time> at_home() const {
+  Coords<Time> at_start() const {
     Coords<Time> y;
     for (std::size_t k = 0; k < y.size(); ++k) {
-      const Pose rel = start_of(*pairs_[k].first, *pairs_[k].second, sides_[k]);
+      const Pose rel = pose_at_start(*pairs_[k].first, *pairs_[k].second, sides_[k].P, sides_[k].S);
       y[k] = {rel.x[0], rel.x[1], rel.x[2], rel.q.w, rel.q.x, rel.q.y, rel.q.z, Time(0, 1, 0)};
     }
     return y;
@@ -216,10 +225,10 @@ class PhiFunction {
         y);
   }
 
-  template <template <Needs> class Seen>
+  template <template <Reads> class Seen>
   auto pairs_seen(const Inputs& in) const {
     return [&]<std::size_t... k>(std::index_sequence<k...>) {
-      return std::tuple<Seen<Traits::kNeeds[k]>...>(Seen<Traits::kNeeds[k]>(sides_[k].P, sides_[k].S, in)...);
+      return std::tuple<Seen<Traits::kReads[k]>...>(Seen<Traits::kReads[k]>(sides_[k].P, sides_[k].S, in)...);
     }
     (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
   }
@@ -270,7 +279,7 @@ class PhiFunction {
     for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[static_cast<std::size_t>(r)].h;
     return sum;
   }
-  /// By its bends along each variable and along each pair of them: exact, and no more than what phi can tell.
+  /// By its bends along each variable and along each pair of them: exact, and no more than what phi can give.
   MatV second_derivatives(const Points& y, const Inputs& in, const double* memory, const double* lambda) const {
     using Vec = Eigen::Matrix<double, kV, 1>;
     MatV H = MatV::Zero();
@@ -318,28 +327,33 @@ class PhiFunction {
     }
   };
 
-  static void refuse_particles(const std::string& link, const Marker& p, const Marker& s) {
-    for (const Marker* m : {&p, &s})
-      if (m->body->freedoms == Freedoms::particle)
-        throw ModelError("link '" + link + "' holds turns (phi) of '" + m->body->name +
-                         "', which is a particle and does not turn; give it an inertia, or take a link that leaves "
-                         "turns free");
-  }
   void refuse_opposed(const std::string& link, const Coords<Time>& y) const {
     for (std::size_t k = 0; k < y.size(); ++k)
-      if (!(y[k].e0.v * y[k].e0.v + y[k].e3.v * y[k].e3.v > 1e-12))
+      if (Traits::counts(static_cast<int>(k)) && !(y[k].e0.v * y[k].e0.v + y[k].e3.v * y[k].e3.v > 1e-12))
         throw ModelError("link '" + link + "': the z axes of '" + pairs_[k].first->name + "' and '" +
                          pairs_[k].second->name +
                          "' point against one another at the start, so that there is no angle about them; turn one "
                          "marker by half a turn about its x axis");
   }
-  /// P seen from S in the home poses, the markers' own laws at t = 0 included.
-  static Pose start_of(const Marker& p, const Marker& s, const Side& side) {
-    const auto in_world = [](const Marker& m, const MarkerMotion& k) {
-      const Pose slot = m.body->slot == kGround ? Pose{} : m.body->home * inverse(m.body->in_slot);
-      return slot * Pose{k.u, k.q};
+  /// One pair's reading is checked by the compiler (phi_check.h); of several pairs only what all of them leave out is,
+  /// and the rest here, by numbers that are none.
+  void refuse_unread(const std::string& link, Coords<Time> y) const {
+    std::array<double, static_cast<std::size_t>(kMemory + 1)> memory{};
+    start_memory({memory.data(), static_cast<std::size_t>(kMemory)});
+    for (std::size_t k = 0; k < y.size(); ++k) expect(y[k], k, 0.0, memory.data());
+    const auto finite = [&] {
+      const auto rows = call(y);
+      return std::all_of(rows.begin(), rows.end(), [](const Time& row) { return std::isfinite(row.v); });
     };
-    return inverse(in_world(s, side.S.at(0.0))) * in_world(p, side.P.at(0.0));
+    if (!finite()) return;  // not a matter of what is read
+    const Time none(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t k = 0; k < y.size(); ++k) {
+      if (!Traits::reads(static_cast<int>(k), Reads::translation)) y[k].x = y[k].y = y[k].z = none;
+      if (!Traits::reads(static_cast<int>(k), Reads::rotation)) y[k].e0 = y[k].e1 = y[k].e2 = y[k].e3 = none;
+      if (!finite())
+        throw ModelError("link '" + link + "': its function reads coordinates of pair " + std::to_string(k + 1) +
+                         " that its kReads leaves out; let kReads say what it reads of each pair");
+    }
   }
 
   Phi phi_;

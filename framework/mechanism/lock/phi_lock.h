@@ -16,7 +16,7 @@ namespace lockstep {
 /// Rows: those of the mask and its drives as in MarkerLock, then phi. Derive, give it a type() and, for files, info()
 /// and make(). What phi may say about itself: PhiTraits.
 template <class Phi>
-class PhiLock : public MarkerLock {
+class PhiLock : public MarkerLock, public Remembering {
   using Function = PhiFunction<Phi>;
   using Traits = PhiTraits<Phi>;
 
@@ -27,57 +27,49 @@ class PhiLock : public MarkerLock {
   }
 
   const Phi& phi() const { return function_.phi(); }
-  int row_count() const override { return MarkerLock::row_count() + Function::kRows; }
-  RowKind row_kind(int k) const override { return is_phi(k) ? Traits::kKind : MarkerLock::row_kind(k); }
-  std::string row_name(int k) const override {
-    return is_phi(k) ? Traits::row_name(k - MarkerLock::row_count()) : MarkerLock::row_name(k);
-  }
-  int drive_row(int k) const override { return is_phi(k) ? -1 : MarkerLock::drive_row(k); }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    MarkerLock::breakpoints(t0, t1, out);
-    function_.breakpoints(t0, t1, out);
-  }
-  std::string blame(double t) const override {
-    const std::string law = MarkerLock::blame(t);
-    return law.empty() ? function_.blame(t) : law;
-  }
-
-  void setup() override {
-    MarkerLock::setup();
-    function_.setup(name());
-    slots_ = MarkerLock::slots();
-  }
 
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& link = static_cast<const PhiLock&>(*links[i]);
-      link.function_.fill(in, link.memory(in), link.slots_, link.MarkerLock::row_count(), out.lane(i));
+      link.function_.fill(in, link.memory(in), link.slots(), link.first_, out.lane(i));
     }
   }
   void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
     MarkerLock::tangent(in, lambda, out);
-    function_.tangent(in, memory(in), lambda.data() + MarkerLock::row_count(), out);
+    function_.tangent(in, memory(in), lambda.data() + first_, out);
   }
 
-  /// A triple only beside functions of the turn alone: any other has columns on v.
-  RowLayout layout() const override {
-    return Traits::needs(0, Needs::translation) || !has(rows(), Mask::xyz) ? RowLayout::dense : RowLayout::triple;
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    MarkerLock::breakpoints(t0, t1, out);
+    function_.breakpoints(t0, t1, out);
+  }
+  std::string diagnose(double t) const override {
+    const std::string law = MarkerLock::diagnose(t);
+    return law.empty() ? function_.diagnose(t) : law;
   }
 
+  const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
   int n_memory() const override { return Function::kMemory; }
-  void start_memory(std::span<double> z) const override { function_.begin(z); }
-  void accept(const Inputs& in, std::span<double> z) const override { function_.remember(in, z); }
+  void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
 
  protected:
+  /// A triple only beside functions of the turn alone: any other has columns on v.
+  RowPlan plan_rows() override {
+    RowPlan plan = MarkerLock::plan_rows();
+    first_ = static_cast<int>(plan.rows.size());
+    function_.setup(name());
+    for (int k = 0; k < Function::kRows; ++k)
+      Traits::reads(0, Reads::translation) ? plan.add(Traits::row(k)) : plan.add_turning(Traits::row(k));
+    return plan;
+  }
   const Function& function() const { return function_; }
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
-  bool is_phi(int k) const { return k >= MarkerLock::row_count(); }
-
   Function function_;
-  SlotList slots_;
+  int first_ = 0;  // row of the function
 };
 
 }  // namespace lockstep

@@ -14,7 +14,7 @@ struct PulledRow {
   double Ct = 0, Qhat = 0;
 };
 
-constexpr bool reads(Needs needs, Needs half) { return (unsigned(needs) & unsigned(half)) != 0; }
+constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
 /// Both markers stand still on their bodies: half of the kernel is zero.
 ///
@@ -23,12 +23,12 @@ constexpr bool reads(Needs needs, Needs half) { return (unsigned(needs) & unsign
 ///   r = q_S' q_2' q_1 q_P                 rd = (1/2) (r w_P - w_S r),  w_P = A_P^T w1, w_S = A_S^T w2   (4.11)
 ///
 /// and the same once more for what is left of sdd, rdd without accelerations: -Qhat.
-template <Needs kNeeds>
+template <Reads kReads>
 class StillPair {
  public:
   StillPair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
       : P_(P), S_(S), O1_(in.slot(P.slot)), O2_(in.slot(S.slot)) {
-    if constexpr (reads(kNeeds, Needs::translation)) {
+    if constexpr (reads(kReads, Reads::translation)) {
       const Vec3 wu = cross(O1_.w, P.u0);
       s_ = O2_.A.transpose() * (O1_.x + O1_.A * P.u0 - O2_.x);
       const Vec3 sd = O2_.A.transpose() * (O1_.v + O1_.A * wu - O2_.v) - cross(O2_.w, s_);
@@ -39,7 +39,7 @@ class StillPair {
     } else {
       s_.setZero();  // unread; g++ 12 warns of copies of what is unset
     }
-    if constexpr (reads(kNeeds, Needs::rotation)) {
+    if constexpr (reads(kReads, Reads::rotation)) {
       r_ = conjugate(O2_.e * S.q0) * (O1_.e * P.q0);
       const Vec3 wP = P.A0.transpose() * O1_.w, wS = S.A0.transpose() * O2_.w, less = wP - wS, sum = wP + wS;
       const Quat rd = turning(r_, less, sum), rdd = turning(rd, less, sum);
@@ -57,14 +57,14 @@ class StillPair {
   template <class G>
   PulledRow pull(const G& g) const {
     PulledRow row;
-    if constexpr (reads(kNeeds, Needs::translation)) {
+    if constexpr (reads(kReads, Reads::translation)) {
       const Vec3 n = S_.A0 * g.template head<3>();
       row.v = O2_.A * n;
       row.w1 = cross(P_.u0, Vec3(O1_.A.transpose() * row.v));
       row.w2 = cross(n, s_);
       row.Qhat -= n.dot(bend_.template head<3>());
     }
-    if constexpr (reads(kNeeds, Needs::rotation)) {
+    if constexpr (reads(kReads, Reads::rotation)) {
       const Vec3 gv = g.template tail<3>(), rv = r_.vec();
       const Vec3 even = r_.w * gv - g[g.size() - 4] * rv, odd = cross(rv, gv);  // vec(r' g) and vec(g r')
       row.w1 += 0.5 * (P_.A0 * (even - odd));
@@ -88,20 +88,20 @@ class StillPair {
 };
 
 /// Markers with laws of their own: by the kernel.
-template <Needs kNeeds>
+template <Reads kReads>
 class MovingPair {
  public:
   MovingPair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
-      : L_(look(in.slot(P.slot), in.slot(S.slot), P.at(in.t), S.at(in.t), 1u, kNeeds)) {}
+      : L_(look(in.slot(P.slot), in.slot(S.slot), P.at(in.t), S.at(in.t), 1u, kReads)) {}
 
   const Vec7T<double>& y() const { return L_.y; }
   const Vec7T<double>& yd() const { return L_.yd; }
 
   template <class G>
   PulledRow pull(const G& g) const {
-    constexpr int kFirst = reads(kNeeds, Needs::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
+    constexpr int kFirst = reads(kReads, Reads::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
     PulledRow row;
-    if constexpr (reads(kNeeds, Needs::translation))
+    if constexpr (reads(kReads, Reads::translation))
       row.v = L_.Jv1.template topRows<3>().transpose() * g.template head<3>();
     row.w1 = L_.Jw1.template middleRows<kN>(kFirst).transpose() * g;
     row.w2 = L_.Jw2.template middleRows<kN>(kFirst).transpose() * g;

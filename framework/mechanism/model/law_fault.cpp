@@ -1,19 +1,23 @@
 #include "framework/mechanism/model/law_fault.h"
 
+#include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
 
-std::string shown(const LawName& law) {
-  return law.type().empty() ? "" : " ('" + law.type() + "'" + of_plugin(law.origin()) + ")";
+template <class L>
+std::string shown(const LawPtr<L>& law) {
+  const LawLabel* label = label_of(law);
+  return label == nullptr ? "" : " ('" + label->type + "'" + of_plugin(label->origin) + ")";
 }
 
-template <class Law, class Numbers>
-std::string fault(const std::string& what, const Law& law, double t, Numbers&& numbers_of) {
+template <class L, class Numbers>
+std::string fault(const std::string& what, const LawPtr<L>& law, double t, Numbers&& numbers_of) {
+  if (!law) return {};
   try {
-    const VecX x = numbers_of(law.at(t));
+    const VecX x = numbers_of(law->at(t));
     if (x.allFinite()) return {};
     std::string words;
     for (const double number : x) words += (words.empty() ? "" : ", ") + brief(number);
@@ -25,15 +29,11 @@ std::string fault(const std::string& what, const Law& law, double t, Numbers&& n
 
 }  // namespace
 
-std::string of_plugin(const std::string& origin) {
-  return origin.empty() || origin == "built in" ? "" : " of plugin " + origin;
-}
-
-std::string law_fault(const std::string& what, const MotionLaw& law, double t) {
+std::string law_fault(const std::string& what, const LawPtr<MotionLaw>& law, double t) {
   return fault(what, law, t, [](const LawValue& l) { return VecX(Vec3(l.y, l.yd, l.ydd)); });
 }
 
-std::string law_fault(const std::string& what, const TranslationLaw& law, double t) {
+std::string law_fault(const std::string& what, const LawPtr<TranslationLaw>& law, double t) {
   return fault(what, law, t, [](const TranslationValue& l) {
     VecX x(9);
     x << l.x, l.v, l.a;
@@ -41,7 +41,7 @@ std::string law_fault(const std::string& what, const TranslationLaw& law, double
   });
 }
 
-std::string law_fault(const std::string& what, const RotationLaw& law, double t) {
+std::string law_fault(const std::string& what, const LawPtr<RotationLaw>& law, double t) {
   return fault(what, law, t, [](const RotationValue& l) {
     VecX x(10);
     x << l.q.coefficients(), l.w, l.a;
@@ -50,10 +50,8 @@ std::string law_fault(const std::string& what, const RotationLaw& law, double t)
 }
 
 std::string marker_fault(const Marker& m, double t) {
-  std::string words;
-  if (m.slide) words = law_fault("the sliding law of marker '" + m.name + "'", *m.slide, t);
-  if (words.empty() && m.spin) words = law_fault("the turning law of marker '" + m.name + "'", *m.spin, t);
-  return words;
+  const std::string words = law_fault("the sliding law of marker '" + m.name + "'", m.slide, t);
+  return words.empty() ? law_fault("the turning law of marker '" + m.name + "'", m.spin, t) : words;
 }
 
 }  // namespace lockstep

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "framework/foundation/math/quaternion.h"
@@ -17,19 +16,8 @@ struct LawValue {
   double y = 0, yd = 0, ydd = 0;
 };
 
-/// Who brought a law's class and what it is called there: for messages. Written by the registry that makes the law.
-class LawName {
- public:
-  const std::string& type() const { return type_; }      ///< "bump"; "" for a law that no registry made
-  const std::string& origin() const { return origin_; }  ///< "built in", or a plugin's name
-  void set_name(std::string type, std::string origin) const { type_ = std::move(type), origin_ = std::move(origin); }
-
- private:
-  mutable std::string type_, origin_;  // a law is handed out const, and this is no part of what it says
-};
-
 /// A scalar law y(t): metres, radians, newtons, whatever its user takes it for.
-class LOCKSTEP_API MotionLaw : public LawName {
+class LOCKSTEP_API MotionLaw {
  public:
   virtual ~MotionLaw();
   virtual LawValue at(double t) const = 0;
@@ -42,7 +30,7 @@ struct TranslationValue {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), a = Vec3::Zero();
 };
 
-class LOCKSTEP_API TranslationLaw : public LawName {
+class LOCKSTEP_API TranslationLaw {
  public:
   virtual ~TranslationLaw();
   virtual TranslationValue at(double t) const = 0;
@@ -56,7 +44,7 @@ struct RotationValue {
   Vec3 w = Vec3::Zero(), a = Vec3::Zero();
 };
 
-class LOCKSTEP_API RotationLaw : public LawName {
+class LOCKSTEP_API RotationLaw {
  public:
   virtual ~RotationLaw();
   virtual RotationValue at(double t) const = 0;
@@ -65,5 +53,21 @@ class LOCKSTEP_API RotationLaw : public LawName {
 
 template <class L>
 using LawPtr = std::shared_ptr<const L>;
+
+/// What a law's class is called and who brought it: for messages. Belongs to whoever names the law, not to the law.
+struct LawLabel {
+  std::string type;    ///< "bump"
+  std::string origin;  ///< "built in", or a plugin's name
+};
+
+/// The same law under a label, which goes with every copy of the pointer; at() costs no more than before.
+LOCKSTEP_API LawPtr<MotionLaw> labelled(const LawPtr<MotionLaw>&, LawLabel);
+LOCKSTEP_API LawPtr<TranslationLaw> labelled(const LawPtr<TranslationLaw>&, LawLabel);
+LOCKSTEP_API LawPtr<RotationLaw> labelled(const LawPtr<RotationLaw>&, LawLabel);
+
+/// The label given last; nullptr for a law that nobody labelled (one made in C++).
+LOCKSTEP_API const LawLabel* label_of(const LawPtr<MotionLaw>&);
+LOCKSTEP_API const LawLabel* label_of(const LawPtr<TranslationLaw>&);
+LOCKSTEP_API const LawLabel* label_of(const LawPtr<RotationLaw>&);
 
 }  // namespace lockstep

@@ -17,7 +17,8 @@ struct State {
   VecX v;        ///< 6 per slot: velocity (world, m/s), angular velocity (slot axes, rad/s)
   VecX s;        ///< integrated as well, each with a rate: controllers, speed laws, quadratures
   VecX z;        ///< remembered, not integrated: turn counters; written only when a step is accepted
-  std::vector<bool> modes;  ///< which links are in force, by link number; changed only between steps
+  std::vector<bool> modes;    ///< which links are in force, by link number; changed only between steps
+  std::vector<bool> watched;  ///< which unilateral links come into force when they are touched; others: false
 
   Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
   Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "framework/mechanism/params/json.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/foundation/support/error.h"
@@ -16,10 +15,6 @@ std::vector<std::string> names_of(const Keys& keys) {
   std::vector<std::string> names;
   for (const Key& key : keys) names.push_back(key.name);
   return names;
-}
-
-bool is_law(Form form) {
-  return form == Form::law || form == Form::translation_law || form == Form::rotation_law || form == Form::laws;
 }
 
 // {"type": ..., ...} or a constant: the rest is read when the law is made.
@@ -103,8 +98,6 @@ std::string description(const Key& key) {
   return " (" + words + (key.help.empty() ? "" : ": " + key.help) + ")";
 }
 
-bool has_default(const Key& key) { return !key.fallback.empty() && key.fallback != "absent"; }
-
 // One line of UTF-8 without control characters: it goes to terminals and into JSON as it is.
 bool is_plain(const std::string& text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
@@ -131,7 +124,9 @@ void check_plain(const std::string& text, const std::string& what) {
 
 }  // namespace
 
-LawSource::~LawSource() = default;
+bool holds_law(Form form) {
+  return form == Form::law || form == Form::translation_law || form == Form::rotation_law || form == Form::laws;
+}
 
 std::string part_of(const std::string& owner, std::string_view part) {
   if (owner.empty()) return std::string(part);
@@ -162,12 +157,11 @@ void check(const TypeInfo& info) {
       if (info.keys[j].name == key.name) throw ModelError(place + "it stands twice in the table; remove one");
     if (key.form == Form::choice && key.choices.empty())
       throw ModelError(place + "a choice without choices; list them");
-    if (!has_default(key)) continue;
+    if (key.default_value() == nullptr) continue;
     try {
-      check_value(read_json(key.fallback, "default"), key, key.name);
+      check_value(*key.default_value(), key, key.name);
     } catch (const SceneError& error) {
-      throw ModelError(place + "its default `" + key.fallback +
-                       "` cannot be read (texts need their quotes, as JSON): " + error.what());
+      throw ModelError(place + "its default, " + shown(*key.default_value()) + ", cannot be read: " + error.what());
     }
   }
 }
@@ -180,8 +174,8 @@ Params Params::unchecked(Value object) {
   return params;
 }
 
-Params::Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws)
-    : object_(std::move(object)), keys_(info.keys), owner_(std::move(owner)), laws_(laws) {
+Params::Params(Value object, const TypeInfo& info, std::string owner)
+    : object_(std::move(object)), keys_(info.keys), owner_(std::move(owner)) {
   if (object_.is_null()) {
     const Where where = object_.where;
     object_ = Value(Value::Object{});
@@ -194,8 +188,22 @@ Params::Params(Value object, const TypeInfo& info, std::string owner, const LawS
   for (const Key& key : keys_) check_form(key);
 }
 
-Params Params::checked(const TypeInfo& info, std::string owner, const LawSource* laws) const {
-  return Params(object_, info, std::move(owner), laws);
+Params Params::checked(const TypeInfo& info, std::string owner) const {
+  return Params(object_, info, std::move(owner));
+}
+
+Params Params::only(Keys keys) const {
+  Params part;
+  part.object_.where = object_.where;
+  part.owner_ = owner_;
+  for (const Key& key : keys) {
+    const auto& members = *object_.object();
+    const auto given = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == key.name; });
+    if (given != members.end()) part.object_.object()->push_back(*given);
+    if (const auto law = laws_.find(key.name); law != laws_.end()) part.laws_.insert(*law);
+  }
+  part.keys_ = std::move(keys);
+  return part;
 }
 
 void Params::check_known() const {
@@ -215,12 +223,11 @@ void Params::check_known() const {
 void Params::check_form(const Key& key) const {
   const Value* given = object_.find(key.name);
   if (given == nullptr) {
-    if (key.fallback.empty())
+    if (key.required())
       lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
     return;
   }
   check_value(*given, key, place_of(key.name));
-  if (is_law(key.form)) law_source(key);
 }
 
 const Key& Params::key_of(std::string_view name) const {
@@ -234,85 +241,81 @@ const Key& Params::key_of(std::string_view name) const {
 
 Value Params::given_or_default(const Key& key) const {
   if (const Value* given = object_.find(key.name)) return *given;
-  if (!has_default(key))
-    lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
-  Value v = read_json(key.fallback, "default");
+  Value v = key.default_value() != nullptr ? *key.default_value() : Value();
   v.where = object_.where;
   return v;
 }
 
+Value Params::needed(const Key& key) const {
+  if (object_.find(key.name) == nullptr && key.default_value() == nullptr)
+    lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
+  return given_or_default(key);
+}
+
 std::string Params::place_of(std::string_view key) const { return part_of(owner_, key); }
 
-const LawSource& Params::law_source(const Key& key) const {
-  if (laws_ == nullptr)
-    lockstep::refuse(value(key.name).where, place_of(key.name),
-                     "it holds a law, and there is nothing here that makes laws; pass a registry");
-  return *laws_;
+template <class L>
+L Params::made(std::string_view name) const {
+  const Key& key = key_of(name);
+  const auto found = laws_.find(key.name);
+  if (found == laws_.end()) {
+    (void)needed(key);
+    refuse(name, "it holds a law, and there is nothing here that makes laws; pass a registry");
+  }
+  const L* law = std::get_if<L>(&found->second);
+  if (law == nullptr) refuse(name, "its maker asks for a law of another kind than its table lists; mend one of the two");
+  return *law;
 }
 
 bool Params::has(std::string_view key) const { return object_.find(key) != nullptr; }
 
 double Params::number(std::string_view name) const {
   const Key& key = key_of(name);
-  return read_number(given_or_default(key), key.unit, place_of(name));
+  return read_number(needed(key), key.unit, place_of(name));
 }
 
 int Params::integer(std::string_view name) const {
-  return read_integer(given_or_default(key_of(name)), place_of(name));
+  return read_integer(needed(key_of(name)), place_of(name));
 }
 
 bool Params::boolean(std::string_view name) const {
-  return read_boolean(given_or_default(key_of(name)), place_of(name));
+  return read_boolean(needed(key_of(name)), place_of(name));
 }
 
 std::string Params::text(std::string_view name) const {
-  return read_text(given_or_default(key_of(name)), place_of(name));
+  return read_text(needed(key_of(name)), place_of(name));
 }
 
 Vec3 Params::vector3(std::string_view name) const {
   const Key& key = key_of(name);
-  const Value v = given_or_default(key);
+  const Value v = needed(key);
   return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
 }
 
 Quat Params::orientation(std::string_view name) const {
-  return read_orientation(given_or_default(key_of(name)), place_of(name));
+  return read_orientation(needed(key_of(name)), place_of(name));
 }
 
 std::vector<double> Params::numbers(std::string_view name) const {
   const Key& key = key_of(name);
-  return read_numbers(given_or_default(key), key.unit, place_of(name));
+  return read_numbers(needed(key), key.unit, place_of(name));
 }
 
 std::vector<std::vector<double>> Params::points(std::string_view name) const {
   const Key& key = key_of(name);
-  return read_points(given_or_default(key), key.unit, place_of(name));
+  return read_points(needed(key), key.unit, place_of(name));
 }
 
-LawPtr<MotionLaw> Params::law(std::string_view name) const {
-  const Key& key = key_of(name);
-  return law_source(key).scalar_law(given_or_default(key), place_of(name));
+LawPtr<MotionLaw> Params::law(std::string_view key) const { return made<LawPtr<MotionLaw>>(key); }
+
+LawPtr<TranslationLaw> Params::translation_law(std::string_view key) const {
+  return made<LawPtr<TranslationLaw>>(key);
 }
 
-LawPtr<TranslationLaw> Params::translation_law(std::string_view name) const {
-  const Key& key = key_of(name);
-  return law_source(key).translation_law(given_or_default(key), place_of(name));
-}
+LawPtr<RotationLaw> Params::rotation_law(std::string_view key) const { return made<LawPtr<RotationLaw>>(key); }
 
-LawPtr<RotationLaw> Params::rotation_law(std::string_view name) const {
-  const Key& key = key_of(name);
-  return law_source(key).rotation_law(given_or_default(key), place_of(name));
-}
-
-std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view name) const {
-  const Key& key = key_of(name);
-  const Value v = given_or_default(key);
-  const Value::List& items = law_list(v, place_of(name));
-  std::vector<LawPtr<MotionLaw>> made;
-  made.reserve(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i)
-    made.push_back(law_source(key).scalar_law(items[i], item(place_of(name), i)));
-  return made;
+std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view key) const {
+  return made<std::vector<LawPtr<MotionLaw>>>(key);
 }
 
 const Value& Params::value(std::string_view key) const {
@@ -323,7 +326,7 @@ const Value& Params::value(std::string_view key) const {
 
 void Params::refuse(std::string_view key, const std::string& problem) const {
   const Value* given = object_.find(key);
-  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem);
+  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem, {.key = std::string(key)});
 }
 
 }  // namespace lockstep

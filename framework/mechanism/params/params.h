@@ -2,8 +2,10 @@
 // `describe` and the errors; there is no second list anywhere.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "framework/foundation/math/quaternion.h"
@@ -55,13 +57,21 @@ enum class Unit {
   any
 };  // any: what its user takes it for (the amplitude of a law); every unit is taken, and turned into SI
 
+/// What holds where a key is not given: a value, or one of these.
+enum class Unset { required, optional };  // optional: may be left out, asked by has()
+inline constexpr Unset kRequired = Unset::required, kOptional = Unset::optional;
+using Default = std::variant<Unset, Value>;
+
 struct Key {
   std::string name;
   Form form = Form::number;
   Unit unit = Unit::none;
-  std::string fallback;  ///< default as JSON text; "" = required, "absent" = may be left out (asked by has())
+  Default fallback{};    ///< 0.5, "words", Value::List{0, 0, 1}, kRequired, kOptional
   std::string help;      ///< one line, says the frame where there is one
   std::vector<std::string> choices{};  ///< of Form::choice
+
+  bool required() const { return default_value() == nullptr && std::get<Unset>(fallback) == kRequired; }
+  const Value* default_value() const { return std::get_if<Value>(&fallback); }
 };
 using Keys = std::vector<Key>;
 
@@ -71,15 +81,8 @@ struct TypeInfo {
   Keys keys;
 };
 
-/// Makes the laws that stand inside other things; the registry is one. `owner` names the law's place in messages:
-/// "link 'A', law".
-class LOCKSTEP_API LawSource {
- public:
-  virtual ~LawSource();
-  virtual LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner) const = 0;
-  virtual LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner) const = 0;
-  virtual LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner) const = 0;
-};
+/// A law that was made from the value of a key, or the laws of a list.
+using MadeLaw = std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, std::vector<LawPtr<MotionLaw>>>;
 
 /// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next
 /// move: unknown key (with the closest known one), missing key, wrong form, unit of another dimension, NaN or infinity.
@@ -88,13 +91,18 @@ class LOCKSTEP_API Params {
   /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through
   /// `checked`.
   Params(std::initializer_list<std::pair<const char*, Value>> members = {});
-  /// An object as it stands in a scene, not checked yet either.
+  /// An object as a scene holds it, not checked yet either.
   static Params unchecked(Value object);
   /// `owner` names the thing in messages: "link 'A'", "link 'A', drive.law".
-  Params(Value object, const TypeInfo& info, std::string owner, const LawSource* laws);
+  /// The laws among them are made by a registry: checked_params() (description/registry/registry.h).
+  Params(Value object, const TypeInfo& info, std::string owner);
 
-  /// These parameters held against a table; what the registry calls before a maker.
-  Params checked(const TypeInfo& info, std::string owner, const LawSource* laws) const;
+  /// These parameters held against a table.
+  Params checked(const TypeInfo& info, std::string owner) const;
+  /// Of checked parameters those that `keys` list, with the laws that were made for them; nothing is checked again.
+  Params only(Keys keys) const;
+  /// Puts the law that was made from the value of a key.
+  void put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
 
   bool has(std::string_view key) const;  ///< given, not merely defaulted
   double number(std::string_view key) const;
@@ -110,6 +118,9 @@ class LOCKSTEP_API Params {
   LawPtr<RotationLaw> rotation_law(std::string_view key) const;
   std::vector<LawPtr<MotionLaw>> laws(std::string_view key) const;
   const Value& value(std::string_view key) const;  ///< as written; null when absent
+  const Keys& keys() const { return keys_; }
+  /// As written, else the default; null when there is neither.
+  Value given_or_default(const Key&) const;
 
   const std::string& owner() const { return owner_; }
   const Where& where() const { return object_.where; }  ///< of the object
@@ -118,26 +129,30 @@ class LOCKSTEP_API Params {
 
  private:
   const Key& key_of(std::string_view key) const;
-  Value given_or_default(const Key&) const;
+  Value needed(const Key&) const;                    // given_or_default, but missing is refused
   std::string place_of(std::string_view key) const;  // "link 'A', law.slope"
-  const LawSource& law_source(const Key&) const;
+  template <class L>
+  L made(std::string_view key) const;
   void check_known() const;
   void check_form(const Key&) const;
   Value object_;
-  std::vector<Key> keys_;
+  Keys keys_;
   std::string owner_;
-  const LawSource* laws_ = nullptr;
+  std::map<std::string, MadeLaw> laws_;
 };
 
 /// The place of a part in its owner, for messages: part_of("link 'A'", "law") is "link 'A', law"; part_of("link 'A',
 /// law", "slope") is "link 'A', law.slope".
 LOCKSTEP_API std::string part_of(const std::string& owner, std::string_view part);
 
+/// Whether a key of this form holds a law, or a list of laws.
+LOCKSTEP_API bool holds_law(Form);
+
 /// "number", "choice", "translation law", ... for `describe` and the schema.
 LOCKSTEP_API std::string name_of(Form);
 
-/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not JSON or not of the
-/// key's form, a choice without choices.
+/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not of the key's
+/// form, a choice without choices.
 LOCKSTEP_API void check(const TypeInfo&);
 
 }  // namespace lockstep

@@ -110,11 +110,13 @@ void check_members(const Value& v, std::span<const std::string> known, const std
 
 }  // namespace
 
-void refuse(const Where& where, const std::string& context, const std::string& problem) {
+void refuse(const Where& where, const std::string& context, const std::string& problem, ErrorData about) {
   const std::string place = where.text();
   std::string message = place.empty() ? "" : place + ": ";
   if (!context.empty()) message += context + ": ";
-  throw SceneError(message + problem, where.file ? *where.file : std::string(), where.line, where.column);
+  about.file = where.file ? *where.file : std::string(), about.line = where.line, about.column = where.column;
+  if (about.problem.empty()) about.problem = problem;
+  throw SceneError(message + problem, std::move(about));
 }
 
 std::string shown(const Value& v) {

@@ -8,12 +8,15 @@
 
 #include "framework/foundation/math/quaternion.h"
 #include "framework/mechanism/params/params.h"
+#include "framework/foundation/support/error.h"
 #include "framework/foundation/support/export.h"
 
 namespace lockstep {
 
-/// Throws SceneError "file:line:column: context: problem" (parts that are empty are left out).
-[[noreturn]] LOCKSTEP_API void refuse(const Where&, const std::string& context, const std::string& problem);
+/// Throws SceneError "file:line:column: context: problem" (parts that are empty are left out), with that place in its
+/// data.
+[[noreturn]] LOCKSTEP_API void refuse(const Where&, const std::string& context, const std::string& problem,
+                                      ErrorData about = {});
 
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
 LOCKSTEP_API std::string shown(const Value&);

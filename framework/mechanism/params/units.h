@@ -1,4 +1,5 @@
-// Units of measurement in texts: "12 mm", "1200 rpm", "0.3 g/cm^3".
+// Units of measurement in texts: "12 mm", "1200 rpm", "0.3 g/cm^3". (Boost.Units knows units when it compiles; it reads
+// no texts.)
 #pragma once
 
 #include <string>

@@ -27,8 +27,8 @@ class LOCKSTEP_API Auxiliary {
 
   const std::string& name() const { return name_; }
   virtual int size() const = 0;
-  /// Whether its error may steer the step of an adaptive integrator; a mere quadrature should not.
-  virtual bool steers() const { return true; }
+  /// Whether its error controls the step of an adaptive integrator; of a mere quadrature it should not.
+  virtual bool controls_error() const { return true; }
   /// Values at the start; default: zeros.
   virtual void start(std::span<double> s) const;
   /// d/dt of its slice of State::s. Its own values stand at in.s[first() ...].

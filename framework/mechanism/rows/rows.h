@@ -1,6 +1,6 @@
 // Rows: where links write what they constrain, and where solvers read it. Neither knows the other.
 //
-// One block a link: C, Ct, Qhat (m each, in the link's own axes), then the jacobian of each moving slot it touches,
+// One block per link: C, Ct, Qhat (m each, in the link's own axes), then the jacobian of each moving slot it touches,
 // column after column, every column padded to a pack. Links of one group (same type, same pattern) follow one another,
 // so that a group is gathered by one call.
 #pragma once
@@ -12,9 +12,9 @@
 
 #include "framework/foundation/math/pack.h"
 #include "framework/foundation/math/types.h"
+#include "framework/foundation/support/aligned.h"
 #include "framework/mechanism/model/body.h"
 #include "framework/mechanism/model/plane.h"
-#include "framework/foundation/support/aligned.h"
 
 namespace lockstep {
 
@@ -25,11 +25,10 @@ inline constexpr int kMaxSlots = 4;  ///< bodies that one link may touch
 inline constexpr int kMaxRows = 8;   ///< rows that one link may have
 
 /// How the jacobian of a link is kept.
-///   dense   any rows: 6 columns a slot, v (world) then w (slot axes)
-///   triple  the first three rows are a full translational triple. In world axes they are +-[1 | A]: only A is
-///   computed,
+///   dense   any rows: 6 columns per slot, v (world) then w (slot axes)
+///   triple  the first three rows are a full translational triple. In world axes they are +-[1 | A]: only A is computed,
 ///           kept and multiplied; the rows after them turn only. R turns the link's axes into the world's.
-///   planar  any rows of a planar mechanism: 3 columns a slot, the plane's velocities
+///   planar  any rows of a planar mechanism: 3 columns per slot, the plane's velocities
 ///   pair    the first two rows are a full translational pair of the plane, +-[1 | A], as in a triple
 enum class RowLayout : unsigned char { dense, triple, planar, pair };
 constexpr int n_columns(RowLayout layout) {
@@ -49,7 +48,7 @@ struct SlotList {
     assert(n < kMaxSlots);
     slot[static_cast<std::size_t>(n++)] = k;
   }
-  /// Where slot k stands in the list; -1 for the ground.
+  /// Position of slot k in the list; -1 for the ground.
   int position(int k) const {
     for (int i = 0; i < n; ++i)
       if (slot[static_cast<std::size_t>(i)] == k) return i;
@@ -179,7 +178,7 @@ class RowSpan {
  public:
   RowSpan(double* base, const RowShape& shape) : base_(base), shape_(shape), stride_(stride(shape)) {}
   RowBlock lane(std::size_t k) const { return {base_ + k * stride_, shape_}; }
-  /// Numbers from one link to the next: blocks begin where packs may stand.
+  /// Numbers from one link to the next: blocks begin where packs may.
   static std::size_t stride(const RowShape& shape) { return aligned_to(shape.size(), 8); }
 
  private:
@@ -188,7 +187,7 @@ class RowSpan {
   std::size_t stride_;
 };
 
-/// Where the rows of one active link stand.
+/// The rows of one active link in the table.
 struct RowEntry {
   int link = 0;       ///< number of the link in the system
   int first_row = 0;  ///< its first row among all active ones

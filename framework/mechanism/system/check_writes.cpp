@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "framework/foundation/support/user_code_error.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -38,7 +37,7 @@ class Fenced {
 
 template <class Thing>
 [[noreturn]] void refuse(const Thing& thing, const std::string& did) {
-  throw UserCodeError(label(thing) + " " + did, thing.origin(), 0.0);
+  throw UserCodeError(label(thing) + " " + did, {.thing = thing_of(thing), .problem = did});
 }
 
 // The user's code on its first call; what it throws comes again at the first evaluation, with its time.
@@ -83,7 +82,7 @@ void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_p
   if (!runs([&] {
         const RowSpan out(rows.data(), shape);
         if (in_plane)
-          links.front()->gather_plane(links, in, out);
+          links.front()->planar()->gather_plane(links, in, out);
         else
           links.front()->gather(links, in, out);
       }))
@@ -118,20 +117,25 @@ void check_numbers(const Lock& link, const char* what, int n, bool all,
 
 // Before anything else: System::start() gives them the state itself.
 void check_start(const Lock& link) {
-  check_numbers(link, "start_states()", link.n_states(), true, [&](auto s) { link.start_states(s); });
-  check_numbers(link, "start_memory()", link.n_memory(), true, [&](auto z) { link.start_memory(z); });
+  if (const Stateful* own = link.stateful())
+    check_numbers(link, "start_states()", own->n_states(), true, [&](auto s) { own->start_states(s); });
+  if (const Remembering* own = link.remembering())
+    check_numbers(link, "start_memory()", own->n_memory(), true, [&](auto z) { own->start_memory(z); });
 }
 
 void check_spans(const Lock& link, const Inputs& in) {
-  const int n_s = link.n_states(), n_z = link.n_memory();
-  if (n_s > 0) check_numbers(link, "state_rates()", n_s, true, [&](auto s) { link.state_rates(in, s); });
-  if (n_z > 0) check_numbers(link, "accept()", n_z, false, [&](auto z) { link.accept(in, z); });
+  if (const int n = link.n_own_states(); n > 0)
+    check_numbers(link, "state_rates()", n, true, [&](auto s) { link.stateful()->state_rates(in, s); });
+  if (const int n = link.n_own_memory(); n > 0)
+    check_numbers(link, "accept_step()", n, false, [&](auto z) { link.remembering()->accept_step(in, z); });
 }
 
 void check_start(const Force& force) {
-  const int n = force.n_memory();
+  const Remembering* const own = force.remembering();
+  if (own == nullptr) return;
+  const int n = own->n_memory();
   Fenced memory(static_cast<std::size_t>(n));
-  if (runs([&] { force.start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
+  if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
     refuse(force, "does not write just its " + std::to_string(n) + " numbers in start_memory()");
 }
 
@@ -150,7 +154,7 @@ void check_force(const Force& force, const Inputs& in, int n_slots) {
 }
 
 void check_slots(const Lock& link, int n_slots) {
-  const SlotList on = link.slots();
+  const SlotList& on = link.slots();
   if (on.n < 1 || on.n > kMaxSlots)
     refuse(link, "touches " + std::to_string(on.n) + " moving bodies; a link touches 1 to " +
                      std::to_string(kMaxSlots) + ": add their slots in setup()");
@@ -196,8 +200,7 @@ void check_writes(const System& system) {
     const RowEntry& e = table.entries[static_cast<std::size_t>(run.first_entry)];
     const Lock& first = *links.front();
     const bool in_space = e.plane && !run.in_plane;
-    const RowShape shape =
-        in_space ? RowShape{first.row_count(), e.slots.n, first.layout(), first.row_sign(), {}} : e.shape();
+    const RowShape shape = in_space ? first.shape() : e.shape();
     check_group(links, shape, in, run.in_plane);
     for (const Lock* link : links) check_spans(*link, in);
   }

@@ -3,7 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -27,14 +27,14 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
     e.m = link.row_count();
     e.slots = link.slots();
     e.layout = link.layout();
-    e.sign = link.row_sign();
+    e.sign = link.shape().sign;
     bool in_plane = false;
     if (plane_) {
       const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
       if (rows.m == 0) continue;  // all of it lies outside
       e.m = rows.m, e.own = rows.own, e.plane = plane_;
       in_plane = rows.by_link;
-      e.layout = in_plane ? link.planar_layout() : RowLayout::planar;
+      e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
     }
     for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) e.kind[k] = link.row_kind(e.own[k]);
     const bool same_group =
@@ -56,20 +56,22 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
+  const RowRun* now = nullptr;
   table.renew();
   try {
     for (const RowRun& run : table.runs) {
+      now = &run;
       const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
       const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
       if (!plane_)
         links.front()->gather(links, in, table.span(first));
       else if (run.in_plane)
-        links.front()->gather_plane(links, in, table.span(first));
+        links.front()->planar()->gather_plane(links, in, table.span(first));
       else
         for (int k = 0; k < run.n; ++k) gather_from_space(in, table, run.first_entry + k);
     }
   } catch (...) {
-    rethrow_from_rows(*this, in, table);
+    rethrow_from_group(*this, in, table, *now);
   }
 }
 
@@ -77,7 +79,7 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
 void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
   const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
   const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
-  const RowShape shape{link->row_count(), e.slots.n, link->layout(), link->row_sign(), {}};
+  const RowShape shape = link->shape();
   link->gather(Group(&link, 1), in, table.spatial_span(shape));
   const RowBlock all = table.spatial(shape), block = table.block(e);
   for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must stay empty
@@ -86,8 +88,9 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
     } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
-                       ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
-                       " s, and the scene is planar; take \"planar\" out");
+                           ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
+                           " s, and the scene is planar; take \"planar\" out",
+                       {.thing = thing_of(*link), .t = in.t});
     }
   }
   for (int k = 0; k < e.m; ++k) {
@@ -112,10 +115,11 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
     }
   }
   WrenchSum sum(in.motions, f);
+  const Force* now = nullptr;
   try {
-    for (const auto& force : forces_) force->apply(in, sum);
+    for (const auto& force : forces_) now = force.get(), now->apply(in, sum);
   } catch (...) {
-    rethrow_from_forces(*this, in);
+    rethrow_in(context_of(*now, in.t));
   }
   if (plane_ && !forces_.empty()) check_plane(in, f);
 }
@@ -136,17 +140,19 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
-                         " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out");
+                             " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out",
+                         {.thing = thing_of(*force), .t = in.t});
   }
 }
 
 void System::state_rates(const Evaluated& values, VecX& sd) const {
   for (const auto& link : links_) {
-    if (link->n_states() == 0) continue;
+    const int n = link->n_own_states();
+    if (n == 0) continue;
     const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
-    const std::span<double> rates = part(sd, link->first_state(), link->n_states());
+    const std::span<double> rates = part(sd, link->first_state(), n);
     if (active)
-      named(*link, values.in.t, [&] { link->state_rates(values.in, rates); });
+      named(*link, values.in.t, [&] { link->stateful()->state_rates(values.in, rates); });
     else
       std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
   }
@@ -155,16 +161,17 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
 
 void System::accept(const Inputs& in, State& state) const {
   for (const auto& link : links_)
-    if (link->n_memory() > 0)
-      named(*link, in.t, [&] { link->accept(in, part(state.z, link->first_memory(), link->n_memory())); });
+    if (const int n = link->n_own_memory(); n > 0)
+      named(*link, in.t, [&] { link->remembering()->accept_step(in, part(state.z, link->first_memory(), n)); });
   for (const auto& force : forces_)
-    if (force->n_memory() > 0)
-      named(*force, in.t, [&] { force->accept(in, part(state.z, force->first_memory(), force->n_memory())); });
+    if (const Remembering* own = force->remembering())
+      named(*force, in.t, [&] { own->accept_step(in, part(state.z, force->first_memory(), own->n_memory())); });
 }
 
 std::vector<double> System::breakpoints(double t0, double t1) const {
   std::vector<double> times;
-  for (const auto& link : links_) named(*link, t0, [&] { link->breakpoints(t0, t1, times); });
+  for (const auto& link : links_)
+    if (const Driven* driven = link->driven()) named(*link, t0, [&] { driven->breakpoints(t0, t1, times); });
   for (const auto& force : forces_) named(*force, t0, [&] { force->breakpoints(t0, t1, times); });
   std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
   std::sort(times.begin(), times.end());

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <optional>
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
@@ -54,22 +55,32 @@ struct Shares {
   bool has_arm() const { return arm > kTolerance * in; }
 };
 
-void check_body(const Body& b, const Slot& s, Plane plane) {
-  const std::string what = "body '" + b.name + "': " + in_plane_words(plane) + ", and ";
+using Refusal = std::optional<ModelError>;  // nothing: all lies in the plane
+
+Refusal refusal_of(Thing thing, const std::string& problem) {
+  return ModelError({.thing = std::move(thing), .problem = problem});
+}
+
+Refusal check_body(const Body& b, const Slot& s, Plane plane) {
+  const Thing body{.kind = "body", .name = b.name};
+  const std::string what = in_plane_words(plane) + ", and ";
   const Mat3 A = rotation(b.home.q);
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
   if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
-    throw ModelError(what + "it starts with " + brief(v[plane.n]) +
-                     " m/s along the normal; take \"planar\" out, or start in the plane");
+    return refusal_of(body, what + "it starts with " + brief(v[plane.n]) +
+                                " m/s along the normal; take \"planar\" out, or start in the plane");
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
-    throw ModelError(what +
-                     "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
-  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return;
+    return refusal_of(
+        body,
+        what + "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
+  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
-    throw ModelError(what + "the normal is no principal axis of its inertia (products " +
-                     brief(s.J(plane.n, plane.i())) + " and " + brief(s.J(plane.n, plane.j())) +
-                     " kg m^2), so it would not stay in the plane without moments of its links; take \"planar\" out");
+    return refusal_of(
+        body, what + "the normal is no principal axis of its inertia (products " + brief(s.J(plane.n, plane.i())) +
+                  " and " + brief(s.J(plane.n, plane.j())) +
+                  " kg m^2), so it would not stay in the plane without moments of its links; take \"planar\" out");
+  return {};
 }
 
 // What links and forces show in the poses looked at: by link and row, by force.
@@ -81,7 +92,7 @@ struct Look {
 void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
   RowTable table;
   const Lock* const one = &link;
-  const RowShape shape{link.row_count(), link.slots().n, link.layout(), link.row_sign(), {}};
+  const RowShape shape = link.shape();
   link.gather(Group(&one, 1), in, table.spatial_span(shape));
   const RowBlock block = table.spatial(shape);
   rows.resize(static_cast<std::size_t>(shape.m));
@@ -121,51 +132,74 @@ Look look_in_plane(const System& system) {
   return look;
 }
 
-void check_force(const Force& force, const Shares& s, Plane plane) {
-  if (s.leaves())
-    throw ModelError("force '" + force.name() + "': " + in_plane_words(plane) + ", and it pushes out of the plane (" +
-                     brief(s.out) + " N); turn it into the plane, or take \"planar\" out");
+Refusal check_force(const Force& force, const Shares& s, Plane plane) {
+  if (!s.leaves()) return {};
+  return refusal_of({.kind = "force", .name = force.name()},
+                    in_plane_words(plane) + ", and it pushes out of the plane (" + brief(s.out) +
+                        " N); turn it into the plane, or take \"planar\" out");
 }
 
-// Whether a row lies in the plane. Refuses one that lies neither in it nor normal to it, and one that asks for a motion
-// out of it.
-bool lies_in_plane(const Lock& link, int row, const Shares& s, Plane plane, double length) {
-  const std::string what =
-      "link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(plane) + ", and the row ";
+// A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
+Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, double length) {
+  const auto refuse = [&](const std::string& problem) {
+    return ModelError("link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(plane) +
+                          ", and the row " + problem,
+                      {.thing = {.kind = "link", .name = link.name()}, .problem = problem});
+  };
   if (s.lies_in() && s.leaves())
-    throw ModelError(what +
-                     "holds a direction that is neither in the plane nor normal to it; turn the link's axes into "
-                     "the plane, or take \"planar\" out");
+    return refuse(
+        "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or take "
+        "\"planar\" out");
   if (s.in == 0 && s.out == 0 && s.arm == 0)
-    throw ModelError(what + "has no direction in any planar pose; turn the link's markers, or take \"planar\" out");
-  if (s.lies_in()) return true;
-  if (s.free > kTolerance * std::max(1.0, length))
-    throw ModelError(what + "asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
-                     "); take \"planar\" out, or keep its law in the plane");
-  return false;
+    return refuse("has no direction in any planar pose; turn the link's markers, or take \"planar\" out");
+  if (!s.lies_in() && s.free > kTolerance * std::max(1.0, length))
+    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
+                  "); take \"planar\" out, or keep its law in the plane");
+  return {};
+}
+
+// Reactions that a force reads have to be complete.
+Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
+  if (force.reacting() == nullptr) return {};
+  for (const Lock* link : force.reacting()->reads()) {
+    const Thing thing{.kind = "force", .name = force.name()};
+    const std::string what = in_plane_words(system.plane()) + ", and it reads ";
+    if (offsets)
+      return refusal_of(thing, what +
+                                   "reactions, of which a plane leaves out the moments that arms along the normal "
+                                   "make; take \"planar\" out, or put links and forces into one plane");
+    if (rows[static_cast<std::size_t>(link->number())].m == 0)
+      return refusal_of(thing,
+                        what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
+  }
+  return {};
 }
 
 }  // namespace
 
-void System::setup_plane() {
+std::optional<ModelError> System::setup_plane() {
   offsets_ = false;
   for (const Slot& s : slots_) {
-    for (const Body* b : s.bodies) check_body(*b, s, plane_);
+    for (const Body* b : s.bodies)
+      if (Refusal refusal = check_body(*b, s, plane_)) return refusal;
     const double products = std::abs(s.J(plane_.n, plane_.i())) + std::abs(s.J(plane_.n, plane_.j()));
     if (products > kTolerance * s.J.trace()) offsets_ = true;  // bolted bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
-    throw ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; take \"planar\" out");
+    return ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) +
+                      " m/s^2 along it; take \"planar\" out");
   Look look;
-  {
+  try {
     struct Borrowed {  // all but the plane is there: the start may be asked for
       bool& ready;
       ~Borrowed() { ready = false; }
     } borrowed{ready_ = true};
     look = look_in_plane(*this);
+  } catch (const ModelError& error) {  // a link or force that cannot be asked in planar poses
+    return error;
   }
   for (std::size_t l = 0; l < forces_.size(); ++l) {
-    check_force(*forces_[l], look.forces[l], plane_);
+    if (Refusal refusal = check_force(*forces_[l], look.forces[l], plane_)) return refusal;
     offsets_ = offsets_ || look.forces[l].has_arm();
   }
   planar_rows_.assign(links_.size(), {});
@@ -174,22 +208,17 @@ void System::setup_plane() {
     PlanarRows& rows = planar_rows_[l];
     for (int row = 0; row < links_[l]->row_count(); ++row) {
       const Shares& s = look.rows[l][static_cast<std::size_t>(row)];
-      if (!lies_in_plane(*links_[l], row, s, plane_, length_)) continue;
+      if (Refusal refusal = check_row(*links_[l], row, s, plane_, length_)) return refusal;
+      if (!s.lies_in()) continue;
       rows.own[static_cast<std::size_t>(rows.m++)] = row;
       offsets_ = offsets_ || s.has_arm();
     }
-    rows.by_link = links_[l]->setup_plane(plane_);
+    Planar* own = links_[l]->planar();
+    rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
   for (const auto& force : forces_)
-    for (const Lock* link : force->reads()) {
-      const std::string what = "force '" + force->name() + "': " + in_plane_words(plane_) + ", and it reads ";
-      if (offsets_)
-        throw ModelError(what +
-                         "reactions, of which a plane leaves out the moments that arms along the normal make; take "
-                         "\"planar\" out, or put links and forces into one plane");
-      if (planar_rows_[index_of(*link)].m == 0)
-        throw ModelError(what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
-    }
+    if (Refusal refusal = check_reads(*force, *this, planar_rows_, offsets_)) return refusal;
+  return {};
 }
 
 Plane find_plane(System& system) {
@@ -197,11 +226,7 @@ Plane find_plane(System& system) {
   Plane found;
   for (int n = 2; n >= 0 && !found; --n) {
     system.set_planar(Plane{n});
-    try {
-      system.setup();
-      if (!system.has_offsets()) found = Plane{n};
-    } catch (const ModelError&) {  // not this one
-    }
+    if (!system.try_setup() && !system.has_offsets()) found = Plane{n};
   }
   system.set_planar(before);
   return found;

@@ -3,6 +3,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/body_mass.h"
 #include "framework/mechanism/system/system.h"
 
 namespace lockstep {
@@ -16,8 +17,9 @@ void System::setup_slots() {
     Body& b = bodies_[k];
     if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
       throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
-                       brief(b.start.w.norm()) +
-                       " rad/s; a particle does not turn: leave it out, or give the body an inertia");
+                           brief(b.start.w.norm()) +
+                           " rad/s; a particle does not turn: leave it out, or give the body an inertia",
+                       {.thing = {.kind = "body", .name = b.name}});
     if (b.fixed) {
       b.slot = kGround;
       b.in_slot = b.home;
@@ -34,8 +36,7 @@ void System::setup_slots() {
   }
   for (Slot& slot : slots_) {
     fill_slot(slot);
-    const bool particle = slot.freedoms == Freedoms::particle;
-    n_velocities_ += plane_ ? (particle ? 2 : 3) : (particle ? 3 : 6);
+    n_velocities_ += BodyMass(slot, plane_).width();
   }
 }
 
@@ -98,11 +99,12 @@ void System::setup_merge() {
   };
   std::vector<const Lock*> read;  // their reactions are wanted
   for (const auto& force : forces_)
-    for (const Lock* link : force->reads()) read.push_back(link);
+    if (const Reacting* own = force->reacting())
+      for (const Lock* link : own->reads()) read.push_back(link);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.bolts() || !link.active_at_start || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
+    if (!link.is_weld() || !link.active_at_start() || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
         std::find(read.begin(), read.end(), &link) != read.end())
       continue;
     const auto [p, s] = link.pairs().front();

@@ -7,7 +7,7 @@
 
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
 
 namespace lockstep {
@@ -42,24 +42,6 @@ void check_pose(const std::string& what, const Pose& pose) {
     throw ModelError(what + ": its pose is not finite; give numbers");
   if (std::abs(norm2(pose.q) - 1.0) > 1e-9)
     throw ModelError(what + ": its quaternion has length " + brief(std::sqrt(norm2(pose.q))) + "; normalise it");
-}
-
-}  // namespace
-
-namespace {
-
-void check_one_sided(const Lock& link) {
-  const OneSided& o = *link.one_sided;
-  const std::string who = "link '" + link.name() + "' is one-sided ";
-  if (link.row_count() != 1)
-    throw ModelError(who + "and has " + std::to_string(link.row_count()) +
-                     " rows; a one-sided link has exactly one: take a link of one row, such as stop, distance or "
-                     "point_on_plane, or a lock with a mask of one word");
-  if (!(o.restitution >= 0 && o.restitution <= 1))
-    throw ModelError(who + "with restitution " + brief(o.restitution) + "; it must lie between 0 and 1");
-  if (!(o.rest_speed > 0) || !std::isfinite(o.rest_speed))
-    throw ModelError(who + "with rest_speed " + brief(o.rest_speed) +
-                     "; it must be above zero, or bounces would never end");
 }
 
 }  // namespace
@@ -178,12 +160,18 @@ const Force& System::force(const std::string& name) const { return *find("force"
 
 void System::setup() {
   if (ready_) return;
+  if (std::optional<ModelError> refusal = try_setup()) throw ModelError(*refusal);
+}
+
+std::optional<ModelError> System::try_setup() {
+  ready_ = false;
   setup_slots();
   setup_links();
   setup_forces();
   setup_states();
   setup_length();
-  if (plane_) setup_plane();
+  if (plane_)
+    if (std::optional<ModelError> refusal = setup_plane()) return refusal;
   ready_ = true;
   ++revision_;
   try {
@@ -192,29 +180,30 @@ void System::setup() {
     ready_ = false;
     throw;
   }
+  return {};
 }
 
-// States that steer the step stand first, quadratures behind them.
+// States whose error controls the step come first, then quadratures.
 void System::setup_states() {
   n_states_ = 0;
   n_memory_ = 0;
   int number = 0;
   for (auto& link : links_) {
     link->place(number++, n_states_, n_memory_);
-    n_states_ += link->n_states();
-    n_memory_ += link->n_memory() + (link->one_sided ? 2 : 0);
+    n_states_ += link->n_own_states();
+    n_memory_ += link->n_own_memory() + (link->unilateral() ? 1 : 0);
   }
   for (auto& force : forces_) {
     force->place(n_memory_);
-    n_memory_ += force->n_memory();
+    n_memory_ += force->n_own_memory();
   }
-  for (const bool steering : {true, false}) {
+  for (const bool controlled : {true, false}) {
     for (auto& auxiliary : auxiliaries_) {
-      if (auxiliary->steers() != steering) continue;
+      if (auxiliary->controls_error() != controlled) continue;
       auxiliary->place(n_states_);
       n_states_ += auxiliary->size();
     }
-    if (steering) n_steering_ = n_states_;
+    if (controlled) n_controlled_ = n_states_;
   }
 }
 
@@ -231,17 +220,10 @@ void System::setup_length() {
 
 void System::setup_links() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
-    auto& link = links_[l];
-    if (merged_[l]) continue;
-    set_up(*link);
-    if (link->row_count() < 1 || link->row_count() > kMaxRows)
-      throw ModelError("link '" + link->name() + "' has " + std::to_string(link->row_count()) +
-                       " rows; a link has 1 to " + std::to_string(kMaxRows) +
-                       ": give it a mask, a drive or a function");
-    if (link->one_sided) check_one_sided(*link);
+    if (!merged_[l]) set_up(*links_[l]);
   }
   // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
-  using Kind = std::tuple<std::type_index, unsigned, int, int>;
+  using Kind = std::tuple<std::type_index, LinkPattern, int, int>;
   std::map<Kind, std::vector<const Lock*>> members;
   std::vector<Kind> order;
   for (std::size_t k = 0; k < links_.size(); ++k) {
@@ -268,7 +250,7 @@ void System::setup_forces() {
 void System::check_size(const State& state) const {
   const auto links = links_.size();
   if (state.q.size() == 7 * n_slots() && state.v.size() == 6 * n_slots() && state.s.size() == n_states_ &&
-      state.z.size() == n_memory_ && state.modes.size() == links)
+      state.z.size() == n_memory_ && state.modes.size() == links && state.watched.size() == links)
     return;
   throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
                    " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
@@ -301,15 +283,18 @@ State System::start() const {
     return std::span<double>(x.data() + first, static_cast<std::size_t>(size));
   };
   for (const auto& link : links_) {
-    state.modes.push_back(link->active_at_start && !link->one_sided);  // one-sided ones: when they are touched
-    if (link->one_sided) state.z[link->impact_memory() + 1] = link->active_at_start ? 1.0 : 0.0;
+    state.modes.push_back(link->active_at_start() && !link->unilateral());  // unilateral ones: when they are touched
+    state.watched.push_back(link->active_at_start() && link->unilateral());
     named(*link, 0.0, [&] {
-      link->start_states(part(state.s, link->first_state(), link->n_states()));
-      link->start_memory(part(state.z, link->first_memory(), link->n_memory()));
+      if (const Stateful* own = link->stateful())
+        own->start_states(part(state.s, link->first_state(), own->n_states()));
+      if (const Remembering* own = link->remembering())
+        own->start_memory(part(state.z, link->first_memory(), own->n_memory()));
     });
   }
   for (const auto& force : forces_)
-    named(*force, 0.0, [&] { force->start_memory(part(state.z, force->first_memory(), force->n_memory())); });
+    if (const Remembering* own = force->remembering())
+      named(*force, 0.0, [&] { own->start_memory(part(state.z, force->first_memory(), own->n_memory())); });
   for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
   return state;
 }

@@ -3,12 +3,14 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "framework/foundation/support/error.h"
 #include "framework/mechanism/forces/force.h"
 #include "framework/mechanism/rows/auxiliary.h"
 #include "framework/mechanism/lock/lock.h"
@@ -63,11 +65,15 @@ class LOCKSTEP_API System {
   /// A link or force of type L on existing markers.
   template <class L, class... Args>
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
+    check_facets<L>();
+    check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
   }
   /// The same with the options in braces: sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4}).
   template <class L>
   L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
+    check_facets<L>();
+    check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
   }
   Vec3 gravity() const { return options_.gravity; }
@@ -106,6 +112,8 @@ class LOCKSTEP_API System {
 
   // -- setup: slots, folded markers, states, memory, groups. Throws ModelError. Automatic when the description changed.
   void setup();
+  /// The same, always anew; what leaves the plane is handed back in place of being thrown.
+  std::optional<ModelError> try_setup();
   bool ready() const { return ready_; }
   /// To be said after a body, marker or gravity was altered in place: the next evaluation sets up anew.
   void changed() { ready_ = false; }
@@ -116,8 +124,8 @@ class LOCKSTEP_API System {
   int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle; planar 3 and 2
   int n_states() const { return n_states_; }
   int n_memory() const { return n_memory_; }
-  /// The first so many of State::s steer the step of an adaptive integrator; the others are only quadratures.
-  int n_steering_states() const { return n_steering_; }
+  /// The error of the first so many of State::s controls the step of an adaptive integrator; the others are quadratures.
+  int n_error_controlled_states() const { return n_controlled_; }
   /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before
   /// setup.
   State start() const;
@@ -149,7 +157,7 @@ class LOCKSTEP_API System {
  private:
   void check_new_name(const std::string& kind, const std::string& name) const;
   void setup_slots();
-  void setup_plane();
+  std::optional<ModelError> setup_plane();
   void setup_merge();
   void fill_slot(Slot&);
   std::size_t index_of(const Lock&) const;
@@ -180,7 +188,7 @@ class LOCKSTEP_API System {
   std::vector<PlanarRows> planar_rows_;  // of each link, while planar
   std::vector<const Lock*> ordered_;     // links, groups one after another
   std::vector<int> group_;               // group of each of them
-  int n_velocities_ = 0, n_states_ = 0, n_steering_ = 0, n_memory_ = 0;
+  int n_velocities_ = 0, n_states_ = 0, n_controlled_ = 0, n_memory_ = 0;
   long revision_ = 0;
   double length_ = 1e-6;
 };

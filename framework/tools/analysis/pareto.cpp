@@ -8,8 +8,6 @@ namespace {
 
 constexpr double kLuck = 2;  // a finer run may err so many times as much
 
-bool out_of_time(const WorkPrecisionRun& run) { return run.failure.rfind("given up", 0) == 0; }
-
 }  // namespace
 
 double cost(const WorkPrecisionRun& run, CostKind kind) {
@@ -21,7 +19,7 @@ bool counts(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind 
   const double limit = kLuck * std::max(run.error.of(kind), result.agreement.of(kind));
   return std::none_of(result.runs.begin(), result.runs.end(), [&](const WorkPrecisionRun& other) {
     const bool finer = same_way(other, run) && other.setting < run.setting;
-    return finer && (other.done() ? !(other.error.of(kind) <= limit) : !out_of_time(other));
+    return finer && (other.done() ? !(other.error.of(kind) <= limit) : !other.given_up);
   });
 }
 

@@ -19,15 +19,15 @@ constexpr double kAgreed = 1e-8;  // of the system's length: references that dif
 
 class Search {
  public:
-  Search(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks)
-      : course_(course),
+  Search(const Trajectory& trajectory, const WorkPrecisionOptions& options, const Clocks& clocks)
+      : trajectory_(trajectory),
         options_(options),
         clocks_(clocks),
         begin_(clocks.clock()),
         limit_(kReferenceShare * options.budget) {}
 
   Reference make() {
-    const Subject subject = course_.make();
+    const Subject subject = trajectory_.make();
     result_.length = subject.system->length();
     // The tightest runs; where those disagree, other choices of keys with more room above round-off; then all with
     // more.
@@ -75,7 +75,7 @@ class Search {
                         {Formulation::omega, tight},
                         {tolerance, 1e-2 * tolerance},
                         options_.largest_step};
-    Outcome out = try_run(course_, recipe, limit_, clocks_, TrialKind::truth);
+    Outcome out = try_run(trajectory_, recipe, limit_, clocks_, TrialKind::truth);
     if (out.failure.empty()) return std::move(out.history);
     why_ = method.name + ": " + out.failure;
     return std::nullopt;
@@ -114,7 +114,7 @@ class Search {
   // "dopri5" of "dopri5:stages=manifold".
   static std::string kind_of(const MethodChoice& method) { return method.name.substr(0, method.name.find(':')); }
 
-  const Course& course_;
+  const Trajectory& trajectory_;
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;
   double begin_;
@@ -127,8 +127,8 @@ class Search {
 
 }  // namespace
 
-Reference make_reference(const Course& course, const WorkPrecisionOptions& options, const Clocks& clocks) {
-  return Search(course, options, clocks).make();
+Reference make_reference(const Trajectory& trajectory, const WorkPrecisionOptions& options, const Clocks& clocks) {
+  return Search(trajectory, options, clocks).make();
 }
 
 }  // namespace lockstep

@@ -16,6 +16,6 @@ struct Reference {
 
 /// The two methods of different kinds that agree best, the first of them being the truth; wider tolerances where the
 /// tightest cannot be met; in need one method at two tolerances. Throws StepError when none comes to the end.
-Reference make_reference(const Course&, const WorkPrecisionOptions&, const Clocks&);
+Reference make_reference(const Trajectory&, const WorkPrecisionOptions&, const Clocks&);
 
 }  // namespace lockstep

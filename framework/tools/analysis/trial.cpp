@@ -7,38 +7,40 @@
 namespace lockstep {
 namespace {
 
-std::vector<double> output_times(const Course& course, TrialKind kind) {
+std::vector<double> output_times(const Trajectory& trajectory, TrialKind kind) {
   std::vector<double> times;
-  if (kind == TrialKind::bare) return {course.length};
-  for (int k = 0; k <= course.outputs; ++k) times.push_back(course.length * k / course.outputs);
+  if (kind == TrialKind::bare) return {trajectory.length};
+  for (int k = 0; k <= trajectory.outputs; ++k) times.push_back(trajectory.length * k / trajectory.outputs);
   return times;
 }
 
 // A ModelError or SceneError before the first step says that method and mechanism do not go together.
 void note_failure(const Error& error, Outcome& out) {
   out.failure = error.what();
-  const bool no_match = dynamic_cast<const ModelError*>(&error) || dynamic_cast<const SceneError*>(&error);
-  out.unsuited = no_match && out.report.steps == 0;
+  const Error::Kind kind = error.kind();
+  out.unsuited = (kind == Error::Kind::model || kind == Error::Kind::scene) && out.report.steps == 0;
+  out.interrupted = kind == Error::Kind::interrupted;
 }
 
 }  // namespace
 
-Outcome try_run(const Course& course, const Recipe& recipe, double limit, const Clocks& clocks, TrialKind kind) {
+Outcome try_run(const Trajectory& trajectory, const Recipe& recipe, double limit, const Clocks& clocks,
+                TrialKind kind) {
   Outcome out;
-  const Subject subject = kind == TrialKind::truth && course.truth ? course.truth() : course.make();
+  const Subject subject = kind == TrialKind::truth && trajectory.truth ? trajectory.truth() : trajectory.make();
   HistoryObserver observer(*subject.system, clocks.cpu, out.history);
   const double begin = clocks.cpu(), clock_begin = clocks.clock();
   try {
     Dynamics dynamics(*subject.system, recipe.solver->make(), recipe.dynamics);
-    Simulation sim(dynamics, recipe.method->make(),
-                   {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(course, kind)});
+    StepLoop sim(dynamics, recipe.method->make(),
+                 {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(trajectory, kind)});
     sim.set_state(subject.start);
     for (Observer* o : subject.observers) sim.add_observer(*o);
     if (kind != TrialKind::bare) sim.add_observer(observer);
     for (const Event& event : subject.events) sim.add_event(event);
     sim.progress = [&](const State&) { return !(out.given_up = clocks.clock() - clock_begin > limit); };
     try {
-      sim.run_until(course.length);
+      sim.run_until(trajectory.length);
     } catch (const Error& error) {
       out.report = sim.report();
       note_failure(error, out);

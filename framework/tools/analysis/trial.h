@@ -24,11 +24,12 @@ struct Outcome {
   std::string failure{};
   bool unsuited = false;  ///< it did not make a step because the mechanism is none for it
   bool given_up = false;  ///< over the limit
+  bool interrupted = false;  ///< somebody asked for the end
   bool dense = false;     ///< outputs do not change its steps
 };
 
 /// looked: with a history at the instants of comparison. bare: only the steps, for methods whose outputs come between
-/// them; truth: looked, and by the course's own means for it.
+/// them; truth: looked, and by the trajectory's own means for it.
 enum class TrialKind { looked, bare, truth };
 
 /// What time is measured by, s: the budget's clock, and what a run costs.
@@ -37,6 +38,6 @@ struct Clocks {
 };
 
 /// `limit`: s by that clock after which the run is given up. What goes wrong stands in the outcome.
-Outcome try_run(const Course&, const Recipe&, double limit, const Clocks&, TrialKind kind = TrialKind::looked);
+Outcome try_run(const Trajectory&, const Recipe&, double limit, const Clocks&, TrialKind kind = TrialKind::looked);
 
 }  // namespace lockstep

@@ -7,8 +7,8 @@
 #include <ctime>
 #include <optional>
 
-#include "framework/tools/analysis/reference.h"
 #include "framework/foundation/support/error.h"
+#include "framework/tools/analysis/reference.h"
 
 namespace lockstep {
 namespace {
@@ -44,8 +44,8 @@ struct Lane {
 
 class Survey {
  public:
-  Survey(const Course& course, const WorkPrecisionOptions& options)
-      : course_(course),
+  Survey(const Trajectory& trajectory, const WorkPrecisionOptions& options)
+      : trajectory_(trajectory),
         options_(options),
         clocks_{options.clock ? options.clock : thread_seconds, options.cpu ? options.cpu : thread_seconds},
         begin_(clocks_.clock()) {}
@@ -64,7 +64,7 @@ class Survey {
 
  private:
   void take_reference() {
-    Reference r = make_reference(course_, options_, clocks_);
+    Reference r = make_reference(trajectory_, options_, clocks_);
     reference_ = std::move(r.truth), length_ = r.length;
     result_.reference = r.name, result_.second = r.second, result_.agreement = r.agreement;
     result_.size = size_of(reference_, length_);
@@ -125,8 +125,8 @@ class Survey {
     WorkPrecisionRun run;
     run.integrator = lane.method->name, run.solver = lane.solver->name;
     run.formulation = lane.formulation, run.stabilization = lane.kind, run.adaptive = lane.adaptive;
-    run.setting =
-        lane.adaptive ? options_.tolerances[lane.rung] : course_.length / course_.outputs / options_.steps[lane.rung];
+    run.setting = lane.adaptive ? options_.tolerances[lane.rung]
+                                : trajectory_.length / trajectory_.outputs / options_.steps[lane.rung];
     return run;
   }
 
@@ -166,17 +166,17 @@ class Survey {
       recipe.tolerance = {run.setting, 1e-2 * run.setting}, recipe.step = options_.largest_step;
     else
       recipe.step = run.setting;
-    Outcome out = try_run(course_, recipe, limit, clocks_);
+    Outcome out = try_run(trajectory_, recipe, limit, clocks_);
     note(out, run, out.cpu);
     if (!run.done()) return out;
     run.error = difference(out.history, reference_, length_);
     if (!std::isfinite(run.error.position)) run.failure = "numbers that are not finite";
     // Outputs between long steps can cost more than the steps: where they change nothing, the time is taken without.
-    const bool bare = out.dense && out.report.steps < kManySteps * course_.outputs;
+    const bool bare = out.dense && out.report.steps < kManySteps * trajectory_.outputs;
     double cpu = bare ? HUGE_VAL : run.cpu;
     for (int k = bare ? 0 : 1; run.done() && k < std::max(1, options_.repeats); ++k) {
       if (k > 0 && cpu > options_.quick) break;
-      const Outcome again = try_run(course_, recipe, limit, clocks_, bare ? TrialKind::bare : TrialKind::looked);
+      const Outcome again = try_run(trajectory_, recipe, limit, clocks_, bare ? TrialKind::bare : TrialKind::looked);
       if (!again.failure.empty()) break;
       cpu = std::min(cpu, again.cpu);
       note(again, run, cpu);
@@ -186,6 +186,7 @@ class Survey {
 
   static void note(const Outcome& out, WorkPrecisionRun& run, double cpu) {
     run.cpu = cpu, run.failure = out.failure;
+    run.given_up = out.given_up, run.interrupted = out.interrupted;
     run.evaluations = out.work.evaluations, run.factors = out.work.factors;
     run.steps = out.report.steps, run.rejected = out.report.rejected;
   }
@@ -256,7 +257,7 @@ class Survey {
     if (options_.progress) options_.progress(what);
   }
 
-  const Course& course_;
+  const Trajectory& trajectory_;
   const WorkPrecisionOptions& options_;
   Clocks clocks_;
   double begin_;
@@ -293,11 +294,11 @@ bool same_way(const WorkPrecisionRun& a, const WorkPrecisionRun& b) {
          a.stabilization == b.stabilization;
 }
 
-WorkPrecision work_precision(const Course& course, const WorkPrecisionOptions& options) {
-  if (!(course.length > 0) || course.outputs < 1)
+WorkPrecision work_precision(const Trajectory& trajectory, const WorkPrecisionOptions& options) {
+  if (!(trajectory.length > 0) || trajectory.outputs < 1)
     throw ModelError(
         fmt::format("a chart of {} s with {} outputs has no history; give a length > 0 and an output at least",
-                    course.length, course.outputs));
+                    trajectory.length, trajectory.outputs));
   if (options.integrators.empty() || options.solvers.empty() || options.formulations.empty() ||
       options.stabilizations.empty() || options.references.empty())
     throw ModelError(
@@ -305,7 +306,7 @@ WorkPrecision work_precision(const Course& course, const WorkPrecisionOptions& o
         "registry");
   if (options.tolerances.empty() || options.steps.empty())
     throw ModelError("a chart needs tolerances and steps; give at least one of each");
-  return Survey(course, options).run();
+  return Survey(trajectory, options).run();
 }
 
 }  // namespace lockstep

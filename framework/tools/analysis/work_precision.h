@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 
 namespace lockstep {
 
@@ -23,7 +23,7 @@ struct Subject {
 
 /// What is charted: equal starts, one a call; from the start for `length` seconds, compared at `outputs` evenly spaced
 /// instants (a fixed step is a whole part of their interval, so that landing on them costs nothing).
-struct Course {
+struct Trajectory {
   std::function<Subject()> make;
   double length = 0;  ///< s
   int outputs = 100;
@@ -63,6 +63,7 @@ struct WorkPrecisionRun {
   double cpu = 0;  ///< s of this thread, the least of the repeats; without the outputs that the comparison asks for
   long evaluations = 0, factors = 0, steps = 0, rejected = 0;
   std::string failure{};  ///< why there is no result, in words; "" when there is one
+  bool given_up = false, interrupted = false;  ///< because its time was spent; because somebody asked for the end
   bool done() const { return failure.empty(); }
 };
 
@@ -112,8 +113,8 @@ struct WorkPrecision {
 };
 
 /// Cheapest next run first, until all combinations have ended or the budget is spent. Throws StepError when no
-/// reference can be made and ModelError for a course or options without content; every other failure is a result.
-LOCKSTEP_API WorkPrecision work_precision(const Course&, const WorkPrecisionOptions&);
+/// reference can be made and ModelError for a trajectory or options without content; every other failure is a result.
+LOCKSTEP_API WorkPrecision work_precision(const Trajectory&, const WorkPrecisionOptions&);
 
 /// Of one combination: all but the setting is equal.
 LOCKSTEP_API bool same_way(const WorkPrecisionRun&, const WorkPrecisionRun&);

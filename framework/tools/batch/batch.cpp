@@ -1,20 +1,19 @@
 #include "framework/tools/batch/batch.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/lock/marker_lock_gather.h"
+#include "framework/mechanism/model/body_mass.h"
 
 namespace lockstep::lanes {
 namespace {
 
-constexpr double kEps = 1e-9;  // proximal term, relative; trees have none
 constexpr std::size_t kL = kLanes;
 
 void put_number(Aligned<double>& to, std::size_t at, int lane, double value) {
-  to[kL * at + static_cast<std::size_t>(lane)] = value;
+  to[kL * at + lane] = value;
 }
 template <class M>
 void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values) {
@@ -23,10 +22,6 @@ void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values)
 }
 void put_matrix(Aligned<double>& to, std::size_t at, int lane, const Mat3& A) {
   put_numbers(to, at, lane, Mat3(A.transpose()));  // row after row
-}
-void put_symmetric(Aligned<double>& to, std::size_t at, int lane, const Mat3& J) {
-  const double six[] = {J(0, 0), J(0, 1), J(0, 2), J(1, 1), J(1, 2), J(2, 2)};
-  for (std::size_t i = 0; i < 6; ++i) put_number(to, at + i, lane, six[i]);
 }
 
 }  // namespace
@@ -38,17 +33,17 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
       pass_(lanes::passes(options.instructions)) {
   for (std::size_t l = 0; l < kL; ++l) systems_[l] = systems[l < systems.size() ? l : 0];
   plan_ = make_plan(*systems_[0]);
-  const auto size = [](std::size_t packs, Aligned<double>& v) { return v.assign(kL * packs, 0.0), v.data(); };
-  const auto n = static_cast<std::size_t>(plan_.n_slots);
-  z_.mass = size(mass::size * n, mass_), z_.gravity = size(3, gravity_);
-  z_.frames = size(plan_.size_frames, frames_), z_.law = size(plan_.size_law, law_);
-  z_.body = size(body::size * (n + 1), body_), z_.af = size(6 * n, af_), z_.a = size(6 * n, a_);
-  z_.J = size(plan_.size_J, J_), z_.Y = size(plan_.size_Y, Y_), z_.A = size(plan_.size_A, A_);
-  const std::size_t x = plan_.size_x;
-  z_.x = size(x, x_), z_.c = size(x, c_), z_.scale = size(x, scale_), z_.diagonal = size(x, diagonal_);
-  z_.E = size(x, E_), z_.lambda = size(x, lambda_), z_.r = size(x, r_), z_.C = size(x, C_), z_.Ct = size(x, Ct_);
-  size(x, Cd_), size(1, length_), size(6 * n, wrench_);
-  z_.eps = plan_.tree ? 0.0 : kEps;
+  const auto n = static_cast<std::size_t>(plan_.n_slots), x = plan_.size_x;
+  const auto size = [](Aligned<double>& v, std::size_t packs) { return v.assign(kL * packs, 0.0), v.data(); };
+  z_.gravity = size(gravity_, 3), z_.frames = size(frames_, plan_.size_frames), z_.law = size(law_, plan_.size_law);
+  z_.mass = size(mass_, schur::Spatial::mass * n), z_.inverse = size(inverse_, schur::Spatial::mass * n);
+  z_.body = size(body_, body::size * (n + 1)), z_.af = size(af_, 6 * n), z_.a = size(a_, 6 * n);
+  z_.rows = z_.J = size(J_, plan_.size_Y), z_.Y = size(Y_, plan_.size_Y), z_.A = size(A_, plan_.size_A);
+  z_.x = size(x_, x), z_.c = size(c_, x), z_.scale = size(scale_, x), z_.diagonal = size(diagonal_, x);
+  z_.pivot = size(pivot_, x), z_.E = size(E_, x), z_.r = size(r_, x), z_.C = size(C_, x), z_.Ct = size(Ct_, x);
+  size(Cd_, x), size(length_, 1), size(wrench_, 6 * n);
+  z_.floors = floors_.data();
+  z_.eps = plan_.tree ? 0.0 : schur::kProximal;
   motions_.resize(n + 1);
   wrench_of_one_.setZero(6 * plan_.n_slots);
   rates_of_one_.setZero(plan_.n_states);
@@ -65,16 +60,15 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
 
 void Batch::fill_masses() {
   for (int l = 0; l < kLanes; ++l) {
-    const System& system = *systems_[static_cast<std::size_t>(l)];
+    const System& system = *systems_[l];
     put_numbers(gravity_, 0, l, system.gravity());
     for (int k = 0; k < plan_.n_slots; ++k) {
-      const Slot& s = system.slot(k);
-      const std::size_t at = mass::size * static_cast<std::size_t>(k);
-      put_number(mass_, at + mass::inverse, l, 1.0 / s.mass);
-      put_number(mass_, at + mass::m, l, s.mass);
-      if (s.freedoms == Freedoms::particle) continue;  // does not turn: J^-1 = 0
-      put_symmetric(mass_, at + mass::Jinv, l, s.J.llt().solve(Mat3::Identity()));
-      put_symmetric(mass_, at + mass::J, l, s.J);
+      double mass[schur::Spatial::mass] = {}, inverse[schur::Spatial::mass] = {};
+      BodyMass(system.slot(k), {}).write_packed(mass, inverse);
+      for (std::size_t i = 0; i < schur::Spatial::mass; ++i) {
+        put_number(mass_, schur::Spatial::mass * k + i, l, mass[i]);
+        put_number(inverse_, schur::Spatial::mass * k + i, l, inverse[i]);
+      }
     }
     const std::size_t ground = body::size * static_cast<std::size_t>(plan_.n_slots);
     put_matrix(body_, ground + body::A, l, Mat3::Identity());
@@ -83,12 +77,11 @@ void Batch::fill_masses() {
 }
 
 void Batch::fill_frames() {
-  for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-    Node& node = plan_.nodes[k];
+  for (Link& node : plan_.links) {
     has_laws_ = has_laws_ || node.moved || node.turn == Turn::law;
     for (int l = 0; l < kLanes; ++l) {
       const auto& lock = static_cast<const MarkerLock&>(
-          *systems_[static_cast<std::size_t>(l)]->links()[static_cast<std::size_t>(plan_.link[k])]);
+          *systems_[l]->links()[node.link]);
       const MarkerFrame P(lock.p()), S(lock.s());
       if (node.turn == Turn::parallel && !(P.parallel() && S.parallel())) node.turn = Turn::plain;
       put_numbers(frames_, node.frames + frames::uP, l, P.u0), put_numbers(frames_, node.frames + frames::uS, l, S.u0);
@@ -119,10 +112,10 @@ void Batch::get(int lane, const double* rate, StateRate& out) const {
 
 // What the laws of one copy see; the motions are those of its forces, when it has any.
 Inputs Batch::inputs(int lane, const double* y, double t) {
-  VecX& s = states_[static_cast<std::size_t>(lane)];
-  const VecX& z = memory_[static_cast<std::size_t>(lane)];
+  VecX& s = states_[lane];
+  const VecX& z = memory_[lane];
   for (Eigen::Index i = 0; i < s.size(); ++i)
-    s[i] = y[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + static_cast<std::size_t>(lane)];
+    s[i] = y[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + lane];
   Inputs in;
   in.t = t;
   in.motions = motions_;
@@ -134,13 +127,12 @@ Inputs Batch::inputs(int lane, const double* y, double t) {
 void Batch::fill_laws(const double* y, const Numbers8& t) {
   if (!has_laws_) return;
   for (int l = 0; l < kLanes; ++l) {
-    const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+    const Inputs in = inputs(l, y, t[l]);
     const MarkerLockGather laws{in};
-    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-      const Node& node = plan_.nodes[k];
+    for (const Link& node : plan_.links) {
       if (!node.moved && node.turn != Turn::law) continue;
       const auto& lock = static_cast<const MarkerLock&>(
-          *systems_[static_cast<std::size_t>(l)]->links()[static_cast<std::size_t>(plan_.link[k])]);
+          *systems_[l]->links()[node.link]);
       if (node.moved) {
         const ImposedTranslationT<double> D = laws.imposed_translation(lock);
         put_numbers(law_, node.law + law::p, l, D.p), put_numbers(law_, node.law + law::pd, l, D.pd);
@@ -158,12 +150,12 @@ void Batch::fill_laws(const double* y, const Numbers8& t) {
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
   if (!has_forces_) return;
   for (int l = 0; l < kLanes; ++l) {
-    const System& system = *systems_[static_cast<std::size_t>(l)];
+    const System& system = *systems_[l];
     wrench_of_one_.setZero();
     if (l < n_ && !system.forces().empty()) {
       for (int k = 0; k < plan_.n_slots; ++k) {
         Motion& O = motions_[static_cast<std::size_t>(k + 1)];
-        const double* b = body_.data() + kL * body::size * static_cast<std::size_t>(k) + l;
+        const double* b = body_.data() + kL * body::size * k + l;
         const auto at = [&](std::size_t i) { return b[kL * i]; };
         for (std::size_t i = 0; i < 3; ++i) {
           const auto r = static_cast<Eigen::Index>(i);
@@ -172,7 +164,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
         }
         O.e = {at(body::e), at(body::e + 1), at(body::e + 2), at(body::e + 3)};
       }
-      const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+      const Inputs in = inputs(l, y, t[l]);
       WrenchSum sum(in.motions, wrench_of_one_);
       for (const auto& force : system.forces()) force->apply(in, sum);
     }
@@ -183,15 +175,15 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
 void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (plan_.n_states == 0) return;
   for (int l = 0; l < kLanes; ++l) {
-    const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+    const Inputs in = inputs(l, y, t[l]);
     rates_of_one_.setZero();
-    for (const int k : plan_.link) {
-      const Lock& link = *systems_[static_cast<std::size_t>(l)]->links()[static_cast<std::size_t>(k)];
-      if (link.n_states() > 0)
-        link.state_rates(in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_states())});
+    for (const Link& node : plan_.links) {
+      const Lock& link = *systems_[l]->links()[node.link];
+      if (const int n = link.n_own_states(); n > 0)
+        link.stateful()->state_rates(in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(n)});
     }
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i)
-      rate[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + static_cast<std::size_t>(l)] = rates_of_one_[i];
+      rate[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + l] = rates_of_one_[i];
   }
 }
 
@@ -205,51 +197,46 @@ Flags8 Batch::evaluate(const double* y, const Numbers8& t, double* rate) {
   pass_.free_motion(plan_, z_);
   pass_.accelerate_rows(plan_, z_);
   pass_.factor_and_solve(plan_, z_);
-  pass_.apply(plan_, z_);
-  if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to look
-    pass_.shift(plan_, z_);
-    pass_.solve(plan_, z_);
-    pass_.apply(plan_, z_);
-  }
-  const Flags8 unmet = check_rows();
+  const int corrections = first_solution();
+  const Flags8 unmet = check_rows(corrections);
   pass_.rates(plan_, z_, rate);
   state_rates(y, t, rate);
   return unmet;
 }
 
-bool Batch::any_unmet(const double* floors) {
-  pass_.unmet(plan_, z_, floors, kRowTolerance, unmet_.data());
-  return std::any_of(unmet_.begin(), unmet_.begin() + n_, [](double x) { return x != 0; });
+// a from x = lambda, and the correction that loops want always; the number of corrections.
+int Batch::first_solution() {
+  pass_.apply(plan_, z_);
+  if (z_.eps == 0) return 0;
+  for (std::size_t i = 0; i < x_.size(); ++i) x_[i] *= E_[i];  // r = E lambda: no need to look
+  pass_.solve(plan_, z_);
+  pass_.apply(plan_, z_);
+  return 1;
 }
 
-// The stop rule of the solver `schur`, copy by copy; corrections are made for all copies while one needs them.
-Flags8 Batch::check_rows() {
-  double* floors = scratch_.data();  // two packs
-  pass_.largest_scales(plan_, z_, floors);
-  Numbers8 largest_t, largest_r;
-  std::copy_n(floors, kL, largest_t.begin()), std::copy_n(floors + kL, kL, largest_r.begin());
-  for (std::size_t i = 0; i < 2 * kL; ++i) floors[i] *= kScaleFloor;
-  bool energy = false;
-  const auto met = [&] {
-    pass_.residual(plan_, z_);
-    if (!any_unmet(floors)) return true;
-    if (energy) return false;
-    pass_.energies(plan_, z_, floors);
-    energy = true;
-    for (std::size_t l = 0; l < kL; ++l) {
-      const double most = floors[2 * kL + l];
-      floors[l] = kScaleFloor * std::max(largest_t[l], std::sqrt(floors[l] * most));
-      floors[kL + l] = kScaleFloor * std::max(largest_r[l], std::sqrt(floors[kL + l] * most));
-    }
-    return !any_unmet(floors);
+// The stop rule copy by copy; corrections are made for all copies while one needs them.
+Flags8 Batch::check_rows(int corrections) {
+  alignas(64) std::array<double, 3 * kL> largest;
+  pass_.largest_scales(plan_, z_, largest.data());
+  for (std::size_t i = 0; i < largest.size(); ++i) floors_[i] = residual_floor(largest[i]);
+  bool raised = false;
+  const auto measure = [&] { pass_.residual(plan_, z_); };
+  const auto within = [&] {
+    pass_.unmet(plan_, z_, kRowTolerance, unmet_.data());
+    return std::none_of(unmet_.begin(), unmet_.begin() + n_, [](double x) { return x != 0; });
   };
-  bool all = met();
-  for (int round = z_.eps > 0 ? 1 : 0; !all && round < kMaxCorrections; ++round) {
+  const auto raise = [&] {
+    if (raised) return false;
+    alignas(64) std::array<double, 4 * kL> S;  // and the energy behind them
+    pass_.energies(plan_, z_, S.data());
+    for (std::size_t i = 0; i < largest.size(); ++i) floors_[i] = residual_floor(largest[i], S[i], S[3 * kL + i % kL]);
+    return raised = true;
+  };
+  refine(corrections, measure, within, raise, [&] {
     std::copy(r_.begin(), r_.end(), x_.begin());
     pass_.solve(plan_, z_);
     pass_.apply(plan_, z_);
-    all = met();
-  }
+  });
   Flags8 out{};
   for (std::size_t l = 0; l < kL; ++l) out[l] = unmet_[l] != 0;
   return out;

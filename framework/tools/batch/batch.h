@@ -30,7 +30,7 @@ class LOCKSTEP_API Batch {
   int first() const { return first_; }
   const Plan& plan() const { return plan_; }
   const Passes& passes() const { return pass_; }
-  System& system(int lane) const { return *systems_[static_cast<std::size_t>(lane)]; }
+  System& system(int lane) const { return *systems_[lane]; }
   std::size_t n_numbers() const { return kLanes * plan_.n(); }
 
   /// A state into its lane of an array, and back (q, v, s).
@@ -38,8 +38,8 @@ class LOCKSTEP_API Batch {
   void get(int lane, const double* y, State&) const;
   void get(int lane, const double* rate, StateRate&) const;
   /// Memory of the copy's forces, from here on.
-  void remember(int lane, const VecX& z) { memory_[static_cast<std::size_t>(lane)] = z; }
-  const VecX& memory(int lane) const { return memory_[static_cast<std::size_t>(lane)]; }
+  void remember(int lane, const VecX& z) { memory_[lane] = z; }
+  const VecX& memory(int lane) const { return memory_[lane]; }
 
   /// d/dt of the states y at the times t. True in the lanes whose rows could not be met.
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate);
@@ -53,8 +53,8 @@ class LOCKSTEP_API Batch {
   void fill_wrench(const double* y, const Numbers8& t);
   void state_rates(const double* y, const Numbers8& t, double* rate);
   Inputs inputs(int lane, const double* y, double t);
-  Flags8 check_rows();
-  bool any_unmet(const double* floors);
+  int first_solution();
+  Flags8 check_rows(int corrections);
   void gather_rows(const double* y, const Numbers8& t);
   void solve_for(const double* c, const Flags8& wanted, bool fresh);
   bool project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>&);
@@ -69,10 +69,11 @@ class LOCKSTEP_API Batch {
   bool has_laws_ = false, has_forces_ = false;
   bool rows_moved_ = false;  // since the last factor
   Numbers z_;
-  Aligned<double> mass_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_, diagonal_, E_,
-      lambda_, r_, C_, Ct_, Cd_, length_;
+  Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_, diagonal_, pivot_,
+      E_, r_, C_, Ct_, Cd_, length_;
   alignas(64) std::array<double, kLanes * 4> scratch_{};
   alignas(64) Numbers8 unmet_{};
+  alignas(64) std::array<double, 3 * kLanes> floors_{};  // one pack per RowKind
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;

@@ -1,16 +1,14 @@
-// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same goals, rounds and
-// chords, decided copy by copy; a copy that is done stands still while others go on.
+// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same rule, copy by copy;
+// a copy that is done does not move while others go on.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/tools/batch/batch.h"
 
 namespace lockstep::lanes {
 namespace {
 
-constexpr int kRounds = 6;
-constexpr double kUlp = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kL = kLanes;
 
 bool any(const Flags8& f) {
@@ -45,7 +43,6 @@ void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
       x_[kL * i + l] = x, c_[kL * i + l] = -x, scale_[kL * i + l] = std::abs(x);
     }
   std::fill(a_.begin(), a_.end(), 0.0);
-  std::fill(lambda_.begin(), lambda_.end(), 0.0);
   if (fresh) {
     pass_.own_blocks(plan_, z_);
     pass_.factor_and_solve(plan_, z_);
@@ -53,15 +50,10 @@ void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
   } else {
     pass_.solve(plan_, z_);
   }
-  pass_.apply(plan_, z_);
-  if (z_.eps > 0) {
-    pass_.shift(plan_, z_);
-    pass_.solve(plan_, z_);
-    pass_.apply(plan_, z_);
-  }
+  const int corrections = first_solution();
   if (rows_moved_) return;
   std::fill(af_.begin(), af_.end(), 0.0);
-  check_rows();
+  check_rows(corrections);
 }
 
 // x += d, e <- e exp(d): (1.12).
@@ -98,26 +90,20 @@ void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::arr
 bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
   const Numbers8 x_max = largest(y, 0, 7, 3, plan_.n_slots);
   const double tolerance = stabilization_.tolerance;
+  std::array<PositionRounds, kLanes> rounds;
+  for (std::size_t l = 0; l < kL; ++l) rounds[l] = {1e-2 * tolerance, tolerance, length_[l], x_max[l]};
   Flags8 going = wanted;
-  Numbers8 before{};
-  for (int round = 0;; ++round) {
+  for (;;) {
     gather_rows(y, t);
     pass_.norm(plan_, C_.data(), length_.data(), scratch_.data());
-    bool chord = round > 0;  // one factor while it is good enough
+    bool chord = true;
     for (std::size_t l = 0; l < kL; ++l) {
-      if (!wanted[l]) continue;
-      const double now = scratch_[l], goal = std::max(1e-2 * tolerance, 1e-14 * length_[l] + 4 * kUlp * x_max[l]);
-      if (round == 0) landed[l].before = now;
       if (!going[l]) continue;
-      landed[l].after = now;
-      chord = chord && now <= 0.1 * before[l];
-      const bool stalled = round > 1 && now > 0.5 * before[l] && now <= tolerance;
-      if (now <= goal || stalled) going[l] = false;
-      if (going[l] && (round == kRounds || !std::isfinite(now))) {
-        landed[l].converged = now <= tolerance;
-        going[l] = false;
-      }
-      before[l] = now;
+      going[l] = !rounds[l].ends(scratch_[l]);
+      chord = chord && rounds[l].chord();
+      if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
+      landed[l].after = rounds[l].residual();
+      landed[l].converged = rounds[l].converged();
     }
     if (!any(going)) return chord;
     solve_for(C_.data(), going, !chord);
@@ -128,12 +114,12 @@ bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted
 void Batch::project_velocities(double* y, const Flags8& wanted, bool factored) {
   double* v = y + kL * plan_.v_at();
   const Numbers8 v_max = largest(v, 0, 6, 6, plan_.n_slots);
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < kVelocityRounds; ++round) {
     pass_.velocity_residual(plan_, z_, v, Cd_.data());
     pass_.norm(plan_, Cd_.data(), length_.data(), scratch_.data());
     Flags8 going{};
     for (std::size_t l = 0; l < kL; ++l)
-      going[l] = wanted[l] && !(scratch_[l] <= std::max(1e-3 * stabilization_.tolerance, 8 * kUlp * v_max[l]));
+      going[l] = wanted[l] && !(scratch_[l] <= velocity_goal(1e-3 * stabilization_.tolerance, v_max[l]));
     if (!any(going)) return;
     solve_for(Cd_.data(), going, !factored);
     factored = true;

@@ -4,13 +4,20 @@
 #include <cmath>
 
 #include "framework/description/registry/builtins.h"
-#include "framework/tools/batch/copy_run.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/tools/batch/copy_run.h"
 
 namespace lockstep {
 namespace {
+
+// Whether markers are parallel is a matter of numbers.
+LinkPattern pattern_of(const Lock& link) {
+  LinkPattern pattern = link.pattern();
+  pattern.laws |= with::parallel;
+  return pattern;
+}
 
 // In words how copy b differs from the first, a; "" if it is a copy.
 std::string difference(const System& a, const System& b) {
@@ -28,10 +35,9 @@ std::string difference(const System& a, const System& b) {
     const std::string who = "link '" + y.name() + "', ";
     if (x.type() != y.type()) return who + "which is " + std::string(y.type()) + " instead of " + std::string(x.type());
     if (a.merged(x) != b.merged(y)) return who + "which is merged into a body in one of them only";
-    if (x.active_at_start != y.active_at_start) return who + "which is active in one of them only";
+    if (x.active_at_start() != y.active_at_start()) return who + "which is active in one of them only";
     if (a.merged(x)) continue;
-    constexpr unsigned kParallel = 64;  // with::parallel: a matter of numbers
-    if ((x.pattern() | kParallel) != (y.pattern() | kParallel)) return who + "whose rows, laws or drives differ";
+    if (pattern_of(x) != pattern_of(y)) return who + "whose rows, laws or drives differ";
     const auto bodies = [](const Lock& l) {
       std::vector<int> slots;
       for (const auto& [p, s] : l.pairs()) slots.push_back(p->body->slot), slots.push_back(s->body->slot);
@@ -87,7 +93,7 @@ struct Copies::Work {
     for (std::size_t i = 0; i < states.size(); ++i) {
       systems[i]->check_size(states[i]);
       for (std::size_t k = 0; k < states[i].modes.size(); ++k)
-        if (states[i].modes[k] != systems[i]->links()[k]->active_at_start)
+        if (states[i].modes[k] != systems[i]->links()[k]->active_at_start())
           throw ModelError("copies: link '" + systems[i]->links()[k]->name() +
                            "' is not in the state that it has at the start; lanes keep one set of links");
     }
@@ -202,10 +208,10 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
     }
     for (std::size_t l = 0; l < n; ++l) {
       System& system = batch->system(static_cast<int>(l));
-      lanes::Course course;
-      course.begin(system, states[l].t, times);
+      lanes::OutputSchedule schedule;
+      schedule.begin(system, states[l].t, times);
       told[l].alone = true;
-      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], course, w.options.step, task, told[l]);
+      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], schedule, w.options.step, task, told[l]);
     }
   }
   return reports;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "framework/tools/batch/lane_factor.h"
+#include "framework/tools/batch/lane_blocks.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/lane_rows.h"
 
@@ -18,8 +18,8 @@ LOCKSTEP_LANE V square_root(const V& a) {
 
 LOCKSTEP_LANE void see_bodies(const Plan& plan, const Numbers& z) {
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *q = z.y + kLanes * 7 * at(k), *v = z.y + kLanes * (plan.v_at() + 6 * at(k));
-    double* b = z.body + kLanes * body::size * at(k);
+    const double *q = z.y + kLanes * 7 * k, *v = z.y + kLanes * (plan.v_at() + 6 * k);
+    double* b = z.body + kLanes * body::size * k;
     Q4 e = load4(q, 3);
     const V s = 1.0 / square_root(e.w * e.w + dot(e.v, e.v));
     e.w = s * e.w, e.v = s * e.v;
@@ -34,125 +34,93 @@ LOCKSTEP_LANE void see_bodies(const Plan& plan, const Numbers& z) {
   }
 }
 
+using K = LaneBlocks;
+using X = schur::Spatial;
+
 // (2.8): f = m g + F | -w x J w + T
 LOCKSTEP_LANE void free_motion(const Plan& plan, const Numbers& z) {
   const V3 g = load3(z.gravity, 0);
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *m = mass_of(z, k), *b = z.body + kLanes * body::size * at(k);
-    const V3 w = load3(b, body::w);
-    V J[6], I[6];
-    for (int i = 0; i < 6; ++i) J[i] = load(m, mass::J + at(i)), I[i] = load(m, mass::Jinv + at(i));
-    const V3 Jw = {J[0] * w.x + J[1] * w.y + J[2] * w.z, J[1] * w.x + J[3] * w.y + J[4] * w.z,
-                   J[2] * w.x + J[4] * w.y + J[5] * w.z};
-    V3 t = cross(Jw, w), a = g;
+    const double *M = K::at(z.mass, X::mass * k), *I = K::at(z.inverse, X::mass * k);
+    const V3 w = load3(K::at(z.body, body::size * k), body::w);
+    const V wk[3] = {w.x, w.y, w.z};
+    V Jw[3], al[3];
+    schur::inertia_times<K, X>(M, wk, Jw);
+    V3 t = cross(V3{Jw[0], Jw[1], Jw[2]}, w), a = g;
     if (z.wrench) {
-      const double* F = z.wrench + kLanes * 6 * at(k);
-      a = a + load(m, mass::inverse) * load3(F, 0);
+      const double* F = K::at(z.wrench, 6 * k);
+      a = a + K::number(I, 0) * load3(F, 0);
       t = t + load3(F, 3);
     }
-    const V3 al = {I[0] * t.x + I[1] * t.y + I[2] * t.z, I[1] * t.x + I[3] * t.y + I[4] * t.z,
-                   I[2] * t.x + I[4] * t.y + I[5] * t.z};
-    store3(z.af, 6 * at(k), a), store3(z.af, 6 * at(k) + 3, al);
-    store3(z.a, 6 * at(k), a), store3(z.a, 6 * at(k) + 3, al);
+    const V tk[3] = {t.x, t.y, t.z};
+    schur::inertia_times<K, X>(I, tk, al);
+    for (double* out : {z.af, z.a}) store3(out, 6 * k, a), store3(out, 6 * k + 3, {al[0], al[1], al[2]});
   }
 }
 
+template <For kFor>
+LOCKSTEP_LANE void gather(const Plan& plan, const Link& link, const Numbers& z) {
+  link.triple ? rows<true, kFor>(plan, link, z) : rows<false, kFor>(plan, link, z);
+}
 LOCKSTEP_LANE void accelerate_rows(const Plan& plan, const Numbers& z) {
-  for (const Node& node : plan.nodes) {
-    node.triple ? rows<true, For::acceleration>(plan, node, z) : rows<false, For::acceleration>(plan, node, z);
-    with_shape(
-        node, [&]<int M, bool T>() __attribute__((always_inline)) { own<M, T, true>(plan, node, z); });
-    for (int k = 0; k < node.m; ++k) store(z.lambda, node.x + at(k), V{});
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    gather<For::acceleration>(plan, plan.links[k], z);
+    schur::with_rows<K, X>(plan.nodes[k], [&]<int M, bool kTurned>(const schur::Node& node)
+                                              __attribute__((always_inline)) {
+      schur::fill_own<K, X, M, kTurned>(plan, node, z);
+      schur::start_link<K, X, M, kTurned>(plan, node, z);
+    });
   }
 }
-
 LOCKSTEP_LANE void project_rows(const Plan& plan, const Numbers& z) {
-  for (const Node& node : plan.nodes)
-    node.triple ? rows<true, For::projection>(plan, node, z) : rows<false, For::projection>(plan, node, z);
+  for (const Link& link : plan.links) gather<For::projection>(plan, link, z);
 }
+LOCKSTEP_LANE void own_blocks(const Plan& plan, const Numbers& z) { schur::fill_links<K, X>(plan, z); }
 
-LOCKSTEP_LANE void own_blocks(const Plan& plan, const Numbers& z) {
-  for (const Node& node : plan.nodes)
-    with_shape(
-        node, [&]<int M, bool T>() __attribute__((always_inline)) { own<M, T, false>(plan, node, z); });
+LOCKSTEP_LANE void factor_and_solve(const Plan& plan, const Numbers& z) {
+  schur::fill_blocks<K, X>(plan, z);
+  schur::factor_nodes<K, true>(plan, z);
+  schur::solve_backward<K>(plan, z);
 }
-
-LOCKSTEP_LANE void residual(const Plan& plan, const Numbers& z) {
-  for (const Node& node : plan.nodes)
-    with_shape(
-        node, [&]<int M, bool T>() __attribute__((always_inline)) {
-          V b[M];
-          for (int k = 0; k < M; ++k) b[k] = -load(z.c, node.x + at(k));
-          times<M, T>(plan, node, z, z.a, 6, b);
-          for (int k = 0; k < M; ++k) store(z.r, node.x + at(k), b[k]);
-        });
+LOCKSTEP_LANE void solve(const Plan& plan, const Numbers& z) {
+  schur::solve_forward<K>(plan, z);
+  schur::solve_backward<K>(plan, z);
 }
-
-LOCKSTEP_LANE void shift(const Plan& plan, const Numbers& z) {
-  for (std::size_t i = 0; i < plan.size_x; ++i) store(z.x, i, load(z.E, i) * load(z.lambda, i));
-}
+LOCKSTEP_LANE void apply(const Plan& plan, const Numbers& z) { schur::apply_links<K, X>(plan, z.x, z); }
+LOCKSTEP_LANE void residual(const Plan& plan, const Numbers& z) { schur::residuals<K, X>(plan, z); }
 
 LOCKSTEP_LANE void velocity_residual(const Plan& plan, const Numbers& z, const double* v, double* Cd) {
-  for (const Node& node : plan.nodes)
-    with_shape(
-        node, [&]<int M, bool T>() __attribute__((always_inline)) {
-          V b[M];
-          for (int k = 0; k < M; ++k) b[k] = load(z.Ct, node.x + at(k));
-          times<M, T>(plan, node, z, v, 6, b);
-          for (int k = 0; k < M; ++k) store(Cd, node.x + at(k), b[k]);
-        });
+  schur::for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const schur::Node& node) __attribute__((always_inline)) {
+    V b[M];
+    for (int k = 0; k < M; ++k) b[k] = K::number(z.Ct, node.x + k);
+    schur::add_rows_times<K, X, M, kTurned>(plan, node, z, v, b);
+    for (int k = 0; k < M; ++k) K::put(Cd, node.x + k, b[k]);
+  });
 }
 
 LOCKSTEP_LANE void largest_scales(const Plan& plan, const Numbers& z, double* out) {
-  V t{}, r{};
-  for (const Node& node : plan.nodes)
-    for (int k = 0; k < node.m; ++k) {
-      V& most = node.kind[at(k)] == RowKind::translation ? t : r;
-      most = larger(most, load(z.scale, node.x + at(k)));
-    }
-  store(out, 0, t), store(out, 1, r);
+  V largest[3];
+  schur::largest_by_kind<K>(plan, z.scale, largest);
+  for (int k = 0; k < 3; ++k) K::put(out, k, largest[k]);
 }
-
 LOCKSTEP_LANE void energies(const Plan& plan, const Numbers& z, double* out) {
-  V t{}, r{}, most{};
-  for (const Node& node : plan.nodes)
-    for (int k = 0; k < node.m; ++k) {
-      V& of_kind = node.kind[at(k)] == RowKind::translation ? t : r;
-      of_kind = larger(of_kind, load(z.diagonal, node.x + at(k)));
-    }
-  for (int k = 0; k < plan.n_slots; ++k) {
-    const double* m = mass_of(z, k);
-    V sum{};
-    for (const double* a : {z.af, z.a}) {
-      const V3 v = load3(a, 6 * at(k)), w = load3(a, 6 * at(k) + 3);
-      V J[6];
-      for (int i = 0; i < 6; ++i) J[i] = load(m, mass::J + at(i));
-      sum += load(m, mass::m) * dot(v, v) + J[0] * w.x * w.x + J[3] * w.y * w.y + J[5] * w.z * w.z +
-             2.0 * (J[1] * w.x * w.y + J[2] * w.x * w.z + J[4] * w.y * w.z);
-    }
-    most = larger(most, sum);
-  }
-  store(out, 0, t), store(out, 1, r), store(out, 2, most);
+  V S[3];
+  schur::largest_by_kind<K>(plan, z.diagonal, S);
+  for (int k = 0; k < 3; ++k) K::put(out, k, S[k]);
+  K::put(out, 3, schur::largest_energy<K, X>(plan, z, z.af) + schur::largest_energy<K, X>(plan, z, z.a));
 }
-
-LOCKSTEP_LANE void unmet(const Plan& plan, const Numbers& z, const double* floors, double tolerance, double* out) {
-  V bad{};
-  const V one = V{} + 1.0, t = load(floors, 0), r = load(floors, 1);
-  for (const Node& node : plan.nodes)
-    for (int k = 0; k < node.m; ++k) {
-      const V limit =
-          tolerance * larger(load(z.scale, node.x + at(k)), node.kind[at(k)] == RowKind::translation ? t : r);
-      bad = size_of(load(z.r, node.x + at(k))) <= limit ? bad : one;
-    }
-  store(out, 0, bad);
+LOCKSTEP_LANE void unmet(const Plan& plan, const Numbers& z, double tolerance, double* out) {
+  V marks{};
+  schur::check_rows<K>(plan, tolerance, z, marks);
+  K::put(out, 0, marks);
 }
 
 LOCKSTEP_LANE void norm(const Plan& plan, const double* c, const double* L, double* out) {
   V t{}, r{};
-  for (const Node& node : plan.nodes)
+  for (const schur::Node& node : plan.nodes)
     for (int k = 0; k < node.m; ++k) {
-      V& most = node.kind[at(k)] == RowKind::translation ? t : r;
-      const V x = size_of(load(c, node.x + at(k)));
+      V& most = node.kinds.of(k) == RowKind::translation ? t : r;
+      const V x = schur::size_of(K::number(c, node.x + k));
       most = x <= most ? most : x;  // a NaN stays
     }
   const V turned = 2.0 * load(L, 0) * r;
@@ -161,14 +129,14 @@ LOCKSTEP_LANE void norm(const Plan& plan, const double* c, const double* L, doub
 
 LOCKSTEP_LANE void rates(const Plan& plan, const Numbers& z, double* rate) {
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *q = z.y + kLanes * 7 * at(k), *v = z.y + kLanes * (plan.v_at() + 6 * at(k));
-    double *qd = rate + kLanes * 7 * at(k), *vd = rate + kLanes * (plan.v_at() + 6 * at(k));
+    const double *q = z.y + kLanes * 7 * k, *v = z.y + kLanes * (plan.v_at() + 6 * k);
+    double *qd = rate + kLanes * 7 * k, *vd = rate + kLanes * (plan.v_at() + 6 * k);
     const Q4 e = load4(q, 3);
     const V3 w = 0.5 * load3(v, 3);
     store3(qd, 0, load3(v, 0));
     store(qd, 3, -dot(e.v, w));  // (1.8)
     store3(qd, 4, e.w * w + cross(e.v, w));
-    for (int i = 0; i < 6; ++i) store(vd, at(i), load(z.a, 6 * at(k) + at(i)));
+    for (int i = 0; i < 6; ++i) store(vd, i, load(z.a, 6 * k + i));
   }
 }
 
@@ -187,10 +155,10 @@ LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   Numbers n = z;
   if (lane == 0) return n;
   if (n.wrench) n.wrench += lane;
-  n.y += lane, n.mass += lane, n.gravity += lane, n.frames += lane, n.law += lane;
-  n.body += lane, n.af += lane, n.a += lane, n.J += lane, n.Y += lane;
-  n.A += lane, n.x += lane, n.c += lane, n.scale += lane, n.diagonal += lane;
-  n.E += lane, n.lambda += lane, n.r += lane, n.C += lane, n.Ct += lane;
+  for (const double** p : {&n.rows, &n.inverse, &n.mass, &n.floors, &n.y, &n.gravity, &n.frames, &n.law}) *p += lane;
+  for (double** p : {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.pivot, &n.E, &n.r, &n.body, &n.af, &n.J,
+                     &n.C, &n.Ct})
+    *p += lane;
   return n;
 }
 
@@ -205,13 +173,12 @@ LOCKSTEP_PASS(accelerate_rows, (const Plan& plan, const Numbers& z), (plan, from
 LOCKSTEP_PASS(project_rows, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(own_blocks, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(residual, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(shift, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(velocity_residual, (const Plan& plan, const Numbers& z, const double* v, double* Cd),
               (plan, from(z, lane), v + lane, Cd + lane))
 LOCKSTEP_PASS(largest_scales, (const Plan& plan, const Numbers& z, double* out), (plan, from(z, lane), out + lane))
 LOCKSTEP_PASS(energies, (const Plan& plan, const Numbers& z, double* out), (plan, from(z, lane), out + lane))
-LOCKSTEP_PASS(unmet, (const Plan& plan, const Numbers& z, const double* floors, double tolerance, double* out),
-              (plan, from(z, lane), floors + lane, tolerance, out + lane))
+LOCKSTEP_PASS(unmet, (const Plan& plan, const Numbers& z, double tolerance, double* out),
+              (plan, from(z, lane), tolerance, out + lane))
 LOCKSTEP_PASS(norm, (const Plan& plan, const double* c, const double* L, double* out),
               (plan, c + lane, L + lane, out + lane))
 LOCKSTEP_PASS(rates, (const Plan& plan, const Numbers& z, double* rate), (plan, from(z, lane), rate + lane))
@@ -231,7 +198,6 @@ Passes all_passes() {
   out.project_rows = project_rows_pass;
   out.own_blocks = own_blocks_pass;
   out.residual = residual_pass;
-  out.shift = shift_pass;
   out.velocity_residual = velocity_residual_pass;
   out.largest_scales = largest_scales_pass;
   out.energies = energies_pass;

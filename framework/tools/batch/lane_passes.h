@@ -10,23 +10,21 @@ struct Passes {
   using Pass = void (*)(const Plan&, const Numbers&);
   Pass see_bodies = nullptr;        ///< y -> body: quaternions normalised, A, w in the world
   Pass free_motion = nullptr;       ///< a_f = M^-1 f, a = a_f
-  Pass accelerate_rows = nullptr;   ///< J, Qhat, Y, S + E, x = J a_f - Qhat, scales; lambda = 0
+  Pass accelerate_rows = nullptr;   ///< J, Qhat, Y, S + E, x = J a_f - Qhat, scales
   Pass project_rows = nullptr;      ///< J, C, Ct
   Pass own_blocks = nullptr;        ///< J -> Y, the nodes' own blocks of S + E
   Pass factor_and_solve = nullptr;  ///< S + E -> L, D, and x <- (S + E)^-1 x
   Pass solve = nullptr;             ///< x <- (S + E)^-1 x
-  Pass apply = nullptr;             ///< a -= Y^T x, lambda += x
+  Pass apply = nullptr;             ///< a -= Y^T x
   Pass residual = nullptr;          ///< r = J a - c
-  Pass shift = nullptr;             ///< x = E lambda: what the first solution leaves of r
-  /// J v + Ct; v: 6 a slot.
+  /// J v + Ct; v: 6 per slot.
   void (*velocity_residual)(const Plan&, const Numbers&, const double* v, double* Cd) = nullptr;
-  /// Largest scale of each kind of row (translation, rotation) over all rows; 2 packs.
+  /// Largest scale of each RowKind; 3 packs.
   void (*largest_scales)(const Plan&, const Numbers&, double* out) = nullptr;
-  /// What rounding of other units can leave (StopRule): the largest S_jj of each kind, and a_f.M a_f + a.M a of the
-  /// body that has most; 3 packs.
+  /// For residual_floor(): the largest S_jj of each RowKind, and the energy; 4 packs.
   void (*energies)(const Plan&, const Numbers&, double* out) = nullptr;
   /// A pack, 0 where |r| <= tolerance max(scale, floor of its kind) in every row, else 1; a NaN is never met.
-  void (*unmet)(const Plan&, const Numbers&, const double* floors, double tolerance, double* out) = nullptr;
+  void (*unmet)(const Plan&, const Numbers&, double tolerance, double* out) = nullptr;
   /// The norm of Dynamics::norm for each copy: metres; L: a pack.
   void (*norm)(const Plan&, const double* c, const double* L, double* out) = nullptr;
   /// rate = d/dt of the state y: velocities, (1/2) q w by the raw quaternion, a.

@@ -32,7 +32,7 @@ LOCKSTEP_LANE void put_row(double* J, int m, int first, int k, const V3& r) {
 LOCKSTEP_LANE V3 row_of(const M3& A, int k) { return k == 0 ? A.r0 : k == 1 ? A.r1 : A.r2; }
 
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void translation(const Plan& plan, const Node& node, const Numbers& z) {
+LOCKSTEP_LANE void translation(const Plan& plan, const Link& node, const Numbers& z) {
   const Slot O1 = slot(z, node.P), O2 = slot(z, node.S);
   const double *f = z.frames + kLanes * node.frames, *l = z.law + kLanes * node.law;
   double* J1 = node.side_P < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_P)].J;
@@ -94,7 +94,7 @@ LOCKSTEP_LANE V3 half_row(int k, const V& h0, const V3& hv) {
 }
 
 template <bool kTriple, Turn kTurn, For kFor>
-LOCKSTEP_LANE void rotation(const Plan& plan, const Node& node, const Numbers& z) {
+LOCKSTEP_LANE void rotation(const Plan& plan, const Link& node, const Numbers& z) {
   constexpr bool kParallel = kTurn == Turn::parallel, kLaw = kTurn == Turn::law;
   constexpr int kFirst = kTriple ? 0 : 3;  // column of the angular part
   const Slot O1 = slot(z, node.P), O2 = slot(z, node.S);
@@ -152,7 +152,7 @@ LOCKSTEP_LANE void rotation(const Plan& plan, const Node& node, const Numbers& z
 }
 
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void rows(const Plan& plan, const Node& node, const Numbers& z) {
+LOCKSTEP_LANE void rows(const Plan& plan, const Link& node, const Numbers& z) {
   if (kTriple || node.row[0] < 3) translation<kTriple, kFor>(plan, node, z);
   if (kTriple && node.m == 3) return;
   switch (node.turn) {

@@ -1,30 +1,29 @@
 // Explicit Runge-Kutta in lanes: every copy has its own time, step and error control, the attempts go in lockstep. A
-// copy whose try is rejected repeats it with a smaller step while the others go on.
+// copy whose attempt is rejected repeats it with a smaller step while the others go on.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "framework/tools/batch/copy_run.h"
 #include "framework/dynamics/integrate/runge_kutta.h"
 #include "framework/dynamics/integrate/step_control.h"
+#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/foundation/support/error.h"
+#include "framework/tools/batch/copy_run.h"
 
 namespace lockstep::lanes {
 namespace {
 
-constexpr double kViolation = 1e-3;      // of the scene's length, before projection
-constexpr double kSmallestStep = 1e-14;  // of max(|t|, step asked for)
 constexpr std::size_t kL = kLanes;
 
 struct Lane {
   explicit Lane(int order) : control(order) {}
   bool going = false;  // steps in lanes
-  bool tried = false;  // its present try was rejected before
-  bool lands = false;  // the present try ends on the course's next place
+  bool tried = false;  // an attempt at its present step was rejected
+  bool lands = false;  // the present attempt ends on the schedule's next instant
   double advised = 0, asked = 0;
-  Course course;
-  StepControl control;
+  OutputSchedule schedule;
+  PiControl control;
   ErrorNorm norm;
 };
 
@@ -81,7 +80,7 @@ class LaneRun {
   Aligned<double> y_, stage_, end_, error_;
   std::vector<Aligned<double>> k_;
   alignas(64) Numbers8 t_{}, h_{};
-  bool first_done_ = false;  // the first stage stands: nobody moved since
+  bool first_done_ = false;  // the first stage is evaluated: no lane has moved since
   State state_, state_end_;  // scratch of one lane
   StateRate rate_, rate_error_;
   std::vector<Motion> motions_;
@@ -102,13 +101,13 @@ void LaneRun::begin(std::span<const State> starts) {
     lanes_[l].going = used;
     if (!used) continue;
     Lane& the = lanes_[l];
-    the.course.begin(batch_.system(lane), start.t, task_.times);
+    the.schedule.begin(batch_.system(lane), start.t, task_.times);
     the.norm.set(task_.options.tolerance);
-    the.norm.set_states(batch_.system(lane).n_steering_states());
+    the.norm.set_states(batch_.system(lane).n_error_controlled_states());
     the.norm.scale(start, 1.0);
     the.control.begin();
     reports_[l].t = start.t;
-    while (the.going && the.course.reach() <= start.t) arrive(lane);
+    while (the.going && the.schedule.reach() <= start.t) arrive(lane);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
   }
 }
@@ -120,40 +119,40 @@ double LaneRun::first_step(int lane, const State& start) const {
   ErrorNorm norm = lanes_[static_cast<std::size_t>(lane)].norm;
   StateRate f0 = sized_like(start), f1 = f0;
   State y1 = start;
-  double largest = lanes_[static_cast<std::size_t>(lane)].course.reach() - start.t;
+  double largest = lanes_[static_cast<std::size_t>(lane)].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
     return guess_first_step(dynamics, start, tableau_.order, largest, norm, f0, f1, y1);
   } catch (const Error&) {
-    return largest;  // the run itself meets the error and tells it
+    return largest;  // the run will hit and report the error
   }
 }
 
-// At the course's next place.
+// At the schedule's next instant.
 void LaneRun::arrive(int lane) {
   Lane& the = lanes_[static_cast<std::size_t>(lane)];
-  bool wanted = false;
-  t_[static_cast<std::size_t>(lane)] = the.course.arrive(wanted);
+  bool output = false;
+  t_[static_cast<std::size_t>(lane)] = the.schedule.arrive(output);
   reports_[static_cast<std::size_t>(lane)].t = t_[static_cast<std::size_t>(lane)];
-  if (wanted) {
+  if (output) {
     batch_.get(lane, y_.data(), state_);
     state_.t = t_[static_cast<std::size_t>(lane)];
     state_.z = batch_.memory(lane);
-    task_.output(batch_.first() + lane, the.course.next() - 1, state_);
+    task_.output(batch_.first() + lane, the.schedule.next() - 1, state_);
   }
-  the.going = !the.course.done();
+  the.going = !the.schedule.done();
 }
 
 void LaneRun::choose_steps() {
   for (std::size_t l = 0; l < kL; ++l) {
     Lane& the = lanes_[l];
-    h_[l] = 0;  // who has arrived stands still
+    h_[l] = 0;  // lanes that are done do not move
     if (!the.going) continue;
     double h = the.advised;
     if (task_.options.max_step > 0) h = std::min(h, task_.options.max_step);
     the.asked = h;
-    h_[l] = the.course.step(t_[l], h, fixed_);
-    the.lands = t_[l] + h_[l] >= the.course.reach() - 1e-15 * std::abs(t_[l]);
+    h_[l] = the.schedule.step(t_[l], h, fixed_);
+    the.lands = the.schedule.lands(t_[l], h_[l]);
   }
 }
 
@@ -182,7 +181,7 @@ double LaneRun::error_of(int lane) {
   return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
 }
 
-// As EmbeddedRungeKutta::estimate.
+// EmbeddedRungeKutta::estimate for eight copies.
 void LaneRun::estimate(Numbers8& error) {
   error.fill(0);
   if (fixed_) return;
@@ -204,11 +203,7 @@ void LaneRun::estimate(Numbers8& error) {
   each(error_w_, true, error);
   if (!scheme_.second) return;
   each(second_w_, false, e3);
-  for (std::size_t l = 0; l < kL; ++l) {
-    const double e5 = error[l];
-    if (e5 == 0) continue;
-    error[l] = std::isfinite(e5) && std::isfinite(e3[l]) ? e5 * (e5 / std::hypot(e5, 0.1 * e3[l])) : HUGE_VAL;
-  }
+  for (std::size_t l = 0; l < kL; ++l) error[l] = combined_error(error[l], e3[l]);
 }
 
 void LaneRun::attempt() {
@@ -233,8 +228,9 @@ void LaneRun::attempt() {
       reject(l, lanes_[i].control.reject(error[i]));
       continue;
     }
-    const bool on = task_.options.stabilization.kind != Stabilization::Kind::project ||
-                    (landed[i].converged && (fixed_ || landed[i].before <= kViolation * batch_.system(l).length()));
+    const bool on =
+        task_.options.stabilization.kind != Stabilization::Kind::project ||
+        (fixed_ ? landed[i].converged : end_is_near(landed[i].converged, landed[i].before, batch_.system(l).length()));
     on ? accept(l, error[i]) : reject(l, 0.5);
   }
 }
@@ -248,8 +244,8 @@ void LaneRun::accept(int lane, double error) {
   reports_[l].t = t_[l];
   ++reports_[l].steps;
   if (!fixed_) {
-    const double next = h_[l] * the.control.accept(error, the.tried);
-    the.advised = h_[l] < the.asked && !the.tried ? std::max(the.asked, next) : next;
+    const double next = h_[l] * the.control.accept(h_[l], error, 0, the.tried);
+    the.advised = the.tried ? next : advised_after(the.asked, h_[l], h_[l], next);
   }
   the.tried = false;
   System& system = batch_.system(lane);
@@ -267,15 +263,13 @@ void LaneRun::accept(int lane, double error) {
   if (the.lands) arrive(lane);
 }
 
-// Repeats with a smaller step; what cannot be stepped is for the ordinary path to name.
+// Repeats with a smaller step; what cannot be stepped leaves for the ordinary path, which names it.
 void LaneRun::reject(int lane, double factor) {
   const auto l = static_cast<std::size_t>(lane);
   ++reports_[l].rejected;
   lanes_[l].tried = true;
   lanes_[l].advised = factor * h_[l];
-  if (fixed_ || lanes_[l].advised < kSmallestStep * std::max(std::abs(t_[l]), lanes_[l].asked) ||
-      t_[l] + lanes_[l].advised == t_[l])
-    leave(lane);
+  if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
 }
 
 void LaneRun::leave(int lane) {
@@ -286,12 +280,12 @@ void LaneRun::leave(int lane) {
   batch_.get(lane, y_.data(), state);
   state.t = t_[l], state.z = batch_.memory(lane);
   reports_[l].alone = true;
-  batch_.put(lane, starts_[l], y_.data());  // the lane stands at a place that it can be evaluated at
+  batch_.put(lane, starts_[l], y_.data());  // a state at which the lane can be evaluated
   batch_.remember(lane, starts_[l].z);
   t_[l] = starts_[l].t;
   first_done_ = false;
   const double h = fixed_ ? task_.options.step : h_[l];
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), the.course, h, task_, reports_[l]);
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), the.schedule, h, task_, reports_[l]);
 }
 
 }  // namespace

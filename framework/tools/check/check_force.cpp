@@ -7,7 +7,7 @@
 #include "framework/tools/check/force_check.h"
 #include "framework/tools/check/sample_system.h"
 #include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/user_code_error.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 

@@ -6,7 +6,7 @@
 
 #include "framework/tools/check/lock_check.h"
 #include "framework/tools/check/sample_system.h"
-#include "framework/foundation/support/user_code_error.h"
+#include "framework/foundation/support/error.h"
 
 namespace lockstep {
 

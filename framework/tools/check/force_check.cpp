@@ -36,23 +36,28 @@ void ForceCheck::add(const std::string& key, std::string what, std::string look,
 }
 bool ForceCheck::particle(int slot) const { return system_.slot(slot).freedoms == Freedoms::particle; }
 std::span<double> ForceCheck::memory_of(VecX& z) const {
-  return {z.data() + force_.first_memory(), static_cast<std::size_t>(force_.n_memory())};
+  return {z.data() + force_.first_memory(), static_cast<std::size_t>(force_.n_own_memory())};
 }
 
 void ForceCheck::apply(const Place& at, VecX& f) const {
   f.setZero(6 * n_);
   WrenchSum sum(at.motions, f);
   force_.apply(at.in(), sum);
-  if (reads()) force_.react(at.in(), reactions(), sum);
+  if (reads()) force_.reacting()->react(at.in(), reactions(), sum);
 }
 
 double ForceCheck::loss(const Place& at) const {
-  return force_.dissipation(at.in()) + (reads() ? force_.friction_loss(at.in(), reactions()) : 0.0);
+  return force_.dissipation(at.in()) + (reads() ? force_.reacting()->friction_loss(at.in(), reactions()) : 0.0);
+}
+
+std::vector<Quantity> ForceCheck::quantities() const {
+  if (const Reacting* own = force_.reacting()) return own->quantities();
+  return force_.observable() ? force_.observable()->quantities() : std::vector<Quantity>{};
 }
 
 void ForceCheck::draw_reactions() {
-  if (force_.reads().empty()) return;
-  for (const Lock* link : force_.reads())
+  if (force_.reacting() == nullptr) return;
+  for (const Lock* link : force_.reacting()->reads())
     if (link == nullptr) return add("reads", "reads the reactions of a link that is not there", "reads()");
   system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
   Draw draw(options_.seed + 5);
@@ -78,7 +83,7 @@ bool ForceCheck::description() {
     add("markers", "acts at no marker of a body that moves, so that nothing can be checked", "markers()");
     return false;
   }
-  for (const Quantity& q : force_.quantities())
+  for (const Quantity& q : quantities())
     if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
   length_ = std::max(Differences::distance(force_.slots(), home_of(system_, options_.from).in()), 1e-3);
   return true;
@@ -94,7 +99,7 @@ bool ForceCheck::find_place(Draw& draw) {
     t = draw.number(options_.from, options_.to), quiet_ *= 0.8;
   }
   place_ = drawn_about(system_, home_of(system_, t), draw, options_.reach, options_.turn);
-  if (force_.n_memory() > 0) force_.accept(place_.in(), memory_of(place_.z));
+  if (force_.n_own_memory() > 0) force_.remembering()->accept_step(place_.in(), memory_of(place_.z));
   apply(place_, f_);
   const auto told = [&](const std::string& what, const std::string& look) {
     add("finite", fmt::format("{} at t = {} s {}", what, number(t), here()), look);
@@ -105,9 +110,10 @@ bool ForceCheck::find_place(Draw& draw) {
   if (!std::isfinite(V)) return told("potential() is not finite", "potential()");
   if (!std::isfinite(D)) return told("dissipation() is not finite", "dissipation()");
   if (!std::isfinite(S)) return told("supply() is not finite", "supply()");
-  for (int k = 0; k < static_cast<int>(force_.quantities().size()); ++k)
-    if (!reads() && !std::isfinite(force_.quantity(k, place_.in())))
-      return told(fmt::format("quantity '{}' is not finite", force_.quantities()[static_cast<std::size_t>(k)].name),
+  const std::vector<Quantity> all = quantities();
+  for (int k = 0; k < static_cast<int>(all.size()); ++k)
+    if (!reads() && !std::isfinite(force_.observable()->quantity(k, place_.in())))
+      return told(fmt::format("quantity '{}' is not finite", all[static_cast<std::size_t>(k)].name),
                   "quantity()");
   return true;
 }
@@ -216,7 +222,7 @@ void ForceCheck::tangent() {
   TangentSum sum;
   sum.lay_out(n_);
   force_.tangent(place_.in(), sum);
-  if (reads()) force_.react_tangent(place_.in(), reactions(), sum);
+  if (reads()) force_.reacting()->react_tangent(place_.in(), reactions(), sum);
   MatX K = MatX::Zero(6 * n_, 6 * n_), D = K;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p) {
     const auto [row, column] = sum.pairs()[p];
@@ -264,14 +270,14 @@ void ForceCheck::compare_column(int slot, int k, const MatX& T, bool velocity) {
 }
 
 void ForceCheck::memory() {
-  if (force_.n_memory() == 0) return;
+  if (force_.n_own_memory() == 0) return;
   Place on = place_;
-  force_.accept(on.in(), memory_of(on.z));
+  force_.remembering()->accept_step(on.in(), memory_of(on.z));
   VecX twice = on.z;
-  force_.accept(on.in(), memory_of(twice));
+  force_.remembering()->accept_step(on.in(), memory_of(twice));
   if (!(on.z - twice).isZero(1e-9 * (1 + on.z.norm())))
-    add("memory", fmt::format("accept() at one state, called again there, remembers something else {}", here()),
-        "accept(): what is remembered follows from the inputs and the memory, as the nearest branch does");
+    add("memory", fmt::format("accept_step() at one state, called again there, remembers something else {}", here()),
+        "accept_step(): what is remembered follows from the inputs and the memory, as the nearest branch does");
 }
 
 void ForceCheck::jumps() {
@@ -310,7 +316,7 @@ void ForceCheck::turns() {
   };
   const auto accept = [&] {
     VecX z = on.z;
-    if (force_.n_memory() > 0) force_.accept(on.in(), memory_of(z));
+    if (force_.n_own_memory() > 0) force_.remembering()->accept_step(on.in(), memory_of(z));
     on.z = z;
   };
   // largest change of the wrench in n steps over [a, b], and where
@@ -334,10 +340,10 @@ void ForceCheck::turns() {
   if (!(most > 1e-9 && fine > 0.5 * most)) return;
   const std::string what = fmt::format("jumps by {:.3g} where body '{}' has turned by {:.0f} degrees about z of '{}'",
                                        fine, system_.body_of_slot(slot).name, at * 180 / kPi, about.name);
-  if (force_.n_memory() > 0)
-    add("turns", what, "accept() and start_memory(): the angle at the last accepted step is remembered in z");
+  if (force_.n_own_memory() > 0)
+    add("turns", what, "accept_step() and start_memory(): the angle at the last accepted step is remembered in z");
   else
-    report_.note("it " + what + "; if it is to run on past full turns, count them: n_memory() and accept()");
+    report_.note("it " + what + "; if it is to run on past full turns, count them: n_memory() and accept_step()");
 }
 
 }  // namespace lockstep

@@ -27,6 +27,7 @@ class ForceCheck {
   void draw_reactions();
   Reactions reactions() const { return {rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}}; }
   bool reads() const { return lambda_.size() > 0; }
+  std::vector<Quantity> quantities() const;
   void apply(const Place&, VecX& f) const;  ///< with react(), where it reads reactions
   double loss(const Place&) const;          ///< dissipation(), and friction_loss() likewise
   double power(const Place&) const;

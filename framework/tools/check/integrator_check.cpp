@@ -18,7 +18,7 @@ constexpr double kStep = 0.01;   // s, of the trials
 constexpr double kSame = 1e-12;  // of steps made again: an iteration may begin elsewhere
 
 bool equal(const State& a, const State& b) {
-  return a.t == b.t && a.q == b.q && a.v == b.v && a.s == b.s && a.z == b.z && a.modes == b.modes;
+  return a.t == b.t && a.q == b.q && a.v == b.v && a.s == b.s && a.z == b.z && a.modes == b.modes && a.watched == b.watched;
 }
 double apart(const State& a, const State& b) {
   return std::abs(a.t - b.t) + (a.q - b.q).norm() + (a.v - b.v).norm() + (a.s - b.s).norm();
@@ -93,7 +93,7 @@ void IntegratorCheck::steps(ClosedMotion& motion) {
           fmt::format("the time went on by {:.9g} s and its report says {:.9g} s {}", state.t - before.t, report.h,
                       here),
           "state.t and StepReport::h in step()");
-    if (state.z != before.z || state.modes != before.modes)
+    if (state.z != before.z || state.modes != before.modes || state.watched != before.watched)
       add("memory", fmt::format("changes what the state remembers (z, or which links are in force) {}", here),
           "step(): z and modes belong to the simulation, which writes them when a step is accepted");
     if (!state.q.allFinite() || !state.v.allFinite()) {

@@ -66,7 +66,7 @@ std::string move_name(const System& system, int slot, int k) {
 }
 
 void LockBench::gather(const Place& place, Group links, double before) {
-  const RowShape s = shape();
+  const RowShape s = link_.shape();
   const std::size_t stride = RowSpan::stride(s), n_columns = s.size() / static_cast<std::size_t>(std::max(s.ld(), 1));
   n_lanes_ = links.size();
   numbers_.assign(2 * kGuard + n_lanes_ * stride, kMark);
@@ -83,7 +83,7 @@ void LockBench::gather(const Place& place, Group links, double before) {
 }
 
 void LockBench::look_beside() {
-  const RowShape s = shape();
+  const RowShape s = link_.shape();
   const auto ld = static_cast<std::size_t>(s.ld()), m = static_cast<std::size_t>(s.m);
   const std::size_t stride = RowSpan::stride(s), end = kGuard + n_lanes_ * stride;
   wrote_padding_ = wrote_outside_ = false;
@@ -95,7 +95,7 @@ void LockBench::look_beside() {
 }
 
 void LockBench::read(std::size_t lane, LockRows& out) const {
-  const RowShape s = shape();
+  const RowShape s = link_.shape();
   const RowView block(numbers_.data() + kGuard + lane * RowSpan::stride(s), s);
   const SlotList slots = link_.slots();
   out.C.resize(s.m), out.Ct.resize(s.m), out.Qhat.resize(s.m);
@@ -123,21 +123,22 @@ void LockBench::rows_of_two(const Place& place, const Lock& other, LockRows& fir
 
 // Gauss's rule with 5 points over the rates along the motion; s itself as far as its rate at the beginning takes it.
 void LockBench::move_states(const Place& from, Place& to) const {
-  const int n = link_.n_states();
+  const int n = link_.n_own_states();
   if (n == 0) return;
+  const Stateful& own = *link_.stateful();
   constexpr double x[5] = {0.04691007703066800, 0.2307653449471585, 0.5, 0.7692346550528415, 0.9530899229693320};
   constexpr double w[5] = {0.1184634425280945, 0.2393143352496832, 0.2844444444444444, 0.2393143352496832,
                            0.1184634425280945};
   const double h = to.t - from.t;
   VecX rate(n), start(n), sum = VecX::Zero(n);
   const std::span<double> rates(rate.data(), static_cast<std::size_t>(n));
-  link_.state_rates(from.in(), rates);
+  own.state_rates(from.in(), rates);
   start = rate;
   Place on;
   for (int i = 0; i < 5; ++i) {
     coast(from, x[i] * h, on);
     on.s.segment(link_.first_state(), n) += x[i] * h * start;
-    link_.state_rates(on.in(), rates);
+    own.state_rates(on.in(), rates);
     sum += w[i] * rate;
   }
   to.s.segment(link_.first_state(), n) += h * sum;

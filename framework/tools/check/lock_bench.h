@@ -55,7 +55,6 @@ class LockBench {
   void move_states(const Place& from, Place& to) const;
 
  private:
-  RowShape shape() const { return {link_.row_count(), link_.slots().n, link_.layout(), link_.row_sign(), {}}; }
   void gather(const Place&, Group, double before);
   void read(std::size_t lane, LockRows& out) const;
   void look_beside();

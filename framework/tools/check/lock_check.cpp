@@ -8,8 +8,8 @@
 #include <limits>
 #include <set>
 
-#include "framework/tools/check/jumps.h"
 #include "framework/foundation/support/text.h"
+#include "framework/tools/check/jumps.h"
 
 namespace lockstep {
 
@@ -45,24 +45,25 @@ void LockCheck::add(const std::string& key, std::string what, std::string look, 
 bool LockCheck::description() {
   m_ = link_.row_count(), n_ = system_.n_slots();
   if (m_ < 1 || m_ > kMaxRows) {
-    add("rows", fmt::format("has {} rows; a link has 1 to {}", m_, kMaxRows), "row_count()");
+    add("rows", fmt::format("has {} rows; a link has 1 to {}", m_, kMaxRows), "plan_rows()");
     return false;
   }
+  const int n_drives = link_.driven() ? link_.driven()->n_drives() : 0;
   std::set<std::string> names;
   for (int k = 0; k < m_; ++k) {
-    if (link_.row_name(k).empty()) add("names", fmt::format("row {} has no name", k), "row_name()");
+    if (link_.row_name(k).empty()) add("names", fmt::format("row {} has no name", k), "plan_rows()");
     if (!names.insert(link_.row_name(k)).second)
-      add("names", fmt::format("two rows are called '{}'", link_.row_name(k)), "row_name()");
-    if (link_.drive_row(k) < -1 || link_.drive_row(k) >= link_.n_drives())
-      add("drives", fmt::format("{} belongs to drive {}, of {} drives", row(k), link_.drive_row(k), link_.n_drives()),
-          "drive_row() and n_drives()");
+      add("names", fmt::format("two rows are called '{}'", link_.row_name(k)), "plan_rows()");
+    if (const int drive = link_.row(k).drive; drive < -1 || drive >= n_drives)
+      add("drives", fmt::format("{} belongs to drive {}, of {} drives", row(k), drive, n_drives),
+          "plan_rows() (LinkRow::drive) and n_drives()");
   }
-  if (link_.pairs().empty()) add("pairs", "tells no pair of markers", "pairs()");
+  if (link_.pairs().empty()) add("pairs", "names no pair of markers", "pairs()");
   std::vector<int> slots;
   for (const auto& [p, s] : link_.pairs())
     for (const Marker* marker : {p, s}) {
       if (marker == nullptr || marker->body == nullptr) {
-        add("pairs", "tells a pair with a marker that is not there", "pairs()");
+        add("pairs", "names a pair with a marker that is not there", "pairs()");
         return false;
       }
       if (marker->body->slot == kGround) continue;
@@ -70,15 +71,16 @@ bool LockCheck::description() {
       if (link_.slots().position(marker->body->slot) < 0)
         add("slots",
             fmt::format("slots() leaves out body '{}', on which its marker '{}' is", marker->body->name, marker->name),
-            "slots(), which setup() fills");
+            "the slots that plan_rows() returns");
     }
   if (n_ == 0 || slots.empty()) {
     add("slots", "touches no body that moves, so that nothing can be checked", "the bodies of its markers");
     return false;
   }
   length_ = std::max(Differences::distance(slots, home_of(system_, options_.from).in()), 1e-3);
-  for (const Quantity& q : link_.quantities())
-    if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
+  if (const Observable* own = link_.observable())
+    for (const Quantity& q : own->quantities())
+      if (q.name.empty()) add("quantities", "has a quantity without a name", "quantities()");
   return true;
 }
 
@@ -88,7 +90,7 @@ bool LockCheck::find_place(Draw& draw) {
   std::vector<double> jumps;
   quiet_ = 0.02 * (options_.to - options_.from);
   for (int i = 0; i < 30; ++i, jumps.clear()) {
-    link_.breakpoints(t - quiet_, t + quiet_, jumps);
+    if (link_.driven()) link_.driven()->breakpoints(t - quiet_, t + quiet_, jumps);
     if (jumps.empty()) break;
     t = draw.number(options_.from, options_.to), quiet_ *= 0.8;
   }
@@ -96,8 +98,7 @@ bool LockCheck::find_place(Draw& draw) {
   double share = state_ == 0 ? 0.05 : 1.0;
   for (int i = 0; i < 7; ++i, share *= 0.5) {
     place_ = drawn_about(system_, home, draw, share * options_.reach, share * options_.turn);
-    if (link_.n_memory() > 0)
-      link_.accept(place_.in(), {place_.z.data() + link_.first_memory(), static_cast<std::size_t>(link_.n_memory())});
+    accept_step(place_, place_.z);
     bench_.rows(place_, rows_);
     if (rows_.C.allFinite() && rows_.Ct.allFinite() && rows_.Qhat.allFinite() && rows_.J.allFinite()) {
       if (i > 0 && state_ > 0)
@@ -113,7 +114,7 @@ bool LockCheck::find_place(Draw& draw) {
                        : !rows_.J.row(k).allFinite()   ? "the jacobian"
                                                        : nullptr;
     if (what == nullptr) continue;
-    const std::string blamed = link_.blame(place_.t);
+    const std::string blamed = link_.driven() ? link_.driven()->diagnose(place_.t) : "";
     add("finite", fmt::format("{} of {} is not finite at t = {} s near the start {}", what, row(k), number(t), here()),
         blamed.empty() ? "a division by a length that may be zero, a root or an arc sine out of its range" : blamed);
     break;
@@ -200,25 +201,31 @@ void LockCheck::other_sign() {
   }
 }
 
+// The numbers of the link in z, as after an accepted step there.
+void LockCheck::accept_step(const Place& at, VecX& z) const {
+  if (const int n = link_.n_own_memory(); n > 0)
+    link_.remembering()->accept_step(at.in(), {z.data() + link_.first_memory(), static_cast<std::size_t>(n)});
+}
+
 void LockCheck::memory() {
-  const int n = link_.n_memory();
-  if (n == 0) return;
+  if (link_.n_own_memory() == 0) return;
   VecX z = place_.z, before;
-  double first = 0, last = 0;  // what one more accept() changes
+  double first = 0, last = 0;  // what one more accept_step() changes
   for (int i = 0; i < 8; ++i) {
     before = z;
     Place at = place_;
     at.z = before;
-    link_.accept(at.in(), {z.data() + link_.first_memory(), static_cast<std::size_t>(n)});
+    accept_step(at, z);
     if (!z.allFinite())
-      return add("memory", fmt::format("accept() writes a number that is not finite {}", here()), "accept()");
+      return add("memory", fmt::format("accept_step() writes a number that is not finite {}", here()), "accept_step()");
     last = (z - before).norm();
     if (i == 1) first = last;
   }
   if (last > 1e-9 * (1 + z.norm()) && std::abs(last - first) < 1e-3 * first)
     add("memory",
-        fmt::format("accept() at one state, called again and again there, adds the same each time {}", here()),
-        "accept(): what is remembered is where the link is, as the nearest branch of an angle, and no sum over calls");
+        fmt::format("accept_step() at one state, called again and again there, adds the same each time {}", here()),
+        "accept_step(): what is remembered is where the link is, as the nearest branch of an angle, and no sum over "
+        "calls");
 }
 
 void LockCheck::jumps() {
@@ -226,8 +233,7 @@ void LockCheck::jumps() {
   for (Motion& O : still.motions) O.v.setZero(), O.w.setZero();
   still.t = options_.from;
   Place on = still;
-  if (const int n = link_.n_memory(); n > 0)
-    link_.accept(still.in(), {on.z.data() + link_.first_memory(), static_cast<std::size_t>(n)});
+  accept_step(still, on.z);
   LockRows r;
   const auto f = [&](double t, VecX& out) {
     on.t = t;
@@ -236,7 +242,7 @@ void LockCheck::jumps() {
     out << r.C, r.Ct, r.Qhat;
   };
   std::vector<double> listed;
-  link_.breakpoints(options_.from, options_.to, listed);
+  if (link_.driven()) link_.driven()->breakpoints(options_.from, options_.to, listed);
   std::vector<std::vector<Jump>> of(static_cast<std::size_t>(3 * m_));
   for (const Jump& j : find_jumps(f, options_.from, options_.to, listed, 200))
     of[static_cast<std::size_t>(j.component)].push_back(j);

@@ -32,6 +32,7 @@ class LockCheck {
   void velocities_leave_alone();
   void tangent();
   void memory();
+  void accept_step(const Place& at, VecX& z) const;
 
   std::string row(int k) const;
   std::string here() const;  ///< "(seed 7, state 3)"

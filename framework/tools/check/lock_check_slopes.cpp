@@ -61,7 +61,7 @@ void LockCheck::jacobian() {
         add("kind",
             fmt::format("{} is of the kind rotation, but moves of body '{}' change it", row(k),
                         system_.body_of_slot(slot).name),
-            "row_kind(): RowKind::translation for metres, RowKind::function for anything else");
+            "plan_rows(): RowKind::translation for metres, RowKind::function for anything else");
     }
   }
 }
@@ -213,7 +213,7 @@ void LockCheck::tangent() {
   for (int k = 0; k < m_; ++k) lambda[k] = draw.number(-1, 1);
   TangentSum sum;
   sum.lay_out(n_);
-  link_.tangent(place_.in(), {lambda.data(), static_cast<std::size_t>(m_)}, sum);
+  add_tangent(link_, place_.in(), {lambda.data(), static_cast<std::size_t>(m_)}, sum);
   MatX K = MatX::Zero(6 * n_, 6 * n_);
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     K.block<6, 6>(6 * sum.pairs()[p].row, 6 * sum.pairs()[p].column) += sum.K(p);

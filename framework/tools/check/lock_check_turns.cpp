@@ -38,10 +38,6 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     out = r.J.middleCols<3>(6 * slot) * cross(axis, Vec3(O.x - S.x)) +
           r.J.middleCols<3>(6 * slot + 3) * (O.A.transpose() * axis);
   };
-  const auto accept = [&](VecX& z) {
-    if (link_.n_memory() > 0)
-      link_.accept(on.in(), {z.data() + link_.first_memory(), static_cast<std::size_t>(link_.n_memory())});
-  };
   VecX C, rate, rate_before, z_before;
   MatX off(m_, kSteps);
   std::vector<VecX> memories;
@@ -55,7 +51,7 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     if (i > 0) off.col(i - 1) = (C - C_before - 0.5 * step * (rate_before + rate)).cwiseAbs();
     memories.push_back(on.z);
     VecX z = on.z;
-    accept(z);
+    accept_step(on, z);
     on.z = z;
   }
   for (int k = 0; k < m_; ++k) {
@@ -79,7 +75,7 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
       }
       before = r;
       VecX z = on.z;
-      accept(z);
+      accept_step(on, z);
       on.z = z;
     }
     if (jump < 0.5 * most) continue;
@@ -91,8 +87,9 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
       continue;
     }
     add("turns", what,
-        link_.n_memory() > 0 ? "accept() and start_memory(): the angle at the last accepted step is remembered in z"
-                             : "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
+        link_.n_own_memory() > 0
+            ? "accept_step() and start_memory(): the angle at the last accepted step is remembered in z"
+            : "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
   }
 }
 

@@ -116,7 +116,7 @@ int advise_command(const Words& w) {
   if (!result) return kExitInterrupted;
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
   fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result->runs.size(),
-             survey.course.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));
+             survey.trajectory.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));
   if (all.empty()) {
     print_nearest(*result, kind, error);
     return interrupt.asked() ? kExitInterrupted : kExitFailure;

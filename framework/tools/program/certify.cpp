@@ -24,7 +24,7 @@ struct Repeat {
   std::string name;     // of its column
   std::string setting;  // in words
   std::function<std::unique_ptr<Integrator>()> make;
-  SimulationOptions options;
+  StepLoopOptions options;
 };
 
 Tolerance tightened(double relative) {
@@ -43,7 +43,7 @@ std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, co
   Dynamics dynamics(m.system, make_solver(run, loaded.registry), {run.formulation, stabilization});
   State start = m.system.start();
   if (run.assemble) assemble(dynamics, start, m.start_speeds);
-  Simulation sim(dynamics, repeat.make(), repeat.options);
+  StepLoop sim(dynamics, repeat.make(), repeat.options);
   sim.add_observer(*recorder);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
@@ -55,7 +55,7 @@ std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, co
   return recorder->table();
 }
 
-Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, SimulationOptions options) {
+Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, StepLoopOptions options) {
   Repeat repeat{run.integrator.type + " tighter", "", {}, std::move(options)};
   if (adaptive) {
     repeat.options.tolerance = tightened(run.tolerance.relative), repeat.options.step = run.step;
@@ -70,7 +70,7 @@ Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, S
 
 // The other adaptive methods, the likeliest first.
 std::vector<Repeat> others_of(const Loaded& loaded, const RunSettings& run, const IntegratorInfo& own,
-                              const SimulationOptions& options) {
+                              const StepLoopOptions& options) {
   std::vector<Repeat> all;
   for (const MethodChoice& method : references_of(run, loaded.registry, own.implicit)) {
     const std::string type = method.name.substr(0, method.name.find(':'));
@@ -130,7 +130,7 @@ void print_certificate(const Loaded& loaded, const Words& w, const RunSettings& 
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
   const IntegratorInfo own = make_integrator(with_step, loaded.registry)->info();
-  SimulationOptions options;
+  StepLoopOptions options;
   options.output_times = table.columns().front().values;
   options.output_times.erase(std::unique(options.output_times.begin(), options.output_times.end()),
                              options.output_times.end());

@@ -107,8 +107,9 @@ int chart_command(const Words& w) {
 
   write_runs(base + ".csv", *result);
   fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
-             result->runs.size(), survey.course.length, result->reference, result->second, result->agreement.position,
-             result->agreement.velocity, result->agreement.energy, result->agreement.reaction);
+             result->runs.size(), survey.trajectory.length, result->reference, result->second,
+             result->agreement.position, result->agreement.velocity, result->agreement.energy,
+             result->agreement.reaction);
   if (survey.imposed)
     fmt::print(
         "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "

@@ -24,12 +24,18 @@ struct LeftOut {
 
 bool laws_of(const Marker& m) { return m.slide != nullptr || m.spin != nullptr; }
 
-Names where(const Mechanism& m, const std::function<bool(const MarkerLock&)>& is_so) {
+/// Joints of which `is_so` holds; both halves of the same link.
+Names where(const Mechanism& m, const std::function<bool(const Lock&, const Jointed&)>& is_so) {
   Names names;
   for (const auto& link : m.system.links())
-    if (const auto* lock = dynamic_cast<const MarkerLock*>(link.get()); lock != nullptr && is_so(*lock))
+    if (const Jointed* joint = std::as_const(*link).jointed(); joint != nullptr && is_so(*link, *joint))
       names.push_back(link->name());
   return names;
+}
+
+bool markers_still(const Lock& link) {
+  const auto [p, s] = link.pairs().front();
+  return !laws_of(*p) && !laws_of(*s);
 }
 
 std::vector<LeftOut> left_out(const Mechanism& m) {
@@ -39,18 +45,18 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
     if (body.freedoms == Freedoms::particle) particles.push_back(body.name);
   }
   for (const auto& link : m.system.links())
-    if (!link->active_at_start) inactive.push_back(link->name());
+    if (!link->active_at_start()) inactive.push_back(link->name());
   const bool dense = std::any_of(m.run.record.begin(), m.run.record.end(),
                                  [](const ChannelRequest& r) { return r.channel.find("energy.") == 0; });
   std::vector<LeftOut> all = {{"motion of fixed bodies: no unknowns", fixed},
                               {"rotation of particles: 3 unknowns instead of 6", particles},
                               {"rows of links that are not active at the start", inactive},
                               {"rotational half of the lock: never evaluated",
-                               where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::e123); })},
+                               where(m, [](const Lock&, const Jointed& j) { return !any(j.rows(), Mask::e123); })},
                               {"translational half of the lock: never evaluated",
-                               where(m, [](const MarkerLock& l) { return !any(l.rows(), Mask::xyz); })},
+                               where(m, [](const Lock&, const Jointed& j) { return !any(j.rows(), Mask::xyz); })},
                               {"motion of markers: they stand still on their bodies",
-                               where(m, [](const MarkerLock& l) { return !laws_of(l.p()) && !laws_of(l.s()); })}};
+                               where(m, [](const Lock& l, const Jointed&) { return markers_still(l); })}};
   Names merged;
   for (const auto& link : m.system.links())
     if (m.system.merged(*link)) merged.push_back(link->name());

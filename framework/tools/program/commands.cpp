@@ -10,7 +10,6 @@
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/foundation/support/user_code_error.h"
 #include "framework/version.h"
 
 namespace lockstep {
@@ -164,9 +163,9 @@ CLI::App& add_advise(CLI::App& app, Words& w) {
 CLI::App& add_new_plugin(CLI::App& app, Words& w) {
   CLI::App& verb = *app.add_subcommand(
       "new-plugin", "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once");
-  verb.add_option("kind", w.kind, "link, law, force or integrator")
+  verb.add_option("kind", w.kind, "link, coupling, law, force or integrator")
       ->required()
-      ->check(CLI::IsMember({"link", "law", "force", "integrator"}))
+      ->check(CLI::IsMember({"link", "coupling", "law", "force", "integrator"}))
       ->type_name("KIND");
   verb.add_option("name", w.name, "what scenes call it, and the folder: small letters, digits and _")
       ->required()
@@ -176,32 +175,23 @@ CLI::App& add_new_plugin(CLI::App& app, Words& w) {
   return verb;
 }
 
-int exit_code_of(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const UsageError&) {
-    return kExitUsage;
-  } catch (const SceneError&) {
-    return kExitScene;
-  } catch (const ModelError&) {
-    return kExitScene;
-  } catch (const PluginError&) {
-    return kExitPlugin;
-  } catch (const UserCodeError&) {
-    return kExitPlugin;
-  } catch (const AssemblyError&) {
-    return kExitAssembly;
-  } catch (const StepError&) {
-    return kExitStep;
-  } catch (const SolveError&) {
-    return kExitStep;
-  } catch (const NonFiniteError&) {
-    return kExitNonFinite;
-  } catch (const FileError&) {
-    return kExitFile;
-  } catch (...) {
-    return kExitFailure;
+int exit_code_of(const Error& error) {
+  using Kind = Error::Kind;
+  switch (error.kind()) {
+    case Kind::usage: return kExitUsage;
+    case Kind::scene:
+    case Kind::model: return kExitScene;
+    case Kind::plugin:
+    case Kind::user_code: return kExitPlugin;
+    case Kind::assembly: return kExitAssembly;
+    case Kind::step:
+    case Kind::solve: return kExitStep;
+    case Kind::non_finite: return kExitNonFinite;
+    case Kind::file: return kExitFile;
+    case Kind::interrupted: return kExitInterrupted;
+    case Kind::other: break;
   }
+  return kExitFailure;
 }
 
 // What is wrong with the words, the closest that exists, and where help is.
@@ -231,9 +221,12 @@ int say_usage(const CLI::App& app, const CLI::ParseError& error) {
 int guarded(const std::function<int()>& command) {
   try {
     return command();
+  } catch (const Error& error) {
+    fmt::print(stderr, "lockstep: {}\n", error.what());
+    return exit_code_of(error);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lockstep: {}\n", what_of(error));
-    return exit_code_of(std::current_exception());
+    return kExitFailure;
   } catch (...) {
     fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
     return kExitFailure;
@@ -284,15 +277,12 @@ int run_program(int argc, const char* const* argv) {
   add_plugins(schema, w);
   schema.footer("Example:\n  lockstep schema > scene.schema.json");
   CLI::App& new_plugin = add_new_plugin(app, w);
-  CLI::App& plugins = *app.add_subcommand("plugins", "Say which plugins there are; seal the file of one");
+  CLI::App& plugins = *app.add_subcommand("plugins", "Say which plugins there are");
   plugins.require_subcommand(1);
   CLI::App& plugins_list = *plugins.add_subcommand("list", "Load each plugin of the search path; say what it brings");
   plugins_list.add_flag("--why", w.why, "say all: folders, files, builds, and why one is refused");
   plugins_list.add_flag("--json", w.json, "as JSON");
   plugins_list.footer("Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why");
-  CLI::App& plugins_seal = *plugins.add_subcommand("seal", "Write its checksum into a plugin, so that damage is seen");
-  plugins_seal.add_option("file", w.plugins, "the file")->required()->type_name("FILE.so");
-  plugins_seal.footer("lockstep_add_plugin does it after each build.\n\nExample:\n  lockstep plugins seal mine.so");
 
   try {
     app.parse(argc, argv);
@@ -310,7 +300,6 @@ int run_program(int argc, const char* const* argv) {
     if (describe.parsed()) return describe_command(name, w);
     if (new_plugin.parsed()) return new_plugin_command(w);
     if (plugins_list.parsed()) return plugins_list_command(w);
-    if (plugins_seal.parsed()) return plugins_seal_command(w);
     return schema.parsed() ? schema_command(w) : int(kExitUsage);
   });
 }

@@ -27,6 +27,7 @@ enum Exit {
 class UsageError : public Error {
  public:
   using Error::Error;
+  Kind kind() const noexcept override { return Kind::usage; }
 };
 
 /// What the command line says about a scene and how to run it. Empty: not said.
@@ -71,7 +72,6 @@ int describe_command(const std::string& name, const Words&);
 int schema_command(const Words&);
 int new_plugin_command(const Words&);
 int plugins_list_command(const Words&);
-int plugins_seal_command(const Words&);
 
 /// Reads the command line, calls a verb, says errors on standard error. Returns an Exit.
 int run_program(int argc, const char* const* argv);

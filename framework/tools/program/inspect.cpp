@@ -7,6 +7,7 @@
 #include "framework/tools/program/commands.h"
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/schema.h"
+#include "framework/description/scene/write.h"
 
 namespace lockstep {
 namespace {
@@ -17,8 +18,8 @@ Json json_of(const Description& d) {
   Json keys = Json::array();
   for (const Key& key : d.info.keys) {
     Json k = {
-        {"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.fallback.empty()}, {"help", key.help}};
-    if (!key.fallback.empty() && key.fallback != "absent") k["default"] = Json::parse(key.fallback);
+        {"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.required()}, {"help", key.help}};
+    if (const Value* v = key.default_value()) k["default"] = Json::parse(write_json(*v));
     keys.push_back(std::move(k));
   }
   return {{"name", d.info.name},

@@ -59,8 +59,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
     throw UsageError(fmt::format(
         "new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name", name, by, name));
   // classes that the source would not tell from lockstep's own, and targets that CMake has
-  constexpr std::array kClasses = {"MotionLaw",   "TranslationLaw", "RotationLaw",
-                                   "MarkerForce", "AppliedForce",   "FunctionForce"};
+  constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw", "MarkerForce",
+                                   "AppliedForce", "FunctionForce",  "FormulaForce", "PhiCoupling"};
   const std::string made = class_name(kind, name);
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
     throw UsageError(

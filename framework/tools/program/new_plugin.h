@@ -11,7 +11,7 @@ namespace lockstep {
 
 /// A file of a template; its name and text contain template_<kind> and Template<Kind>, which become the plugin's names.
 struct TemplateFile {
-  const char* kind;  ///< "link", "law", "force", "integrator"
+  const char* kind;  ///< "link", "coupling", "law", "force", "integrator"
   const char* name;
   const char* text;
 };

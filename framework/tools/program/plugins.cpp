@@ -1,4 +1,4 @@
-// The verbs about plugins as files: which there are and why one is refused; the seal.
+// The verbs about plugins as files: which there are and why one is refused.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 
 #include "framework/description/registry/builtins.h"
 #include "framework/description/registry/loader.h"
-#include "framework/description/registry/seal.h"
 #include "framework/description/registry/survey.h"
 #include "framework/tools/program/commands.h"
 
@@ -37,14 +36,14 @@ std::string brought(const PluginCandidate& c) {
 Json json_of(const PluginCandidate& c) {
   Json brings = Json::array();
   for (const auto& [kind, name] : c.brings) brings.push_back({{"kind", kind}, {"name", name}});
-  return {{"name", c.name},     {"state", state_words(c)}, {"why", c.why},       {"path", c.path},  {"file", c.file},
-          {"folder", c.folder}, {"build", c.build},        {"sealed", c.sealed}, {"brings", brings}};
+  return {{"name", c.name}, {"state", state_words(c)}, {"why", c.why},     {"path", c.path},
+          {"file", c.file}, {"folder", c.folder},      {"build", c.build}, {"brings", brings}};
 }
 
 void print_all(const PluginCandidate& c) {
   fmt::print("{}: {}\n", c.name, state_words(c));
   fmt::print("  file    {}{}\n", c.path, c.file == c.path ? "" : " -> " + c.file);
-  if (!c.build.empty()) fmt::print("  build   {}{}\n", c.build, c.sealed ? ", sealed" : ", not sealed");
+  if (!c.build.empty()) fmt::print("  build   {}\n", c.build);
   if (!c.brings.empty()) fmt::print("  brings  {}\n", brought(c));
   if (!c.why.empty()) fmt::print("  why     {}\n", c.why);
 }
@@ -81,11 +80,6 @@ int plugins_list_command(const Words& w) {
       fmt::print("{:<{}}  {:<7}  {}\n", c.name, width, state_words(c),
                  c.state == PluginCandidate::State::loaded ? brought(c) : c.why);
   if (all.empty() && !w.why) fmt::print("no plugin in {} folders; --why names them\n", folders.size());
-  return kExitOk;
-}
-
-int plugins_seal_command(const Words& w) {
-  for (const std::string& file : w.plugins) seal_plugin(file);
   return kExitOk;
 }
 

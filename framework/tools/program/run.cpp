@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
@@ -16,33 +16,18 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/summary.h"
 #include "framework/tools/sweep/observe.h"
+#include "framework/foundation/support/log.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kSayMove = 1e-6;  // m, rad, m/s: an assembly that changed less goes without saying
-
-std::string assembly_text(const AssemblyReport& r) {
-  std::string text = fmt::format(
-      "assembled  the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
-      r.before, r.before_v, r.after, r.after_v);
-  if (r.largest_move == 0 && r.largest_turn == 0) text += "; only velocities changed";
-  if (r.largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", r.moved_most, r.largest_move);
-  if (r.largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", r.turned_most, r.largest_turn);
-  return text;
-}
-
-bool worth_saying(const AssemblyReport& r) {
-  return r.before > kSayMove || r.before_v > kSayMove || r.largest_move > kSayMove || r.largest_turn > kSayMove;
-}
-
 std::string heading(const Loaded& loaded) {
   return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
 }
 
-SimulationOptions options_of(const RunSettings& run) {
-  SimulationOptions options;
+StepLoopOptions options_of(const RunSettings& run) {
+  StepLoopOptions options;
   options.step = run.step;
   options.tolerance = run.tolerance;
   options.output = run.output;
@@ -73,7 +58,7 @@ struct Ended {
   bool interrupted = false;
 };
 
-Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
+Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
   Ended ended;
   Interrupt interrupt;
   Progress progress(until, quiet);
@@ -95,7 +80,7 @@ Ended go(Simulation& sim, double until, bool quiet, double& seconds) {
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
-void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
+void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
@@ -111,7 +96,7 @@ void print_end(Simulation& sim, const RunSettings& run, const Summary& summary, 
         r.stiff_since);
   const auto& links = sim.system().links();
   const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
-    return link->one_sided && sim.state().modes[static_cast<std::size_t>(link->number())];
+    return link->unilateral() && sim.state().modes[static_cast<std::size_t>(link->number())];
   });
   if (r.impacts > 0 || resting > 0)
     fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
@@ -142,9 +127,9 @@ void print_files(const std::string& csv, const std::string& title, const Table& 
 }
 
 // One line each for what is said and has no effect.
-void warn(const Scene& scene, const Mechanism& m, const Words& w, const Integrator& method) {
+void warn(const Scene& scene, const Mechanism& m, const Words& w, Simulation& sim) {
   const RunSettings& run = m.run;
-  const auto say = [](const std::string& text) { fmt::print(stderr, "lockstep: warning: {}\n", text); };
+  const auto say = [&](const std::string& text) { sim.warn(text); };
   if (!run.times.empty() && run.times.back() > run.until)
     say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
                     run.until));
@@ -154,13 +139,14 @@ void warn(const Scene& scene, const Mechanism& m, const Words& w, const Integrat
                       e.event.at, run.until));
   const Value* settings = scene.root.find("run");
   const bool in_scene = w.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
-  if ((in_scene || !w.tolerance.empty()) && !method.info().adaptive)
+  if ((in_scene || !w.tolerance.empty()) && !sim.integrator().info().adaptive)
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
 }  // namespace
 
 int run_command(const Words& w) {
+  if (w.quiet) set_logger(nullptr);
   Loaded loaded = load(w);
   Mechanism m = build(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
@@ -179,15 +165,15 @@ int run_command(const Words& w) {
   if (!w.quiet) fmt::print("{}\n", heading(loaded));
   if (m.run.assemble) {
     const AssemblyReport report = assemble(dynamics, start, m.start_speeds);
-    if (!w.quiet && worth_saying(report)) fmt::print("  {}\n", assembly_text(report));
+    if (!w.quiet && report.is_notable()) fmt::print("  assembled  {}\n", report.text());
   }
 
-  Simulation sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
+  StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
   sim.add_observer(*recorder);
   if (summary) sim.add_observer(*summary);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
-  if (!w.quiet) warn(loaded.scene, m, w, sim.integrator());
+  warn(loaded.scene, m, w, sim);
 
   double seconds = 0;
   const Ended ended = go(sim, m.run.until, w.quiet, seconds);
@@ -214,7 +200,7 @@ int assemble_command(const Words& w) {
   State state = m.system.start();
   const AssemblyReport r = assemble(dynamics, state, m.start_speeds);
   nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-  if (!w.json) fmt::print("{}\n  {}\n", heading(loaded), assembly_text(r));
+  if (!w.json) fmt::print("{}\n  assembled  {}\n", heading(loaded), r.text());
   for (const Body& body : m.system.bodies()) {
     if (body.fixed) continue;
     const Pose at = pose(body, state);

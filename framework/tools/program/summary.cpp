@@ -24,7 +24,7 @@ Summary::Summary(System& system) {
     channels_.push_back(make_channel(system, name));
   channels_.push_back(links ? make_channel(system, "energy.drives") : Channel{});
   const bool hits = std::any_of(system.links().begin(), system.links().end(),
-                                [](const auto& link) { return link->one_sided.has_value(); });
+                                [](const auto& link) { return link->unilateral() != nullptr; });
   channels_.push_back(forces ? make_channel(system, "energy.supplied") : Channel{});
   channels_.push_back(forces || hits ? make_channel(system, "energy.dissipated") : Channel{});
 }

@@ -11,7 +11,7 @@ namespace lockstep {
 /// Looks at the outputs of a run. Its channels integrate the works of drives and dampers with the motion.
 class Summary final : public Observer {
  public:
-  /// Before the Simulation.
+  /// Before the run.
   explicit Summary(System& system);
 
   void start(const Sample&) override;

@@ -23,7 +23,7 @@ class Ender final : public Observer {
  public:
   explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
   void step(const Sample& s) override {
-    if (interrupt_->asked()) throw StepError(kInterrupted, s.state.t);
+    if (interrupt_->asked()) throw InterruptedError("interrupted", {.t = s.state.t});
   }
 
  private:
@@ -102,7 +102,7 @@ std::pair<double, double> range_of(const std::string& option, const std::string&
   return {std::max(a, b), std::min(a, b)};
 }
 
-void set_ranges(const Words& w, const Course& course, WorkPrecisionOptions& options) {
+void set_ranges(const Words& w, const Trajectory& trajectory, WorkPrecisionOptions& options) {
   if (!w.tolerances.empty()) {
     const auto [coarse, fine] = range_of("--tolerances", w.tolerances, Unit::none);
     options.tolerances.clear();
@@ -110,7 +110,7 @@ void set_ranges(const Words& w, const Course& course, WorkPrecisionOptions& opti
   }
   if (!w.steps.empty()) {
     const auto [coarse, fine] = range_of("--steps", w.steps, Unit::time);
-    const double interval = course.length / course.outputs;
+    const double interval = trajectory.length / trajectory.outputs;
     options.steps.clear();
     for (double n = std::max(1.0, std::ceil(interval / coarse - 1e-9)); interval / n > 0.999 * fine && n < 1e9; n *= 2)
       options.steps.push_back(static_cast<int>(n));
@@ -203,10 +203,10 @@ SceneSurvey survey_of(const Loaded& loaded, const Words& w, const Interrupt& int
   SceneSurvey survey;
   survey.title = scene.title.empty() ? scene.file : scene.title;
   auto assembled = std::make_shared<std::optional<State>>();
-  survey.course = {
+  survey.trajectory = {
       [&scene, &registry, &interrupt, assembled] { return subject_of(scene, registry, interrupt, *assembled); },
       run.until};
-  const Subject first = survey.course.make();
+  const Subject first = survey.trajectory.make();
   Dynamics dynamics(*first.system, make_solver(run, registry));
   survey.imposed = !first.system->links().empty() && mobility(dynamics, first.start).freedoms == 0;
 
@@ -231,7 +231,7 @@ SceneSurvey survey_of(const Loaded& loaded, const Words& w, const Interrupt& int
   if (info.adaptive) o.largest_step = run.step;
   o.references = references_of(run, registry, info.implicit);
   o.budget = budget_of(w);
-  set_ranges(w, survey.course, o);
+  set_ranges(w, survey.trajectory, o);
   leave_out(*first.system, survey);
   survey.base.integrator = o.integrators.front().name, survey.base.solver = o.solvers.front().name;
   survey.base.formulation = o.formulations.front(), survey.base.stabilization = o.stabilizations.front();
@@ -245,7 +245,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
     if (!quiet && what.rfind("reference", 0) == 0) fmt::print(stderr, "  {}\n", what);
   };
   survey.options.measured = [&](const WorkPrecisionRun& run) {
-    if (quiet || run.failure == kInterrupted) return;
+    if (quiet || run.interrupted) return;
     if (!headed) fmt::print("{}\n", run_heading());
     headed = true;
     fmt::print("{}\n", run_line(run));
@@ -256,7 +256,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
   };
   auto result = std::make_unique<WorkPrecision>();
   try {
-    *result = work_precision(survey.course, survey.options);
+    *result = work_precision(survey.trajectory, survey.options);
   } catch (const Error&) {
     if (!interrupt.asked()) throw;
     fmt::print(stderr, "lockstep: interrupted before the reference was there; nothing is written\n");
@@ -264,7 +264,7 @@ std::unique_ptr<WorkPrecision> measure(SceneSurvey& survey, const Words& w, cons
   }
   std::vector<WorkPrecisionRun> measured;
   for (WorkPrecisionRun& run : result->runs) {
-    if (run.failure == kInterrupted)
+    if (run.interrupted)
       result->left_out.push_back(label(run));
     else
       measured.push_back(std::move(run));

@@ -1,4 +1,5 @@
-// What `chart` and `advise` measure of a scene: its course, and the combinations that the registry and the words allow.
+// What `chart` and `advise` measure of a scene: its trajectory, and the combinations that the registry and the words
+// allow.
 #pragma once
 
 #include <memory>
@@ -11,11 +12,9 @@
 
 namespace lockstep {
 
-inline constexpr const char* kInterrupted = "interrupted";
-
 struct SceneSurvey {
   std::string title;
-  Course course;
+  Trajectory trajectory;
   WorkPrecisionOptions options;
   WorkPrecisionRun base;               ///< the scene's own way
   bool imposed = false;                ///< laws give the whole motion: nothing is left to integrate

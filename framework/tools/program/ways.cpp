@@ -17,9 +17,10 @@ std::string one_word(const Value& v) {
 
 std::vector<Value> other_values(const Key& key) {
   std::vector<Value> values;
+  const std::string* fallback = key.default_value() != nullptr ? key.default_value()->text() : nullptr;
   if (key.form == Form::choice)
     for (const std::string& choice : key.choices)
-      if (key.fallback != "\"" + choice + "\"") values.emplace_back(choice);
+      if (fallback == nullptr || *fallback != choice) values.emplace_back(choice);
   return values;
 }
 

@@ -25,7 +25,7 @@ struct ChannelHelp {
 };
 
 /// The channel of that name. Sets the system up when it is not (a link's rows have names only then). Work-like channels
-/// add a quadrature to the system, one for all who ask, so make channels before the run (before Simulation takes the
+/// add a quadrature to the system, one for all who ask, so make channels before the run (before StepLoop takes the
 /// start). The system must stay where it is in memory from then on. Throws ModelError with the closest name and all
 /// names that the object has.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);

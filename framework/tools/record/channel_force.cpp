@@ -4,35 +4,44 @@
 #include <algorithm>
 #include <memory>
 
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
-#include "framework/mechanism/system/blame.h"
 
 namespace lockstep::channels {
 
 double loss(const Force& f, const Evaluated& v) {
-  return named(f, v.in.t, [&] { return f.dissipation(v.in) + f.friction_loss(v.in, Reactions(v)); });
+  return named(f, v.in.t, [&] {
+    const Reacting* own = f.reacting();
+    return f.dissipation(v.in) + (own ? own->friction_loss(v.in, Reactions(v)) : 0.0);
+  });
 }
 
 void of_force(const Force& force, Entries& out) {
   const Force* const f = &force;
-  const std::vector<Quantity> own = force.quantities();
+  const Reacting* const reacting = force.reacting();
+  const Observable* const observable = force.observable();
+  const std::vector<Quantity> own = reacting     ? reacting->quantities()
+                                    : observable ? observable->quantities()
+                                                 : std::vector<Quantity>{};
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} force", force.type()), [f, k](const Sample& s) {
+        fmt::format("quantity of a {} force", force.type()), [f, reacting, observable, k](const Sample& s) {
           const Evaluated& v = s.values();
-          return named(*f, v.in.t, [&] { return f->reacting_quantity(k, v.in, Reactions(v)); });
+          return named(*f, v.in.t, [&] {
+            return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
+          });
         });
   const auto free = [&out](const char* name) {  // a force's own words win
     return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
   };
   const auto scratch = std::make_shared<VecX>();
   if (free("power"))
-    add(out, "power", "W", "power that the force gives to the bodies", [f, scratch](const Sample& s) {
+    add(out, "power", "W", "power that the force gives to the bodies", [f, reacting, scratch](const Sample& s) {
       const Inputs& in = s.values().in;
       scratch->setZero(s.state.v.size());
       WrenchSum sum(in.motions, *scratch);
       f->apply(in, sum);
-      f->react(in, Reactions(s.values()), sum);
+      if (reacting) reacting->react(in, Reactions(s.values()), sum);
       return scratch->dot(s.state.v);
     });
   if (free("potential"))

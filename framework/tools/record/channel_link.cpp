@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "framework/tools/record/channel_entry.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 namespace {
@@ -82,7 +82,7 @@ void add_rows(const Lock& link, Entries& out) {
 
 // The row's own value, whether or not it is in force.
 double row_value(const Lock& link, const Inputs& in, RowTable& room) {
-  const RowShape shape{1, link.slots().n, link.layout(), link.row_sign(), {}};
+  const RowShape shape = link.shape();
   const Lock* const one = &link;
   link.gather(Group(&one, 1), in, room.spatial_span(shape));
   return room.spatial(shape).C(0);
@@ -92,8 +92,9 @@ void add_contact(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto room = std::make_shared<RowTable>();
   add(out, "gap", link.row_kind(0) == RowKind::translation ? "m" : "",
-      "how far the one-sided link is from holding; below zero is forbidden",
-      [l, room](const Sample& s) { return l->one_sided->sign() * row_value(*l, s.dynamics().inputs(s.state), *room); });
+      "how far the one-sided link is from holding; below zero is forbidden", [l, room](const Sample& s) {
+        return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
+      });
   add(out, "in_contact", "", "1 while the one-sided link holds, 0 while it is free",
       [l](const Sample& s) { return s.state.modes[static_cast<std::size_t>(l->number())] ? 1.0 : 0.0; });
   add(out, "impact_loss", "J", "energy lost in its impacts since the start",
@@ -120,12 +121,15 @@ void of_link(const System& system, const Lock& link, Entries& out) {
         for (int k = 0; k < e->m; ++k) (*scratch)[e->first_row + k] = rows.block(*e).C(k);
         return at.norm(*scratch);
       });
-  if (link.one_sided) add_contact(link, out);
-  const std::vector<Quantity> own = link.quantities();
+  if (link.unilateral()) add_contact(link, out);
+  const Observable* const observable = link.observable();
+  if (observable == nullptr) return;
+  const std::vector<Quantity> own = observable->quantities();
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
     add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} link", link.type()),
-        [l, k](const Sample& s) { return named(*l, s.state.t, [&] { return l->quantity(k, s.values().in); }); });
+        fmt::format("quantity of a {} link", link.type()), [l, observable, k](const Sample& s) {
+          return named(*l, s.state.t, [&] { return observable->quantity(k, s.values().in); });
+        });
 }
 
 }  // namespace lockstep::channels

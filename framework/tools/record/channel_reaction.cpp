@@ -1,7 +1,7 @@
 // Reactions of links and what drives add, from the multipliers and the rows alone: no formula a link.
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/forces/reactions.h"
+#include "framework/mechanism/lock/reactions.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
@@ -9,34 +9,26 @@ namespace {
 
 constexpr int kJoint = Reactions::kJoint, kDrives = Reactions::kDrives;
 
-bool belongs(int drive_row, int part) { return part == kDrives ? drive_row >= 0 : drive_row == part; }
-
-LinkWrench on_body_of(const Marker& at, const Lock& link, const Evaluated& v, int part) {
-  return Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part);
-}
-
 void add_wrench(const Lock& link, const std::string& prefix, int part, const std::string& by, Entries& out) {
   const Lock* const l = &link;
   const auto [p, s] = link.pairs().front();
   const Marker *const P = p, *const S = s;
   add_vector(out, prefix + "force_on_p_world_", "N", fmt::format("force on p's body at P by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).force; });
+             [=](const Sample& x) { return x.wrench(*l, *P, part).force; });
   add_vector(out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by),
              [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
-                           on_body_of(*P, *l, x.values(), part).force);
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).force);
              });
   add_vector(out, prefix + "torque_on_p_world_", "N m", fmt::format("torque on p's body about P by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*P, *l, x.values(), part).moment; });
+             [=](const Sample& x) { return x.wrench(*l, *P, part).moment; });
   add_vector(out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by),
              [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() *
-                           on_body_of(*P, *l, x.values(), part).moment);
+               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).moment);
              });
   add_vector(out, prefix + "force_on_s_world_", "N", fmt::format("force on s's body at S by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).force; });
+             [=](const Sample& x) { return x.wrench(*l, *S, part).force; });
   add_vector(out, prefix + "torque_on_s_world_", "N m", fmt::format("torque on s's body about S by {}, world axes", by),
-             [=](const Sample& x) { return on_body_of(*S, *l, x.values(), part).moment; });
+             [=](const Sample& x) { return x.wrench(*l, *S, part).moment; });
 }
 
 // (8.8) lambda . Ct over the rows of the drive
@@ -47,7 +39,7 @@ double power_of_drive(const Lock& link, const Evaluated& v, int part) {
   const RowView block = v.rows.block(e);
   double power = 0;
   for (int k = 0; k < e.m; ++k)
-    if (belongs(link.drive_row(e.own[static_cast<std::size_t>(k)]), part))
+    if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
       power += v.lambda[e.first_row + k] * block.Ct(k);
   return power;
 }
@@ -66,11 +58,15 @@ void add_drive(const Lock& link, const std::string& name, int part, const std::s
 
 void of_reactions(const Lock& link, Entries& out) {
   if (link.pairs().empty()) return;
-  add_wrench(link, "", kJoint, link.n_drives() > 0 ? "the link, drives left out" : "the link", out);
-  if (link.n_drives() == 0) return;
-  add_drive(link, "drive", kDrives, link.n_drives() > 1 ? "all its drives" : "its drive", out);
-  for (int d = 0; d < link.n_drives(); ++d)
-    add_drive(link, "drive_" + link.drive(d).name, d, "its drive on " + link.drive(d).name, out);
+  const Driven* driven = link.driven();
+  const int n = driven ? driven->n_drives() : 0;
+  add_wrench(link, "", kJoint, n > 0 ? "the link, drives left out" : "the link", out);
+  if (n == 0) return;
+  add_drive(link, "drive", kDrives, n > 1 ? "all its drives" : "its drive", out);
+  for (int d = 0; d < n; ++d) {
+    const std::string name = driven->drive(d).name;
+    add_drive(link, "drive_" + name, d, "its drive on " + name, out);
+  }
 }
 
 double power_of_laws(const Evaluated& v) {

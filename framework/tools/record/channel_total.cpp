@@ -3,7 +3,7 @@
 
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
-#include "framework/mechanism/system/blame.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 namespace {
@@ -102,7 +102,7 @@ void make_rejected(System&, Channel& c) {
 double lost_in_impacts(const System& system, const State& state) {
   double sum = 0;
   for (const auto& link : system.links())
-    if (link->one_sided) sum += state.z[link->impact_memory()];
+    if (link->unilateral()) sum += state.z[link->impact_memory()];
   return sum;
 }
 

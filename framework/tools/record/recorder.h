@@ -20,7 +20,7 @@ struct Request {
 
 class LOCKSTEP_API Recorder : public Observer {
  public:
-  /// Before the run, and before Simulation takes the start: some channels integrate with the motion. The first column
+  /// Before the run, and before StepLoop takes the start: some channels integrate with the motion. The first column
   /// is the time, "t [s]". Throws ModelError: an unknown channel, a name that is taken.
   explicit Recorder(System& system, std::vector<Request> requests = {});
   ~Recorder() override;

@@ -12,7 +12,7 @@
 namespace lockstep {
 namespace {
 
-SimulationOptions options_of(const RunSettings& run) {
+StepLoopOptions options_of(const RunSettings& run) {
   return {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times};
 }
 
@@ -31,7 +31,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
   State start = m.system.start();
   if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
-  Simulation sim(dynamics, make_integrator(m.run, registry), options_of(m.run));
+  StepLoop sim(dynamics, make_integrator(m.run, registry), options_of(m.run));
   sim.add_observer(recorder);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));

@@ -51,7 +51,7 @@ bool alike(const RunSettings& a, const RunSettings& b) {
          a.stabilization.tolerance == b.stabilization.tolerance;
 }
 
-// The instants at which a Simulation puts out.
+// The output times of a run.
 std::vector<double> output_times(const RunSettings& run) {
   std::vector<double> times;
   if (!run.times.empty()) {

@@ -135,7 +135,7 @@ void simulate(Run& run, const SceneSource& source, const Registry& registry, con
   Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
   if (settings.assemble) assemble(dynamics, start, mechanism.start_speeds);
-  Simulation simulation(dynamics, make_integrator(settings, registry),
+  StepLoop simulation(dynamics, make_integrator(settings, registry),
                         {.step = settings.step, .tolerance = settings.tolerance});
   simulation.set_state(start);
   Watch watch(run, method.dense ? &simulation.integrator() : nullptr, run.mechanism.kind == Kind::slider_crank);

@@ -24,7 +24,7 @@ void misbehave(const std::string& does) {
   }
 }
 
-Key does_key() { return {"does", Form::text, Unit::none, "\"\"", "what it does wrong"}; }
+Key does_key() { return {"does", Form::text, Unit::none, kRequired, "what it does wrong"}; }
 
 TypeInfo info_of(const char* name) { return {name, "does what it must not", {does_key()}}; }
 
@@ -48,7 +48,7 @@ struct NaughtyLaw final : MotionLaw {
 };
 
 /// Holds P at S along the axes of S, and writes wrongly.
-class NaughtyLink final : public Lock {
+class NaughtyLink final : public Lock, public Stateful, public Remembering, public TangentFormula {
  public:
   NaughtyLink(const Site& site, std::string does)
       : Lock(site.name), p_(&site.p()), s_(&site.s()), does_(std::move(does)) {}
@@ -58,33 +58,36 @@ class NaughtyLink final : public Lock {
   }
   std::string_view type() const override { return "naughty_link"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
-  int row_count() const override { return 3; }
-  RowKind row_kind(int) const override { return RowKind::translation; }
-  std::string row_name(int k) const override { return std::string(1, "xyz"[k]); }
-  SlotList slots() const override { return slots_; }
-  void setup() override {
+  RowPlan plan_rows() override {
     if (does_ == "setup") throw ModelError("its rod has no length");
     if (does_ == "setup int") throw 5;
     P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
-    slots_ = {};
-    slots_.add(P_.slot);
-    slots_.add(S_.slot);
-    if (does_ == "bad slot") slots_.slot[0] = 77;
+    RowPlan plan;
+    for (const char* name : {"x", "y", "z"}) plan.add({RowKind::translation, name});
+    plan.slots.add(P_.slot);
+    plan.slots.add(S_.slot);
+    if (does_ == "bad slot") plan.slots.slot[0] = 77;
+    return plan;
   }
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     for (std::size_t i = 0; i < links.size(); ++i)
       static_cast<const NaughtyLink&>(*links[i]).fill(in, out.lane(does_ == "first lane" ? 0 : i));
   }
+  const Stateful* stateful() const override { return this; }
   int n_states() const override { return does_ == "states" ? 1 : 0; }
   void start_states(std::span<double> s) const override {
     if (does_ == "states") s.data()[0] = s.data()[1] = 0;
   }
+  void state_rates(const Inputs&, std::span<double> sd) const override { std::fill(sd.begin(), sd.end(), 0.0); }
+  const Remembering* remembering() const override { return this; }
   int n_memory() const override { return does_ == "accept" ? 1 : 0; }
-  void accept(const Inputs& in, std::span<double>) const override {
+  void start_memory(std::span<double> z) const override { std::fill(z.begin(), z.end(), 0.0); }
+  void accept_step(const Inputs& in, std::span<double>) const override {
     if (in.t > kWhen) throw std::runtime_error("cannot remember");
   }
+  const TangentFormula* tangent_formula() const override { return does_ == "tangent" ? this : nullptr; }
   void tangent(const Inputs&, std::span<const double>, TangentSum&) const override {
-    if (does_ == "tangent") throw std::runtime_error("no tangent");
+    throw std::runtime_error("no tangent");
   }
 
  private:
@@ -92,7 +95,7 @@ class NaughtyLink final : public Lock {
     if (in.t > kWhen) misbehave(does_);
     const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
     const Motion& O = in.slot(P_.slot);
-    const int side1 = slots_.position(P_.slot), side2 = slots_.position(S_.slot);
+    const int side1 = slots().position(P_.slot), side2 = slots().position(S_.slot);
     const Vec3 r = O.A * P_.u0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 e = Vec3::Unit(k);
@@ -112,7 +115,6 @@ class NaughtyLink final : public Lock {
   Marker *p_, *s_;
   std::string does_;
   MarkerFrame P_, S_;
-  SlotList slots_;
 };
 
 class NaughtyForce final : public Force {

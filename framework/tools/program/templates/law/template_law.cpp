@@ -27,14 +27,13 @@ class TemplateLaw final : public MotionLaw {
     if (t0 < start_ && start_ < t1) out.push_back(start_);
   }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
-  /// given).
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
   static TypeInfo info() {
     return {"template_law",
             "goes to a new value and settles there: rise (1 - (1 + u) exp(-u)), u = (t - start)/time > 0",
-            {{"rise", Form::number, Unit::any, "", "value in the end"},
-             {"time", Form::number, Unit::time, "", "from start to the largest speed, above zero"},
-             {"start", Form::number, Unit::time, "0", "instant at which it begins"}}};
+            {{"rise", Form::number, Unit::any, kRequired, "value in the end"},
+             {"time", Form::number, Unit::time, kRequired, "from start to the largest speed, above zero"},
+             {"start", Form::number, Unit::time, 0, "instant at which it begins"}}};
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {

@@ -14,7 +14,7 @@ using namespace lockstep;
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 struct TemplateLinkFunction {
   double height, length;
-  static constexpr Needs kNeeds = Needs::translation;     // x y z alone; Needs::both where e or angle_z() occur
+  static constexpr Reads kReads = Reads::translation;     // x y z alone; Reads::both where e or angle_z() occur
   static constexpr RowKind kKind = RowKind::translation;  // phi is a length; RowKind::function for anything else
 
   template <class T>
@@ -31,14 +31,13 @@ class TemplateLink final : public PhiLock<TemplateLinkFunction> {
       : PhiLock(std::move(name), p, s, Mask::y, phi) {}
   std::string_view type() const override { return "template_link"; }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default ("" = has to be
-  /// given).
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
   static TypeInfo info() {
     return {
         "template_link",
         "P rides on a wavy rail in the xz plane of S: z = height (1 - cos(2 pi x/length))/2; free: along it, all turns",
-        {{"height", Form::number, Unit::length, "", "of the waves, from lowest to highest"},
-         {"length", Form::number, Unit::length, "1", "of one wave, above zero"}}};
+        {{"height", Form::number, Unit::length, kRequired, "of the waves, from lowest to highest"},
+         {"length", Form::number, Unit::length, 1, "of one wave, above zero"}}};
   }
 
   static std::unique_ptr<Lock> make(const Site& site, const Params& p) {

@@ -1,0 +1,228 @@
+#include "framework/description/scene/json.h"
+
+#include <charconv>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+#include "framework/foundation/support/error.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+using ParseError = nlohmann::detail::exception;
+constexpr int kOutOfRange = 406;  // nlohmann's number of a number that no double holds
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+// What the parser reads through: it takes one character after the other and `read` counts them.
+struct Counting {
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+  const char* at;
+  std::size_t* read;
+
+  const char& operator*() const { return *at; }
+  Counting& operator++() {
+    ++at, ++*read;
+    return *this;
+  }
+  bool operator==(const Counting& other) const { return at == other.at; }
+};
+
+bool begins_with_word(std::string_view text, std::string_view word) {
+  if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+  if (text.size() < word.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i)
+    if ((text[i] | 0x20) != word[i]) return false;
+  return true;
+}
+
+// Takes nlohmann's events and builds the tree. Each event is one token that ends where the parser has read to, and the
+// next one begins behind it and the spaces, commas and colons there.
+class Builder {
+ public:
+  Builder(const std::string& text, const std::string& file)
+      : text_(text), file_(std::make_shared<const std::string>(file)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) end_ = counted_ = 3;  // a byte order mark
+  }
+
+  bool parse() {
+    const char* begin = text_.data();
+    return nlohmann::json::sax_parse(Counting{begin, &read_}, Counting{begin + text_.size(), &read_}, this);
+  }
+
+  bool null() { return put(Value(), here()); }
+  bool boolean(bool b) { return put(Value(b), here()); }
+  bool number_integer(std::int64_t) { return number_as_written(); }
+  bool number_unsigned(std::uint64_t) { return number_as_written(); }
+  bool number_float(double, const std::string&) { return number_as_written(); }
+  bool string(std::string& s) { return put(Value(std::move(s)), here()); }
+  bool binary(nlohmann::json::binary_t&) { return false; }  // no such thing in JSON text
+  bool start_object(std::size_t) { return open(Value(Value::Object{})); }
+  bool start_array(std::size_t) { return open(Value(Value::List{})); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+
+  bool key(std::string& name) {
+    const Where where = here();
+    const auto [first, fresh] = open_.back().keys.try_emplace(name, where);
+    if (!fresh) {
+      refuse(where, "",
+             "key \"" + name + "\" stands twice in this object, first at " + first->second.text() +
+                 "; remove one of the two");
+    }
+    open_.back().key = {name, Value(), where};
+    return done(Last::key);
+  }
+
+  bool parse_error(std::size_t position, const std::string&, const ParseError& error) {
+    // The bad token begins behind the last good one and at most one comma or colon, and not behind the parser's
+    // position.
+    std::size_t byte = behind_spaces(end_);
+    if (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
+    byte = std::max(end_, std::min(byte, std::max<std::size_t>(position, 1) - 1));
+    refuse(at(byte), "", syntax_problem(byte, error));
+  }
+
+  Value take() { return std::move(root_); }
+
+ private:
+  enum class Last { nothing, opening, key, value };
+  struct Level {
+    Value value;
+    Value::Member key;
+    std::unordered_map<std::string, Where> keys;
+  };
+
+  // Line and column of a byte at or behind the last one asked for.
+  Where at(std::size_t byte) {
+    for (; counted_ < byte && counted_ < text_.size(); ++counted_) {
+      const auto c = static_cast<unsigned char>(text_[counted_]);
+      if (c == '\n')
+        ++line_, column_ = 1;
+      else if ((c & 0xC0) != 0x80)  // a byte that continues a character counts nothing
+        ++column_;
+    }
+    return {file_, line_, column_};
+  }
+  std::size_t begin() const {
+    std::size_t byte = end_;
+    while (byte < text_.size() && (is_space(text_[byte]) || text_[byte] == ',' || text_[byte] == ':')) ++byte;
+    return byte;
+  }
+  Where here() { return at(begin()); }
+  bool done(Last last) {
+    last_ = last;
+    end_ = read_;
+    return true;
+  }
+
+  // As written, whatever the locale. The parser knows the end of a number only by the character behind it.
+  bool number_as_written() {
+    const std::size_t from = begin();
+    double x = 0;  // stays when the number is too small for a double; one too large never comes here
+    const auto [end, error] = std::from_chars(text_.data() + from, text_.data() + text_.size(), x);
+    put(Value(x), at(from));
+    end_ = static_cast<std::size_t>(end - text_.data());
+    return true;
+  }
+  bool put(Value v, const Where& where) {
+    v.where = where;
+    if (open_.empty()) {
+      root_ = std::move(v);
+    } else if (Value::List* items = open_.back().value.list()) {
+      items->push_back(std::move(v));
+    } else {
+      open_.back().key.value = std::move(v);
+      open_.back().value.object()->push_back(std::move(open_.back().key));
+    }
+    return done(Last::value);
+  }
+  bool open(Value v) {
+    v.where = here();
+    if (open_.size() == kMostDepth)
+      refuse(v.where, "",
+             "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
+                 "; the limit keeps readers safe, flatten this one");
+    open_.push_back({std::move(v), {}, {}});
+    return done(Last::opening);
+  }
+  bool close() {
+    Value whole = std::move(open_.back().value);
+    open_.pop_back();
+    const Where where = whole.where;
+    return put(std::move(whole), where);
+  }
+
+  std::size_t behind_spaces(std::size_t byte) const {
+    while (byte < text_.size() && is_space(text_[byte])) ++byte;
+    return byte;
+  }
+  // Plain words for what the parser found at `byte`, behind the last good token.
+  std::string syntax_problem(std::size_t byte, const ParseError&) const;
+
+  const std::string& text_;
+  std::shared_ptr<const std::string> file_;
+  std::size_t read_ = 0, end_ = 0;  // by the parser; behind the last good token
+  Last last_ = Last::nothing;
+  std::size_t counted_ = 0;
+  int line_ = 1, column_ = 1;
+  std::vector<Level> open_;
+  Value root_;
+};
+
+std::string Builder::syntax_problem(std::size_t byte, const ParseError& error) const {
+  const std::string_view rest = std::string_view(text_).substr(byte);
+  if (error.id == kOutOfRange)
+    return "the number " +
+           text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
+           " is beyond the range of numbers (1e308); write a smaller one";
+  if (rest.empty()) {
+    if (open_.empty()) return "the text is empty; a JSON object is expected";
+    const Value& v = open_.back().value;
+    return std::string("the text ends inside the ") + (v.object() ? "object" : "list") + " that begins at " +
+           v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
+  }
+  if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
+    return "NaN and infinity are no numbers of JSON, and no quantity here may be one; write a finite number";
+  if (rest.front() == '/' || rest.front() == '#') return "comments are not allowed in JSON; remove it";
+  if (rest.front() == '\'') return "texts stand in double quotes; write \"...\"";
+  if (rest.front() == '+' || rest.front() == '.')
+    return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
+  const std::string_view between = std::string_view(text_).substr(end_, byte - end_);
+  const bool comma = between.find(',') != std::string_view::npos, colon = between.find(':') != std::string_view::npos;
+  if (comma && (rest.front() == '}' || rest.front() == ']'))
+    return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
+  if (open_.empty() && last_ != Last::nothing)
+    return "something stands behind the end of the description; remove it";
+  if (!open_.empty()) {
+    const bool object = open_.back().value.object() != nullptr;
+    if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
+    if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
+    if (object && last_ != Last::key) return "expected a key in double quotes";
+  }
+  const std::string_view what = error.what();  // "[...] parse error at line 1, column 2: ...": the place is ours
+  const std::size_t words = what.find(": ");
+  return "no valid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
+}
+
+}  // namespace
+
+Value read_json(const std::string& text, const std::string& file_name) {
+  if (text.size() > kMostBytes) {
+    const Where where{std::make_shared<const std::string>(file_name), 0, 0};
+    refuse(where, "",
+           "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
+               "; put large tables into CSV files");
+  }
+  Builder builder(text, file_name);
+  builder.parse();
+  return builder.take();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,52 @@
+// The rule by which the rounds of a projection end (framework/docs/solvers.md, section 6): one for single states and for copies
+// in lanes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lockstep {
+
+/// Rounds onto the positions C = 0; quadratic with a fresh factor, so three are usual.
+class PositionRounds {
+ public:
+  PositionRounds() = default;
+  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max; what is
+  /// left at most is still the tolerance.
+  PositionRounds(double goal, double tolerance, double length, double x_max)
+      : goal_(std::max(goal, 1e-14 * length + 4 * kUlp * x_max)), tolerance_(tolerance) {}
+
+  /// The residual |C| before the next round; true when no further one is wanted.
+  bool ends(double residual) {
+    const double before = residual_;
+    residual_ = residual;
+    ++round_;
+    chord_ = round_ > 0 && residual <= 0.1 * before;
+    if (residual <= goal_) return true;
+    if (round_ > 1 && residual > 0.5 * before && residual <= tolerance_) return true;  // round-off of this mechanism
+    if (round_ < kMost && std::isfinite(residual)) return false;
+    converged_ = residual <= tolerance_;
+    return true;
+  }
+  int round() const { return round_; }
+  double residual() const { return residual_; }
+  /// Whether the last factor is good for the next round: one serves all of them while it is.
+  bool chord() const { return chord_; }
+  bool converged() const { return converged_; }
+
+ private:
+  static constexpr int kMost = 6;
+  static constexpr double kUlp = std::numeric_limits<double>::epsilon();
+  double goal_ = 0, tolerance_ = 0, residual_ = 0;
+  int round_ = -1;
+  bool chord_ = false, converged_ = true;
+};
+
+/// Rounds onto the velocities J v = -Ct, with one factor.
+inline constexpr int kVelocityRounds = 3;
+inline double velocity_goal(double goal, double v_max) {
+  return std::max(goal, 8 * std::numeric_limits<double>::epsilon() * v_max);
+}
+
+}  // namespace lockstep

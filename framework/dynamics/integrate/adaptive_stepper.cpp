@@ -1,0 +1,104 @@
+#include "framework/dynamics/integrate/adaptive_stepper.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr int kMostFailures = 8;  // attempts that cannot be evaluated before the error is rethrown
+
+}  // namespace
+
+AdaptiveStepper::AdaptiveStepper(int order, std::unique_ptr<StepControl> control)
+    : order_(order), control_(std::move(control)) {}
+
+AdaptiveStepper::~AdaptiveStepper() = default;
+
+void AdaptiveStepper::begin(Dynamics& dynamics, const State& state) {
+  start_ = end_ = landed_ = state;
+  f0_ = f1_ = sized_like(state);
+  norm_.set_states(dynamics.system().n_error_controlled_states());
+  norm_.scale(state, 1.0);
+  if (control_) control_->begin();
+}
+
+StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
+  StepReport report;
+  const double asked = h;
+  int failures = 0;
+  bool rejected = false;
+  copy_motion(state, start_);
+  if (state.z.size() > 0) start_.z = end_.z = landed_.z = state.z;
+  h = start_step(dynamics, h);
+  for (;; ++report.rejected) {
+    double next = 0.5 * h;
+    const auto failed = [&] { return fixed() || ++failures > kMostFailures || step_stalled(state.t, next); };
+    try {
+      const Attempt made = attempt(dynamics, h);
+      if (made.accepted && land(dynamics, h, report)) {
+        report.h = h;
+        report.error = made.error;
+        if (control_) report.h_next = h * control_->accept(h, made.error, made.iterations, rejected);
+        finish_step(dynamics, report);
+        take_motion(landed_, state);
+        return report;
+      }
+      rejected = rejected || !made.shifted;
+      if (made.next > 0)
+        next = made.next;
+      else if (control_ && !(made.error <= 1))
+        next = h * control_->reject(made.error, made.iterations);
+    } catch (const NonFiniteError&) {
+      if (failed()) throw;
+      rejected = true;
+    } catch (const SolveError&) {
+      if (failed()) throw;
+      rejected = true;
+    }
+    h = next;
+    if (step_vanished(state.t, h, asked))
+      throw StepError(fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; {}",
+                                  info().name, h, state.t, report.rejected + 1, advice()),
+                      state.t);
+  }
+}
+
+bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
+  copy_motion(end_, landed_);
+  const ProjectReport landed = project_end(dynamics, landed_);
+  report.violation = landed.before, report.violation_after = landed.after;
+  const bool near = end_is_near(dynamics, landed, fixed());
+  if (!near && fixed()) throw end_not_projected(landed, info().name, start_.t, h);
+  return near;
+}
+
+ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }
+
+std::string AdaptiveStepper::advice() const {
+  return "take another method (--integrator), a wider tolerance, or look for a singular position (lockstep check)";
+}
+
+void AdaptiveStepper::newton_failed(double h, const char* advice) const {
+  throw StepError(
+      fmt::format("{}: Newton's method did not converge in the step of {:.6g} s from t = {:.9g} s; take a smaller step "
+                  "(--step), {}",
+                  info().name, h, start_.t, advice),
+      start_.t);
+}
+
+double AdaptiveStepper::first_step(Dynamics& dynamics, const State& state, double largest) {
+  return fixed() ? 0 : guess_first_step(dynamics, state, order_, largest, norm_, f0_, f1_, end_);
+}
+
+void AdaptiveStepper::save(Snapshot& out) const {
+  if (control_) control_->save(out);
+}
+
+void AdaptiveStepper::restore(const Snapshot& in) {
+  if (control_) control_->restore(in);
+}
+
+}  // namespace lockstep

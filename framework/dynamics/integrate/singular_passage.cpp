@@ -1,0 +1,109 @@
+#include "framework/dynamics/integrate/singular_passage.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/solvers/stop_rule.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kTurn = 0.5;        // rad per step, with the stages on the constraints
+constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
+constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints,
+constexpr double kRegular = 3e-2;    // and above which they leave them again
+constexpr double kNowhere = 1e-7;    // indicator below which it reports no more than the proximal term
+constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
+constexpr double kRoundOff = 1e-17;  // of the accelerations, times the indicator
+constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
+constexpr int kShifts = 12;          // attempted so often; then the best of them is taken,
+constexpr double kCross = 100;       // with an error up to this
+
+// Time that the body which turns fastest at y needs for this angle, s.
+double time_to_turn(const State& y, double angle) {
+  double w2 = 0;
+  for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
+  return w2 > 0 ? angle / std::sqrt(w2) : HUGE_VAL;
+}
+
+}  // namespace
+
+void SingularPassage::begin(const State& state) {
+  near_ = probed_ = false;
+  both_sides_.begin(state);
+  rate_ = sized_like(state);
+}
+
+void SingularPassage::start_step() {
+  on_ = when_ == StagesWhen::manifold || near_ ? StagesOn::manifold : StagesOn::plain;
+  shifts_ = 0, limit_ = 1, best_ = {0, kCross};
+}
+
+// A start in a singular position looks like any with redundant rows until one has probed both sides.
+bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
+  if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
+  if (!active()) return true;
+  const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
+  probed_ = true;
+  if (!starts && !ill_conditioned(stages, 0)) return true;
+  const bool found = both_sides_.find(dynamics, y, rate_);
+  if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
+  if (!ill_conditioned(stages, 0)) return true;
+  from_both_sides_ = found;
+  if (found) stages.put(0, rate_);
+  if (!found && starts)
+    throw StepError(
+        fmt::format("{}: the state at t = {:.9g} s is a singular position from which more than one motion goes on; "
+                    "start a little off it, and with the velocity that is meant",
+                    method_, y.t),
+        y.t);
+  return true;
+}
+
+double SingularPassage::longest(const State& y, double h) const {
+  return on_ == StagesOn::plain ? h : std::min(h, time_to_turn(y, kTurn));
+}
+
+bool SingularPassage::enters(const Stages& stages) {
+  if (when_ != StagesWhen::automatic || on_ == StagesOn::manifold || !near(stages)) return false;
+  on_ = StagesOn::manifold;
+  return true;
+}
+
+// The next step would begin at the late stage.
+bool SingularPassage::must_shift(const Stages& stages, int late_stage, double error) const {
+  if (on_ == StagesOn::plain || shifts_ == kShifts || ill_conditioned(stages, 0)) return false;
+  return ill_conditioned(stages, late_stage) || (error > 1 && near(stages));
+}
+
+double SingularPassage::shift(const Stages& stages, int late_stage, double h, double error) {
+  if (error < best_.error && !ill_conditioned(stages, late_stage)) best_ = {h, error};
+  if (++shifts_ < kShifts || best_.h == 0) return kShift * h;
+  limit_ = kCross;
+  return best_.h;
+}
+
+void SingularPassage::finish_step(const Stages& stages) {
+  if (when_ == StagesWhen::automatic) near_ = stages.indicator() < (on_ == StagesOn::manifold ? kRegular : kSingular);
+}
+
+double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& stages, double guess, double largest) {
+  if (!active()) return guess;
+  on_ = StagesOn::manifold;
+  from_both_sides_ = false;
+  first_stage(dynamics, y, stages);
+  return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(y, kFirstTurn))) : guess;
+}
+
+bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < kSingular; }
+
+// Accelerations are uncertain where the rows could not be met, and by round-off over the indicator.
+bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
+  const Conditioning& c = stages.conditioning(stage);
+  return c.residual > kRowTolerance || c.detector < kNowhere || c.detector * relative_ < kRoundOff;
+}
+
+}  // namespace lockstep

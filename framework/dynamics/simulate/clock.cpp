@@ -1,0 +1,112 @@
+#include "framework/dynamics/simulate/clock.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/simulate/step_rules.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what is nearer is merged
+
+}  // namespace
+
+void Clock::start(double t) {
+  adaptive_ = method_.info().adaptive;
+  t_start_ = t;
+  breakpoints_to_ = -kInfinity;
+  last_output_ = -kInfinity;
+  next_output_ = 0;
+  while (output_time(next_output_) < t) ++next_output_;
+}
+
+double Clock::span() const { return std::isfinite(t_end_) ? t_end_ - t_start_ : 0; }
+
+double Clock::horizon(double t) const {
+  const double left = std::isfinite(t_end_) ? t_end_ - t : 1.0;
+  return options_.step > 0 ? std::min(left, options_.step) : left;
+}
+
+void Clock::begin(double t, double guess) {
+  set_anchor(t);
+  advised_ = adaptive_ ? guess : options_.step;
+  if (!(advised_ > 0)) advised_ = options_.step > 0 ? options_.step : 1e-3;
+}
+
+// A law jumps at t: its left side is integrated up to a little before t, so that no stage sees the right side; the rest
+// is crossed by the rates there (StepLoop::cross_jump). It is wider than the share of its own duration by which a law
+// may count an instant as the jump (motionlaws/side.h: 1e-12), for laws up to a hundred times as long as the run.
+Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
+  refresh_breakpoints(t, limit, largest);
+  double next = std::min(limit, event);
+  if (!interpolates && next_output() > t) next = std::min(next, next_output());
+  while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
+  if (next_breakpoint_ == breakpoints_.size() || breakpoints_[next_breakpoint_] > next) return {next, next, false};
+  const double jump = breakpoints_[next_breakpoint_];
+  const double before = 1e-10 * std::max({std::abs(jump), jump - t, span()});
+  return {jump, jump - before > t ? jump - before : jump, true};
+}
+
+double Clock::step_towards(double t, const Target& target, double largest) const {
+  const double left = target.reach - t;
+  if (!adaptive_) {
+    const double size = largest > 0 ? largest : options_.step;
+    const double end = largest > 0 ? t + size : anchor_ + static_cast<double>(n_from_anchor_ + 1) * size;
+    return end >= target.reach - 1e-9 * size ? left : end - t;
+  }
+  double h = advised_ > 0 ? advised_ : kInfinity;
+  if (options_.step > 0) h = std::min(h, options_.step);
+  if (largest > 0) h = std::min(h, largest);
+  const double scale = std::max(std::abs(t), span());
+  if (h < 1e-14 * scale)
+    throw StepError(
+        fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; take another method (--integrator), a wider "
+                    "tolerance, or look for a singular position (lockstep check)",
+                    method_.info().name, h, t),
+        t);
+  return step_within(left, h, kSameInstant * scale);
+}
+
+void Clock::count_step(double asked, const StepReport& report) {
+  ++n_from_anchor_;
+  if (adaptive_) advised_ = advised_after(advised_, asked, report.h, report.h_next);
+}
+
+void Clock::refresh_breakpoints(double t, double limit, double largest) {
+  const double size = std::max({advised_, options_.step, largest});
+  const bool open = !std::isfinite(limit);  // single steps: no end is known
+  if (breakpoints_to_ >= (open ? t + 2 * size : limit)) return;
+  const double far = open ? t + 256 * size : limit;
+  breakpoints_ = system_.breakpoints(t, std::nextafter(far, kInfinity));  // one at the very end is landed on too
+  breakpoints_to_ = far;
+  next_breakpoint_ = 0;
+}
+
+double Clock::output_time(long k) const {
+  const std::vector<double>& times = options_.output_times;
+  if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : kInfinity;
+  if (!(options_.output > 0)) return kInfinity;
+  const double t = t_start_ + static_cast<double>(k) * options_.output;
+  return std::abs(t - t_end_) < 1e-9 * options_.output ? t_end_ : t;
+}
+
+bool Clock::output_due(double t) {
+  if (options_.output_times.empty() && options_.output == 0) return true;
+  if (next_output() == t) {
+    ++next_output_;
+    return true;
+  }
+  return options_.output_times.empty() && t == t_start_;
+}
+
+bool Clock::end_due(double t) const {
+  return options_.output_times.empty() && options_.output > 0 && last_output_ != t;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,74 @@
+// Clock: where the steps of a run end, how long they are, and which instants are output. Internal to the step loop.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "framework/dynamics/simulate/step_loop.h"
+
+namespace lockstep {
+
+class LOCKSTEP_API Clock {
+ public:
+  Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
+      : system_(system), method_(method), options_(options) {}
+
+  struct Target {
+    double t = 0;       ///< where the state shall be
+    double reach = 0;   ///< where the step shall end: t, or a little before it (a law's jump)
+    bool jump = false;  ///< a law jumps at t
+  };
+
+  /// The end of the run; infinity: single steps.
+  void set_end(double t) { t_end_ = t; }
+  double end() const { return t_end_; }
+  /// A new run from t.
+  void start(double t);
+  double started_at() const { return t_start_; }
+
+  // -- steps
+  bool adaptive() const { return adaptive_; }
+  /// How far the first step of a method begun at t may look.
+  double horizon(double t) const;
+  /// The method begun anew at t, with its guess of the first step, or 0.
+  void begin(double t, double guess);
+  /// Fixed steps are counted from here.
+  void set_anchor(double t) { anchor_ = t, n_from_anchor_ = 0; }
+  /// The nearest of `limit`, `event`, the laws' jumps and, unless they are interpolated, the output times. `largest`: a
+  /// step length to look ahead by where no end is known.
+  Target next_target(double t, double limit, double event, double largest, bool interpolates);
+  double step_towards(double t, const Target&, double largest) const;
+  /// A step was made that was asked for as `asked`.
+  void count_step(double asked, const StepReport&);
+
+  // -- outputs
+  double next_output() const { return output_time(next_output_); }  ///< infinity: none left
+  void pass_output() { ++next_output_; }
+  /// Whether the state at t is output: every step when no times were asked for; else the instants that were, and the
+  /// start of the run. Passes it.
+  bool output_due(double t);
+  /// Whether the end of the run must still be output: it is, apart from a list of instants.
+  bool end_due(double t) const;
+  void note_output(double t) { last_output_ = t; }
+
+ private:
+  void refresh_breakpoints(double t, double limit, double largest);
+  double output_time(long k) const;
+  double span() const;
+
+  const System& system_;
+  const Integrator& method_;
+  const StepLoopOptions& options_;
+  bool adaptive_ = false;
+  double t_start_ = 0, t_end_ = 0;
+  double advised_ = 0;  // the method's next step
+  double anchor_ = 0;   // fixed steps: the n-th ends at anchor + n step
+  long n_from_anchor_ = 0;
+  long next_output_ = 0;
+  double last_output_ = -std::numeric_limits<double>::infinity();
+  std::vector<double> breakpoints_;
+  std::size_t next_breakpoint_ = 0;
+  double breakpoints_to_ = -std::numeric_limits<double>::infinity();
+};
+
+}  // namespace lockstep

@@ -1,0 +1,101 @@
+#include "framework/dynamics/simulate/consistency.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <span>
+
+#include "framework/foundation/support/error.h"
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+namespace {
+
+// Name of the row that is violated most, by the norm of the dynamics. Only on the way to an error.
+std::string worst_row(Dynamics& dynamics, const State& state) {
+  dynamics.gather(state);
+  const RowTable& rows = dynamics.rows();
+  VecX c = VecX::Zero(rows.n_rows);
+  int worst = 0;
+  double most = -1;
+  for (const RowEntry& e : rows.entries)
+    for (int k = 0; k < e.m; ++k) {
+      const int row = e.first_row + k;
+      c[row] = rows.block(e).C(k);
+      const double size = dynamics.norm(c);
+      c[row] = 0;
+      if (size > most) most = size, worst = row;
+    }
+  return rows.n_rows > 0 ? dynamics.system().row_name(rows, worst) : "no row";
+}
+
+}  // namespace
+
+void check_start(Dynamics& dynamics, const State& s, double limit) {
+  const double c = dynamics.violation(s);
+  if (!(c <= limit))
+    throw AssemblyError(
+        fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
+                    "all {}; assemble it first",
+                    s.t, c, limit, worst_row(dynamics, s)));
+  const double cv = dynamics.violation_v(s);
+  if (!(cv <= limit))
+    throw AssemblyError(
+        fmt::format("the start velocities at t = {:.9g} s violate the constraints by {:.3g} m/s (limit {:.3g} "
+                    "m/s); assemble them first",
+                    s.t, cv, limit));
+}
+
+void engage_links(Dynamics& dynamics, State& state, const std::vector<std::string>& links) {
+  for (const std::string& name : links) {
+    const Lock& link = dynamics.system().link(name);
+    const int n = link.n_own_states();
+    if (n == 0) continue;
+    dynamics.gather(state);
+    named(link, state.t, [&] {
+      link.stateful()->engage(dynamics.inputs(), {state.s.data() + link.first_state(), static_cast<std::size_t>(n)});
+    });
+  }
+}
+
+void check_links(Dynamics& dynamics, const State& state, const std::vector<std::string>& links,
+                 const std::string& cause, double limit) {
+  dynamics.gather(state);
+  const RowTable& rows = dynamics.rows();
+  for (const std::string& name : links) {
+    const int entry = rows.entry_of_link[static_cast<std::size_t>(dynamics.system().link(name).number())];
+    if (entry < 0) continue;
+    const RowEntry& e = rows.entries[static_cast<std::size_t>(entry)];
+    VecX c = VecX::Zero(rows.n_rows);
+    for (int k = 0; k < e.m; ++k) c[e.first_row + k] = rows.block(e).C(k);
+    const double violation = dynamics.norm(c);
+    if (!(violation <= limit))
+      throw AssemblyError(
+          fmt::format("{} puts link '{}' in force at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
+                      "let the event come when its markers meet",
+                      cause, name, state.t, violation, limit));
+  }
+}
+
+void make_consistent(Dynamics& dynamics, State& state, const std::string& cause, double limit) {
+  double left = 0;
+  if (dynamics.options().stabilization.kind == Stabilization::Kind::project) {
+    const double violation = dynamics.violation(state);
+    const bool near = violation <= limit;
+    const ProjectReport report = near ? dynamics.project(state) : ProjectReport{};
+    if (!near || !report.converged)
+      throw AssemblyError(fmt::format("{} leaves the constraints violated by {:.3g} m at t = {:.9g} s (limit {:.3g} m)",
+                                      cause, violation, state.t, limit));
+    left = report.after_v;
+  } else {
+    left = dynamics.project_velocity(state);
+  }
+  if (!(left <= limit))
+    throw AssemblyError(
+        fmt::format("{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s "
+                    "(limit {:.3g} m/s); two laws may drive one coordinate",
+                    cause, state.t, left, limit));
+  dynamics.accept(state);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,178 @@
+// What happens where unilateral links touch: the impact, who stays in contact, who lets go.
+//
+// Impact. With the touching_ rows that push, and all rows in force,
+//
+//   M dv + Jh^T z = 0,   Jh dv = target - Cd_      z: impulses; Cd_ = Jh v + Ct before; target: e |Cd| away from the
+//                                                 stop, 0 for a row that comes to rest and for all other rows
+//   push = -(+-z) >= 0,   Cd+ >= target,   one of the two an equality      for every touching_ row
+//
+// Acceleration, of those that are left at rest: the same with forces and C''. Both complementarities are solved by
+// pivoting the first row that does not fit (Murty's least index), finite where the rows are independent.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kNoise = 1e-10;  // of the largest impulse, speed, force or acceleration: what is less is rounding
+
+std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
+
+}  // namespace
+
+ContactManager::Settled ContactManager::settle(State& state) {
+  Settled out;
+  const bool here = state.t >= contact_time_;
+  if (!here) released_.clear();
+  contact_time_ = std::numeric_limits<double>::infinity();
+  if (!find_touching(state)) {
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      contacts_[i].clear = contacts_[i].above(contacts_.gap(i, dynamics_.look(state)));
+    out.restart = here;
+    return out;
+  }
+  modes_before_ = state.modes;
+  for (std::size_t k = 0; k < touching_.size(); ++k)
+    out.impact = out.impact || hits_[k].cd < -contacts_[touching_[k]].margin;
+  if (out.impact) impact(state);
+  out.resting = rest(state);
+  released_.clear();
+  out.restart = here || out.impact || state.modes != modes_before_;
+  return out;
+}
+
+// Who touches, and what an impact is to leave of its speed. False: nobody.
+bool ContactManager::find_touching(const State& state) {
+  touching_.clear(), hits_.clear(), aim_.clear(), active_.clear();
+  const Inputs& in = dynamics_.look(state);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (!contacts_.watched(i, state)) continue;
+    const Contact& contact = contacts_[i];
+    const bool holds = contacts_.in_force(i, state);
+    const Gap g = contacts_.gap(i, in);
+    if (!holds && contact.above(g)) continue;
+    const double back = contact.clear && g.cd < 0 ? -contact.restitution() * g.cd : 0.0;
+    touching_.push_back(i), hits_.push_back(g);
+    aim_.push_back(!holds && back >= contact.rest_speed() ? back : 0.0);
+    active_.push_back(holds || g.cd < 0);
+  }
+  return !touching_.empty();
+}
+
+void ContactManager::put_active(State& state) const {
+  for (std::size_t k = 0; k < touching_.size(); ++k) contacts_.put(touching_[k], active_[k], state);
+}
+
+void ContactManager::impact(State& state) {
+  bool fits = false;
+  for (std::size_t n = 0; !fits; ++n) {
+    if (n == most_pivots(touching_.size())) fail(state, "impulses");
+    std::size_t misfit = 0;
+    find_kick(state, fits, misfit);
+    if (!fits) active_[misfit] = !active_[misfit];
+  }
+  take_impact(state);
+}
+
+// The velocities after it with the rows that are active, and the first row that does not fit to them.
+void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
+  put_active(state);
+  dynamics_.gather(state);
+  const RowTable& rows = dynamics_.rows();
+  C_.setZero(rows.n_rows), Cd_.setZero(rows.n_rows), impulse_.setZero(rows.n_rows);
+  no_force_.setZero(state.v.size()), kick_.setZero(state.v.size());
+  dynamics_.residuals(C_, Cd_);
+  C_ = -Cd_;
+  for (std::size_t k = 0; k < touching_.size(); ++k)
+    if (active_[k]) C_[contacts_.row(touching_[k], rows)] += contacts_[touching_[k]].sign * aim_[k];
+  if (rows.n_rows > 0) dynamics_.solve(no_force_, C_, kick_, impulse_);
+  trial_ = state;
+  trial_.v += kick_;
+  const Inputs& in = dynamics_.look(trial_);
+  double speed = 0;
+  for (const Gap& g : hits_) speed = std::max(speed, std::abs(g.cd));
+  const double least = rows.n_rows > 0 ? -kNoise * impulse_.lpNorm<Eigen::Infinity>() : 0.0;
+  fits = true;
+  for (std::size_t k = 0; k < touching_.size() && fits; ++k) {
+    const std::size_t i = touching_[k];
+    if (const int row = active_[k] ? contacts_.row(i, rows) : -1; row >= 0)
+      fits = -contacts_[i].sign * impulse_[row] >= least;
+    else
+      fits = contacts_.gap(i, in).cd >= aim_[k] - kNoise * speed;
+    misfit = k;
+  }
+}
+
+// v+ and the energy that it cost: an impulse z on a row takes z (Cd- + Cd+)/2, and laws give z Ct.
+void ContactManager::take_impact(State& state) {
+  dynamics_.gather(state);
+  const RowTable& rows = dynamics_.rows();
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    if (!active_[k]) continue;
+    const Contact& contact = contacts_[touching_[k]];
+    const int row = contacts_.row(touching_[k], rows);
+    if (row < 0) continue;
+    state.z[contact.link->impact_memory()] += 0.5 * impulse_[row] * contact.sign * (hits_[k].cd + aim_[k]);
+  }
+  const Evaluated impulses{dynamics_.inputs(), kick_, impulse_, rows};
+  for (const auto& auxiliary : dynamics_.system().auxiliaries())
+    auxiliary->impact(impulses, {state.s.data() + auxiliary->first(), static_cast<std::size_t>(auxiliary->size())});
+  state.v += kick_;
+  const Inputs& in = dynamics_.look(state);
+  for (std::size_t k = 0; k < touching_.size(); ++k) hits_[k] = contacts_.gap(touching_[k], in);
+}
+
+// Those that touch without a speed: the ones that push are in force, the others leave with C'' >= 0. Their names.
+std::string ContactManager::rest(State& state) {
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    const std::size_t i = touching_[k];
+    const bool holds = active_[k] && aim_[k] == 0, still = std::abs(hits_[k].cd) <= contacts_[i].margin;
+    contacts_.put(i, false, state);
+    contacts_[i].leave(hits_[k]);
+    if (!holds && !still) continue;
+    touching_[n] = i, hits_[n] = hits_[k];
+    active_[n++] = holds && std::find(released_.begin(), released_.end(), i) == released_.end();
+  }
+  touching_.resize(n), hits_.resize(n), active_.resize(n);
+  std::string names;
+  if (n == 0) return names;
+  bool fits = false;
+  for (std::size_t pivots = 0; !fits; ++pivots) {
+    if (pivots == most_pivots(n)) fail(state, "forces");
+    put_active(state);
+    const Evaluated& v = dynamics_.evaluate(state);
+    const double force = std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
+                                  dynamics_.force().lpNorm<Eigen::Infinity>());
+    const double a = v.a.size() > 0 ? v.a.lpNorm<Eigen::Infinity>() : 0.0;
+    fits = true;
+    for (std::size_t k = 0; k < n && fits; ++k) {
+      const std::size_t i = touching_[k];
+      const int row = active_[k] ? contacts_.row(i, v.rows) : -1;
+      fits = row >= 0 ? -contacts_[i].sign * v.lambda[row] >= -kNoise * force
+                      : contacts_.gap_dd(i, v) >= -kNoise * std::max(a, dynamics_.system().gravity().norm());
+      if (!fits) active_[k] = !active_[k];
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k)
+    if (active_[k]) names += (names.empty() ? "the rest of link '" : "', '") + contacts_[touching_[k]].link->name();
+  if (!names.empty()) names += "'";
+  return names;
+}
+
+void ContactManager::fail(const State& state, const char* what) const {
+  std::string names;
+  for (const std::size_t i : touching_) names += (names.empty() ? "'" : "', '") + contacts_[i].link->name();
+  throw SolveError(
+      fmt::format("t = {:.9g} s: no {} of the one-sided links {}' that touch here push all of them and pull none; they "
+                  "hold one thing several times, or friction in them jams: take one of them out, or make the friction "
+                  "smaller",
+                  state.t, what, names));
+}
+
+}  // namespace lockstep

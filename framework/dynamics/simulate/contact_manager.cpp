@@ -1,0 +1,234 @@
+// Where unilateral links are hit inside a step, and where one that is in contact would have to pull.
+//
+// A contact is free while its gap is above its floor, and hit where the gap comes down to it. One that was let go (or
+// hit) begins at its floor; it is armed again once the gap has risen above the floor by a margin, some roundings of the
+// projection (hysteresis against rounding). Should it sink below by the margin without having risen, it is hit there.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/dynamics/simulate/root_finder.h"
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr int kParts = 6;           // of a step that may hide a hit: it is looked at between them
+constexpr int kHalvings = 40;       // to find the flight between two hits in one step
+constexpr double kNear = 0.25;      // of what a gap may close in a step: nearer is looked at more closely
+constexpr double kShortest = 1e-9;  // of a step: where it is cut at least, so that time goes on
+constexpr double kPull = 1e-9;      // of the largest force: what counts as a pull
+
+template <class G>
+double first_below(double ta, double ga, double tb, double gb, double enough, const G& g) {
+  const double tolerance = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(ta), std::abs(tb));
+  return falling_root(ta, ga, tb, gb, tolerance, enough, g);
+}
+
+}  // namespace
+
+bool ContactManager::free(std::size_t i, const State& s) const {
+  return contacts_.watched(i, s) && !contacts_.in_force(i, s);
+}
+
+void ContactManager::start(const State& state) {
+  contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
+  const std::size_t n = contacts_.size();
+  released_.clear(), contact_time_ = kNever;
+  for (std::vector<Gap>* v : {&samples_, &hits_}) v->reserve(n * (kParts + 1));
+  touching_.reserve(n), active_.reserve(n), aim_.reserve(n), released_.reserve(n);
+  sample_times_.reserve(kParts + 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!contacts_.watched(i, state)) continue;
+    check_side(i, state, "the start");
+    const Gap g = contacts_.gap(i, dynamics_.look(state));
+    contacts_[i].leave(g);
+    if (g.cd < -contacts_[i].rest_speed()) contacts_[i].clear = true;  // it begins with an impact
+  }
+}
+
+void ContactManager::check_sides(const State& state, const std::vector<std::string>& links, const std::string& cause) {
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (std::find(links.begin(), links.end(), contacts_[i].link->name()) != links.end()) check_side(i, state, cause);
+}
+
+void ContactManager::check_side(std::size_t i, const State& state, const std::string& cause) {
+  const Gap g = contacts_.gap(i, dynamics_.look(state));
+  const Contact& contact = contacts_[i];
+  const double length = dynamics_.system().length();
+  const RowKind kind = contact.link->row_kind(0);
+  const double depth = -g.c * (kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2 * length : length);
+  if (!(depth > limit_)) return;
+  throw AssemblyError(
+      fmt::format("{} has the one-sided link '{}' (row {}) on its forbidden side: C = {:.6g}, and C {} 0 is free "
+                  "(limit {:.3g} m); move its bodies apart, or turn the side over (\"side\": \"{}\")",
+                  cause, contact.link->name(), contact.link->row_name(0), contact.sign * g.c,
+                  contact.sign > 0 ? ">=" : "<=", limit_, contact.sign > 0 ? "below" : "above"));
+}
+
+void ContactManager::note(const State& state, bool moved) {
+  bool any_in_force = false;
+  const Inputs& in = dynamics_.look(state);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (!contacts_.watched(i, state)) continue;
+    contacts_[i].gap = contacts_.gap(i, in);
+    if (contacts_.in_force(i, state))
+      any_in_force = true;
+    else
+      contacts_[i].see(contacts_[i].gap);
+  }
+  if (any_in_force && moved) evaluate_pushes(state);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].push = contacts_[i].push_now;
+}
+
+void ContactManager::evaluate_pushes(const State& state) {
+  const Evaluated& v = dynamics_.evaluate(state);
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (const int row = contacts_.row(i, v.rows); row >= 0) contacts_[i].push_now = -contacts_[i].sign * v.lambda[row];
+}
+
+// Forces below this are noise; of the evaluation made last.
+double ContactManager::pull_limit() const {
+  const Evaluated& v = dynamics_.values();
+  const double lambda = v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0;
+  return kPull * std::max(lambda, dynamics_.force().lpNorm<Eigen::Infinity>());
+}
+
+Gap ContactManager::gap_at(std::size_t i, double t) { return contacts_.gap(i, dynamics_.look(interval_.at(t))); }
+
+double ContactManager::push_at(std::size_t i, double t) {
+  const Evaluated& v = dynamics_.evaluate(interval_.at(t));
+  return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
+}
+
+// Whether a step may hide a hit although both its ends are free.
+bool ContactManager::nears(std::size_t i, const Gap& a, const Gap& b, double h) const {
+  const Contact& contact = contacts_[i];
+  const double way = h * std::max(std::abs(a.cd), std::abs(b.cd));
+  const double least = contact.clear ? std::min(a.c, b.c) : b.c;
+  return least - contact.floor <= kNear * way;
+}
+
+// The turning point of a gap that falls at a and rises at b, and the gap there.
+double ContactManager::lowest_between(std::size_t i, double ta, const Gap& a, double tb, const Gap& b, double& c) {
+  const double enough = 1e-6 * std::max(-a.cd, b.cd);
+  const double t = first_below(ta, -a.cd, tb, -b.cd, enough, [&](double when) { return -gap_at(i, when).cd; });
+  c = gap_at(i, t).c;
+  return t;
+}
+
+// The first instant in [ta, tb] at which the contact is hit; never: infinity.
+double ContactManager::hit_between(std::size_t i, double ta, const Gap& a, double tb, const Gap& b) {
+  Contact& contact = contacts_[i];
+  const double floor = contact.floor, enough = 1e-2 * contact.margin;
+  const auto fall = [&](double from_t, double from_c, double to_t, double to_c, double level) {
+    return first_below(from_t, from_c - level, to_t, to_c - level, enough,
+                       [&](double t) { return gap_at(i, t).c - level; });
+  };
+  if (!contact.clear) {
+    if (b.c >= floor - contact.margin) return kNever;
+    double t = tb;
+    for (int k = 0; k < kHalvings && a.cd > 0; ++k) {  // did it rise and come back?
+      t = ta + 0.5 * (t - ta);
+      const Gap g = gap_at(i, t);
+      if (!contact.above(g)) continue;
+      contact.clear = true;
+      return fall(t, g.c, tb, b.c, floor);
+    }
+    return fall(ta, std::max(a.c, floor), tb, b.c, floor - contact.margin);
+  }
+  if (b.c <= floor) return fall(ta, a.c, tb, b.c, floor);
+  if (!(a.cd < 0 && b.cd > 0)) return kNever;
+  // a gap that bends upwards lies above its tangents at both ends
+  const double meet = (b.c - b.cd * tb - a.c + a.cd * ta) / (a.cd - b.cd);
+  if (a.c + a.cd * (meet - ta) > floor) return kNever;
+  double lowest = 0;
+  const double t = lowest_between(i, ta, a, tb, b, lowest);
+  return lowest <= floor ? fall(ta, a.c, t, lowest, floor) : kNever;
+}
+
+// Gaps at the end of the step, and between where one of them is near; the first hit of the first part that has one.
+double ContactManager::locate_hit(const State& end) {
+  const std::size_t n = contacts_.size();
+  const double t0 = interval_.from().t, t1 = end.t;
+  std::vector<double>& times = sample_times_;
+  const auto sample = [&](const State& state) {
+    times.push_back(state.t);
+    const Inputs& in = dynamics_.look(state);
+    for (std::size_t i = 0; i < n; ++i) samples_.push_back(free(i, end) ? contacts_.gap(i, in) : Gap{});
+  };
+  times.assign(1, t0);
+  samples_.clear();
+  for (std::size_t i = 0; i < n; ++i) samples_.push_back(contacts_[i].gap);
+  sample(end);
+  bool near = false;
+  for (std::size_t i = 0; i < n; ++i) near = near || (free(i, end) && nears(i, samples_[i], samples_[n + i], t1 - t0));
+  if (near && interval_.has_dense()) {
+    times.pop_back(), samples_.resize(n);
+    for (int k = 1; k < kParts; ++k) sample(interval_.at(t0 + (t1 - t0) * k / kParts));
+    sample(end);
+  }
+  for (std::size_t part = 1; part < times.size(); ++part) {
+    double first = kNever;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!free(i, end)) continue;
+      const Gap a = samples_[(part - 1) * n + i], b = samples_[part * n + i];
+      first = std::min(first, hit_between(i, times[part - 1], a, times[part], b));
+    }
+    if (std::isfinite(first)) return first;
+    for (std::size_t i = 0; i < n; ++i)
+      if (free(i, end)) contacts_[i].see(samples_[part * n + i]);
+  }
+  return kNever;
+}
+
+double ContactManager::locate_release(std::size_t i, double t1) {
+  const double ga = contacts_[i].push, gb = contacts_[i].push_now, t0 = interval_.from().t;
+  if (!(ga > 0)) return t0;
+  return first_below(t0, ga, t1, gb, 1e-10 * std::max(ga, -gb), [&](double t) { return push_at(i, t); });
+}
+
+// Of the links in contact: where the first of those that pull at the end begins to, unless later than `before`.
+double ContactManager::locate_releases(const State& end, double before) {
+  bool any_in_force = false;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
+  if (!any_in_force) return kNever;
+  evaluate_pushes(end);
+  const double limit = pull_limit();
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (contacts_.in_force(i, end) && contacts_[i].push_now < -limit) released_.push_back(i);
+  double earliest = kNever;
+  std::size_t n = 0;
+  for (const std::size_t i : released_) {
+    const double t = locate_release(i, end.t);
+    if (t > before || t > earliest) continue;
+    if (t < earliest) n = 0;
+    earliest = t, released_[n++] = i;
+  }
+  released_.resize(n);
+  return earliest;
+}
+
+bool ContactManager::locate(State& state) {
+  const double t0 = interval_.from().t, t1 = state.t;
+  released_.clear();
+  interval_.keep_method();
+  double first = locate_hit(state);
+  first = std::min(first, locate_releases(state, first));
+  if (!std::isfinite(first)) {
+    interval_.restore_method();
+    return false;
+  }
+  first = std::min(t1, std::max(first, t0 + kShortest * (t1 - t0)));
+  if (first < t1)
+    interval_.cut(first, state);
+  else
+    interval_.restore_method();
+  contact_time_ = first;
+  return true;
+}
+
+}  // namespace lockstep

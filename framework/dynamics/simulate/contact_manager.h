@@ -1,0 +1,79 @@
+// ContactManager: unilateral links in a run. Where they are hit inside a step and where they would have to pull; the
+// impact, who stays in contact, who lets go. Internal to the step loop.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "framework/dynamics/simulate/contacts.h"
+#include "framework/dynamics/simulate/step_interval.h"
+
+namespace lockstep {
+
+class ContactManager {
+ public:
+  /// `limit`: m, deeper on its forbidden side a link cannot start.
+  ContactManager(Dynamics& dynamics, StepInterval& interval, const double& limit)
+      : dynamics_(dynamics), interval_(interval), limit_(limit) {}
+
+  /// A new run from here; throws AssemblyError for a link that starts on its forbidden side.
+  void start(const State&);
+  bool empty() const { return contacts_.empty(); }
+  /// Throws AssemblyError, naming `cause`, where one of these links is on its forbidden side.
+  void check_sides(const State&, const std::vector<std::string>& links, const std::string& cause);
+  /// Gaps and pushes where the next step begins. `moved`: since pushes were evaluated.
+  void note(const State&, bool moved);
+  /// Cuts the step that ended with `state` at the first contact or release; true when there was one.
+  bool locate(State& state);
+
+  struct Settled {
+    bool impact = false;   ///< velocities jumped
+    bool restart = false;  ///< the method must begin anew
+    std::string resting;   ///< the links that stay in contact, in words; their rows are to be made consistent
+  };
+  /// Impacts, contacts that stay and releases at this state.
+  Settled settle(State&);
+
+ private:
+  // contact_manager.cpp: inside a step
+  bool free(std::size_t contact, const State&) const;
+  void check_side(std::size_t contact, const State&, const std::string& cause);
+  bool nears(std::size_t contact, const Gap& a, const Gap& b, double h) const;
+  Gap gap_at(std::size_t contact, double t);
+  double push_at(std::size_t contact, double t);
+  double hit_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b);
+  double lowest_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b, double& c);
+  double locate_hit(const State& end);
+  double locate_releases(const State& end, double before);
+  void evaluate_pushes(const State&);
+  double locate_release(std::size_t contact, double t1);
+  double pull_limit() const;
+  // contact_impacts.cpp: at the instant
+  bool find_touching(const State&);
+  void impact(State&);
+  void find_kick(State&, bool& fits, std::size_t& misfit);
+  void take_impact(State&);
+  std::string rest(State&);
+  void put_active(State&) const;
+  [[noreturn]] void fail(const State&, const char* what) const;
+
+  Dynamics& dynamics_;
+  StepInterval& interval_;
+  const double& limit_;
+  Contacts contacts_;
+  double contact_time_ = std::numeric_limits<double>::infinity();  // where the present step meets a contact
+  std::vector<std::size_t> released_;                              // the links that pull there
+  std::vector<Gap> samples_;                                       // of all contacts at one instant after the other
+  std::vector<double> sample_times_;
+  // of an impact: the contacts that touch, their gaps before it, the rates they are to have at least, who pushes
+  std::vector<std::size_t> touching_;
+  std::vector<Gap> hits_;
+  std::vector<double> aim_;
+  std::vector<char> active_;
+  VecX C_, Cd_, no_force_, kick_, impulse_;
+  State trial_;
+  std::vector<bool> modes_before_;
+};
+
+}  // namespace lockstep

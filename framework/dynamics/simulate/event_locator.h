@@ -1,0 +1,56 @@
+// EventLocator: the events of a run, when they come, and where a condition is met inside a step. Internal to the step
+// loop.
+#pragma once
+
+#include <deque>
+#include <limits>
+#include <vector>
+
+#include "framework/dynamics/simulate/event.h"
+#include "framework/dynamics/simulate/step_interval.h"
+
+namespace lockstep {
+
+class EventLocator {
+ public:
+  EventLocator(Dynamics& dynamics, StepInterval& interval) : dynamics_(dynamics), interval_(interval) {}
+
+  /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
+  Event& add(Event);
+  /// The event added last, in a run that has reached this state.
+  void join(const State&);
+  bool empty() const { return events_.empty(); }
+  std::size_t size() const { return events_.size(); }
+  const Event& operator[](std::size_t i) const { return events_[i]; }
+
+  /// A new run from t: what lies before it never comes.
+  void start(double t);
+  /// The next event by time after t; infinity: none.
+  double next_instant(double t) const;
+  /// Remembers every condition's value at this state.
+  void watch(const State&);
+  /// Cuts the step that ended with `state` at the first condition met; true when one was met.
+  bool locate(State& state);
+
+  enum class Due { no, by_time, by_condition };
+  /// Whether event i happens at t; it has happened then.
+  Due take(std::size_t i, double t);
+
+ private:
+  struct Watched {
+    double value = 0, now = 0;                               ///< at the beginning and the end of the present step
+    double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
+    double at = 0;                                           ///< where the present step meets it
+    bool over = false, met = false;
+  };
+  double value_of(std::size_t event, const State&);
+  bool crosses(std::size_t event, double now) const;
+  double locate_crossing(std::size_t event, double t1);
+
+  Dynamics& dynamics_;
+  StepInterval& interval_;
+  std::deque<Event> events_;  // a deque: the references handed out stay good
+  std::vector<Watched> watched_;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,64 @@
+#include "framework/dynamics/simulate/step_interval.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+void StepInterval::start(const State& state) {
+  from_ = inside_ = state;
+  report_ = {};
+}
+
+void StepInterval::begin(const State& state) {
+  named(method_, state.t, [&] { method_.begin(dynamics_, state); });
+  from_ = inside_ = state;
+  has_dense_ = named(method_, state.t, [&] { return method_.dense(state.t, inside_); });
+}
+
+void StepInterval::make(State& state, double h) {
+  from_ = state;
+  if (!has_dense_) before_.clear(), method_.save(before_);
+  report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
+}
+
+const State& StepInterval::at(double t) {
+  if (has_dense_) {
+    named(method_, t, [&] { return method_.dense(t, inside_); });
+    if (dynamics_.options().stabilization.kind != Stabilization::Kind::project) return inside_;
+    const ProjectReport report = dynamics_.project(inside_);
+    if (!report.converged)
+      throw StepError(
+          fmt::format("the state interpolated at t = {:.9g} s is {:.3g} m off the constraints and could not be "
+                      "brought back; take a smaller tolerance",
+                      t, report.before),
+          from_.t);
+    return inside_;
+  }
+  inside_ = from_;
+  if (t <= from_.t) return inside_;
+  before_.rewind();
+  method_.restore(before_);
+  for (double left = t - from_.t; left > 0; left = t - inside_.t) {
+    const StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
+    if (part.h >= left) break;
+  }
+  inside_.t = t;
+  return inside_;
+}
+
+void StepInterval::keep_method() {
+  if (!has_dense_) after_.clear(), method_.save(after_);
+}
+
+void StepInterval::restore_method() {
+  if (!has_dense_) after_.rewind(), method_.restore(after_);
+}
+
+void StepInterval::cut(double t, State& state) {
+  state = at(t);
+  report_.h = t - from_.t;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,42 @@
+// StepInterval: the step that was made last, the states inside it, and the place to cut it. Internal to the step loop.
+#pragma once
+
+#include "framework/dynamics/integrate/integrator.h"
+
+namespace lockstep {
+
+class StepInterval {
+ public:
+  StepInterval(Dynamics& dynamics, Integrator& method) : dynamics_(dynamics), method_(method) {}
+
+  /// A new run from here.
+  void start(const State&);
+  /// The method begun anew at this state.
+  void begin(const State&);
+  /// One step of the method, at most h, from `state`, which becomes its end.
+  void make(State& state, double h);
+
+  const State& from() const { return from_; }
+  const StepReport& report() const { return report_; }
+  bool has_dense() const { return has_dense_; }
+
+  /// The state at t inside the step, on the constraints, valid until the next call: by dense output, or by a shorter
+  /// step for a method without; keep_method() first then.
+  const State& at(double t);
+  /// Remembers the method at the end of the step, before shorter steps are made,
+  void keep_method();
+  /// and puts it back there.
+  void restore_method();
+  /// The state at t becomes the end of the step.
+  void cut(double t, State& state);
+
+ private:
+  Dynamics& dynamics_;
+  Integrator& method_;
+  State from_, inside_;
+  Snapshot before_, after_;  // the method's memory around the step
+  StepReport report_;
+  bool has_dense_ = false;
+};
+
+}  // namespace lockstep

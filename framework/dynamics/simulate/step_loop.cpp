@@ -1,0 +1,305 @@
+#include "framework/dynamics/simulate/step_loop.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "framework/dynamics/simulate/clock.h"
+#include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/dynamics/simulate/event_locator.h"
+#include "framework/dynamics/simulate/step_interval.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/log.h"
+
+namespace lockstep {
+
+namespace {
+
+void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
+  const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
+  if (bad(options.step))
+    throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
+  if (bad(options.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options.output));
+  if (bad(options.tolerance.relative) || bad(options.tolerance.atol_x) ||
+      options.tolerance.relative + options.tolerance.atol_x == 0)
+    throw ModelError(fmt::format("the tolerance (relative {}, absolute {} m) must be > 0", options.tolerance.relative,
+                                 options.tolerance.atol_x));
+  const std::vector<double>& times = options.output_times;
+  if (!std::is_sorted(times.begin(), times.end()) ||
+      !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
+    throw ModelError("the output times must be finite and rising; sort them");
+  if (!info.adaptive && options.step == 0)
+    throw ModelError(
+        fmt::format("{} works with a fixed step; say which: StepLoopOptions::step, or --step", info.name));
+}
+
+}  // namespace
+
+struct StepLoop::Parts {
+  explicit Parts(StepLoop& of)
+      : clock(of.system(), *of.method_, of.options_),
+        interval(of.dynamics_, *of.method_),
+        events(of.dynamics_, interval),
+        contacts(of.dynamics_, interval, of.options_.start_limit) {}
+
+  Clock clock;
+  StepInterval interval;
+  EventLocator events;
+  ContactManager contacts;
+  StateRate crossing;    // scratch of cross_jump
+  bool started = false;  // observers are
+};
+
+StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options)
+    : dynamics_(dynamics), method_(std::move(method)), options_(std::move(options)) {
+  if (!method_) throw ModelError("a step loop needs an integrator; take one from the registry");
+  check_options(options_, method_->info());
+  parts_ = std::make_unique<Parts>(*this);
+  method_->set_tolerance(options_.tolerance);
+  dynamics_.set_up();
+  state_ = dynamics_.system().start();
+}
+
+StepLoop::~StepLoop() = default;
+
+void StepLoop::set_state(State state) {
+  system().check_size(state);
+  check_start(dynamics_, state, options_.start_limit);
+  state_ = std::move(state);
+  begun_ = false;
+}
+
+void StepLoop::add_observer(Observer& observer) {
+  observers_.push_back(&observer);
+  if (begun_) observer.start(Sample(dynamics_, state_, parts_->interval.report()));
+}
+
+Event& StepLoop::add_event(Event event) {
+  Event& added = parts_->events.add(std::move(event));
+  if (begun_) parts_->events.join(state_);
+  return added;
+}
+
+const SimulationReport& StepLoop::run_until(double t) {
+  if (!std::isfinite(t) || t < state_.t)
+    throw ModelError(
+        fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
+  report_.stopped = false;
+  report_.stopped_by.clear();
+  try {
+    parts_->clock.set_end(t);
+    start();
+    while (!report_.stopped && state_.t < t) advance(t, 0);
+    output_end();
+  } catch (const SolveError& e) {
+    finish(Errors::dropped);
+    throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
+  } catch (...) {
+    finish(Errors::dropped);
+    throw;
+  }
+  finish(Errors::thrown);
+  return report_;
+}
+
+StepReport StepLoop::step(double h) {
+  if (!std::isfinite(h) || h < 0)
+    throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
+  constexpr double kOpen = std::numeric_limits<double>::infinity();
+  parts_->clock.set_end(kOpen);
+  report_.stopped = false;
+  report_.stopped_by.clear();
+  start();
+  if (!report_.stopped) advance(kOpen, h);
+  return parts_->interval.report();
+}
+
+void StepLoop::start() {
+  if (begun_) return;
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  system().check_size(state_);
+  check_start(dynamics_, state_, options_.start_limit);
+  dynamics_.accept(state_);  // memory includes the speeds of the start
+  interval.start(state_);
+  report_ = {};
+  clock.start(state_.t);
+  events.start(state_.t);
+  contacts.start(state_);
+  if (!contacts.empty()) settle_contacts();
+  begun_ = true;
+  started = true;
+  const Sample sample(dynamics_, state_, interval.report());
+  for (Observer* o : observers_) o->start(sample);
+  if (clock.output_due(state_.t)) output(sample);
+  begin_method();
+  const bool changed = fire_events();
+  if (contacts.empty()) return;
+  if (changed) settle_contacts();
+  contacts.note(state_, true);
+}
+
+void StepLoop::advance(double limit, double largest) {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t0 = state_.t;
+  const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
+  const double wanted = clock.step_towards(t0, target, largest);
+  interval.make(state_, wanted);
+  const StepReport& step = interval.report();
+  bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
+  if (landed) state_.t = target.reach;
+  clock.count_step(wanted, step);
+  const bool touched = !contacts.empty() && contacts.locate(state_);
+  const bool met = !events.empty() && events.locate(state_);
+  if ((met || touched) && state_.t < target.reach) landed = false;
+  const bool jump = landed && target.jump;
+  if (jump) cross_jump(target.t);
+  dynamics_.accept(state_);
+  ++report_.steps;
+  report_.rejected += step.rejected;
+  if (step.manifold) ++report_.manifold_steps;
+  if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
+  report_.largest_violation = std::max(report_.largest_violation, step.violation_after);
+  output_inside();
+  observe_end();
+  if (jump) make_consistent("the jump of a law");
+  if (landed || met || touched) clock.set_anchor(state_.t);
+  const bool changed = !events.empty() && fire_events();
+  const bool moved = changed || met || touched || jump;
+  if (!contacts.empty()) {
+    if (moved) settle_contacts();
+    contacts.note(state_, moved);
+  }
+  if (!moved) return;
+  const Sample sample(dynamics_, state_, step);
+  for (Observer* o : observers_) o->jumped(sample);
+}
+
+// The last part of a step to a jump, by the rates on its left side; the error is the square of that part.
+void StepLoop::cross_jump(double t) {
+  const double h = t - state_.t;
+  if (h > 0) {
+    StateRate& rate = parts_->crossing;
+    dynamics_.rate(state_, rate);
+    state_.q += h * rate.q;
+    state_.v += h * rate.v;
+    state_.s += h * rate.s;
+    dynamics_.normalize(state_);
+  }
+  state_.t = t;
+}
+
+void StepLoop::begin_method() {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t = state_.t, horizon = clock.horizon(t);
+  interval.begin(state_);
+  double guess = 0;
+  if (clock.adaptive() && horizon > 0)
+    guess = named(*method_, t, [&] { return method_->first_step(dynamics_, state_, horizon); });
+  clock.begin(t, guess);
+  events.watch(state_);
+}
+
+// Events by time and those whose condition was met, at the present state; whether any changed it.
+bool StepLoop::fire_events() {
+  EventLocator& events = parts_->events;
+  bool changed = false, rewound = false;
+  std::string cause;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const EventLocator::Due due = events.take(i, state_.t);
+    if (due == EventLocator::Due::no) continue;
+    rewound = rewound || due == EventLocator::Due::by_condition;
+    const Event& e = events[i];
+    if (e.stop) report_.stopped = true, report_.stopped_by = e.name;
+    if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
+    apply(e);
+    changed = true;
+    cause += (cause.empty() ? "event '" : ", '") + e.name + "'";
+  }
+  if (changed) make_consistent(cause);
+  if (changed || rewound) begin_method();
+  return changed;
+}
+
+void StepLoop::apply(const Event& e) {
+  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
+    const Lock& link = system().link(name);
+    const auto number = static_cast<std::size_t>(link.number());
+    state_.modes[number] = on && !link.unilateral();
+    state_.watched[number] = on && link.unilateral();
+  };
+  for (const std::string& name : e.activate) put(name, true);
+  for (const std::string& name : e.deactivate) put(name, false);
+  if (e.change) e.change(state_);
+  if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
+    throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
+                         state_.t);
+  dynamics_.normalize(state_);
+  engage_links(dynamics_, state_, e.activate);
+  check_links(dynamics_, state_, e.activate, "event '" + e.name + "'", options_.start_limit);
+  parts_->contacts.check_sides(state_, e.activate,
+                               "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
+}
+
+void StepLoop::settle_contacts() {
+  const ContactManager::Settled settled = parts_->contacts.settle(state_);
+  if (settled.impact) ++report_.impacts;
+  if (!settled.resting.empty()) make_consistent(settled.resting);
+  if (settled.impact) dynamics_.accept(state_);  // counted turns go on at the new speeds
+  if (settled.restart) begin_method();
+}
+
+void StepLoop::make_consistent(const std::string& cause) {
+  lockstep::make_consistent(dynamics_, state_, cause, options_.start_limit);
+  if (!parts_->events.empty()) parts_->events.watch(state_);
+}
+
+void StepLoop::observe_end() {
+  const Sample sample(dynamics_, state_, parts_->interval.report());
+  for (Observer* o : observers_) o->step(sample);
+  if (parts_->clock.output_due(state_.t)) output(sample);
+  if (progress && !progress(state_)) {
+    report_.stopped = true;
+    report_.stopped_by = "the caller";
+  }
+}
+
+void StepLoop::output_inside() {
+  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  const double t0 = interval.from().t;
+  for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
+    if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
+}
+
+void StepLoop::output(const Sample& sample) {
+  parts_->clock.note_output(sample.state.t);
+  for (Observer* o : observers_) o->output(sample);
+}
+
+void StepLoop::output_end() {
+  if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
+}
+
+// What observers throw is dropped where another error is under way.
+void StepLoop::finish(Errors of_observers) {
+  if (!parts_->started) return;
+  std::exception_ptr first;
+  const Sample sample(dynamics_, state_, parts_->interval.report());
+  for (Observer* o : observers_) {
+    try {
+      o->finish(sample);
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+}
+
+void StepLoop::warn(const std::string& text) {
+  report_.warnings.push_back(text);
+  log_warning(text);
+}
+
+}  // namespace lockstep

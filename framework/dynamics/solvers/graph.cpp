@@ -1,0 +1,89 @@
+#include "framework/dynamics/solvers/graph.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace lockstep {
+namespace {
+
+void insert(std::vector<int>& sorted, int k) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), k);
+  if (at == sorted.end() || *at != k) sorted.insert(at, k);
+}
+
+}  // namespace
+
+void couple(Neighbours& neighbours, int a, int b) {
+  if (a != b) insert(neighbours[a], b), insert(neighbours[b], a);
+}
+
+Parts::Parts(int n) : root_(n) { std::iota(root_.begin(), root_.end(), 0); }
+
+int Parts::of(int k) {
+  while (root_[k] != k) k = root_[k] = root_[root_[k]];
+  return k;
+}
+
+bool Parts::join(int a, int b) {
+  a = of(a), b = of(b);
+  root_[b] = a;
+  return a != b;
+}
+
+std::vector<std::vector<int>> LinkGraph::links_of_slots() const {
+  std::vector<std::vector<int>> out(n_slots);
+  for (int l = 0; l < static_cast<int>(slots.size()); ++l)
+    for (const int s : slots[l]) out[s].push_back(l);
+  return out;
+}
+
+// A forest has one link fewer than bodies in each of its parts. A link on one slot hangs on the ground; one on more than
+// two may reach the ground as well.
+bool LinkGraph::is_tree() const {
+  const int ground = n_slots;
+  Parts parts(n_slots + 1);
+  return std::all_of(slots.begin(), slots.end(), [&](const std::vector<int>& ends) {
+    return ends.size() == 1 || ends.size() == 2 ? parts.join(ends.size() < 2 ? ground : ends[1], ends[0]) : false;
+  });
+}
+
+MinimumDegree::MinimumDegree(Neighbours neighbours, std::vector<int> weights)
+    : neighbours_(std::move(neighbours)),
+      weights_(std::move(weights)),
+      touched_(neighbours_.size(), 0),
+      held_(neighbours_.size(), false),
+      gone_(neighbours_.size(), false) {
+  for (int k = 0; k < static_cast<int>(neighbours_.size()); ++k) queue_.insert(key(k));
+}
+
+MinimumDegree::Key MinimumDegree::key(int node) const {
+  int degree = 0;
+  for (const int k : neighbours_[node]) degree += weights_[k];
+  return {held_[node], degree, touched_[node], node};
+}
+
+void MinimumDegree::hold(int node, bool on) {
+  if (gone_[node] || held_[node] == on) return;
+  queue_.erase(key(node));
+  held_[node] = on;
+  queue_.insert(key(node));
+}
+
+MinimumDegree::Pivot MinimumDegree::next() {
+  const int pivot = std::get<3>(*queue_.begin());
+  queue_.erase(queue_.begin());
+  gone_[pivot] = true;
+  ++clock_;
+  const std::vector<int> below = std::move(neighbours_[pivot]);
+  for (const int a : below) {
+    queue_.erase(key(a));
+    std::erase(neighbours_[a], pivot);
+    for (const int b : below)
+      if (b != a) insert(neighbours_[a], b);
+    touched_[a] = clock_;
+    queue_.insert(key(a));
+  }
+  return {pivot, below};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,30 @@
+// for_size: a size that is known when the program runs, as a constant, so that loops over it are unrolled.
+#pragma once
+
+#include <type_traits>
+
+namespace lockstep {
+
+/// Calls f(std::integral_constant<int, n>), n one of kFirst .. kLast, within 1 .. 8. f returns nothing.
+template <int kFirst = 1, int kLast = 8, class F>
+[[gnu::always_inline]] inline void for_size(int n, F&& f) {
+  static_assert(1 <= kFirst && kFirst <= kLast && kLast <= 8);
+  const auto call = [&]<int k>() __attribute__((always_inline)) {
+    if constexpr (k < kFirst || k > kLast)
+      __builtin_unreachable();
+    else
+      f(std::integral_constant<int, k>{});
+  };
+  switch (n) {
+    case 1: return call.template operator()<1>();
+    case 2: return call.template operator()<2>();
+    case 3: return call.template operator()<3>();
+    case 4: return call.template operator()<4>();
+    case 5: return call.template operator()<5>();
+    case 6: return call.template operator()<6>();
+    case 7: return call.template operator()<7>();
+    default: return call.template operator()<8>();
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,39 @@
+#include "framework/foundation/support/error_context.h"
+
+#include <exception>
+
+#include "framework/foundation/support/thrown.h"
+
+namespace lockstep {
+
+void rethrow_in(const ErrorContext& context) {
+  const Thing& thing = context.thing;
+  const std::string label = context.label.empty() ? thing.label() : context.label;
+  try {
+    throw;
+  } catch (const UserCodeError&) {
+    throw;
+  } catch (const NonFiniteError&) {
+    throw;
+  } catch (Error& error) {
+    const bool foreign = thing.of_a_plugin();
+    if (context.refuses) {
+      // what has no solution is the mechanism's, whoever asked for it
+      const bool its_own = error.kind() != Error::Kind::solve && error.kind() != Error::Kind::assembly;
+      if (its_own) error.attribute(thing, foreign ? at_time(context.t) + label : "");
+      throw;
+    }
+    if (!foreign && context.fault.empty()) {
+      error.attribute(thing, "");
+      throw;
+    }
+  } catch (...) {
+    if (thing.origin == "built in" && context.fault.empty()) throw;
+  }
+  const std::string words =
+      context.fault.empty() ? " threw: " + thrown_words(std::current_exception()) : ": " + context.fault;
+  std::throw_with_nested(
+      UserCodeError(at_time(context.t) + context.before + label + words, {.thing = thing, .t = context.t}));
+}
+
+}  // namespace lockstep

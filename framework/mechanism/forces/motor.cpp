@@ -1,0 +1,62 @@
+#include "framework/mechanism/forces/motor.h"
+
+namespace lockstep {
+
+Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
+    : FormulaForce(std::move(name), p, &s), effort_(effort), law_(std::move(law)) {
+  require(law_ != nullptr, word(effort_), "is missing; give a law");
+  add_law(law_);
+}
+Motor::~Motor() = default;
+
+void Motor::setup() {
+  if (effort_ == Effort::torque) require_turning(p(), "turns");
+  require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
+  MarkerForce::setup();
+}
+
+std::vector<Quantity> Motor::quantities() const {
+  return {{word(effort_), unit(effort_)}, {"rate", effort_ == Effort::force ? "m/s" : "rad/s"}, {"power", "W"}};
+}
+
+template <class T, class Load>
+void Motor::act(const Ends<T>& at, Load& load) const {
+  const double f = value(law_, at.t);
+  const Vec3T<T> z = at.S.axis(2);
+  const T rate = z.dot(rate_from_s(effort_, at));
+  exert(effort_, Vec3T<T>(f * z), at, load);
+  load.supplies(f * rate);
+  load.shows(T(f), rate);
+}
+
+ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
+    : Motor(std::move(name), p, s, Effort::force, std::move(options.force)) {}
+
+const TypeInfo& ForceMotor::info() {
+  static const TypeInfo info{"force_motor",
+                             "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
+                             {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s"}}};
+  return info;
+}
+
+std::unique_ptr<Force> ForceMotor::make(const Site& site, const Params& k) {
+  return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
+}
+
+TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
+    : Motor(std::move(name), p, s, Effort::torque, std::move(options.torque)) {}
+
+const TypeInfo& TorqueMotor::info() {
+  static const TypeInfo info{"torque_motor",
+                             "torque by a law about z of S on P's body, the opposite on S's body",
+                             {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
+  return info;
+}
+
+std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
+  return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
+}
+
+template class FormulaForce<Motor>;
+
+}  // namespace lockstep

@@ -1,0 +1,49 @@
+#include "framework/mechanism/links/distance.h"
+
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+namespace {
+
+double distance_at_start(const Marker& p, const Marker& s) {
+  return ((p.body->home * p.local).x - (s.body->home * s.local).x).norm();
+}
+
+}  // namespace
+
+Distance::Distance(std::string name, Marker& p, Marker& s, double length)
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{{}, length}) {}
+
+Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
+    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length), 0}) {
+  if (!phi().law)
+    throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
+}
+
+Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
+
+RowPlan Distance::plan_rows() {
+  RowPlan plan = PhiLock::plan_rows();
+  const double length = phi().length_at(0.0);
+  if (!(length > 0))
+    throw ModelError("link '" + name() + "': length " + brief(length) +
+                     " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
+  if (distance_at_start(p(), s()) == 0)
+    throw ModelError("link '" + name() + "': '" + p().name + "' and '" + s().name +
+                     "' start at one point, so the distance has no direction; move one of them");
+  return plan;
+}
+
+TypeInfo Distance::info() {
+  return {"distance",
+          "keeps the distance of the origins of P and S; free: everything else",
+          {{"length", Form::law, Unit::length, kOptional, "distance, m: a number or a law; default: as at the start"}}};
+}
+
+std::unique_ptr<Lock> Distance::make(const Site& site, const Params& params) {
+  if (!params.has("length")) return std::make_unique<Distance>(site.name, site.p(), site.s());
+  return std::make_unique<Distance>(site.name, site.p(), site.s(), params.law("length"));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,38 @@
+#include "framework/mechanism/lock/reactions.h"
+
+namespace lockstep {
+namespace {
+
+// (2.1) generalised force on the link's i-th slot: -J_i^T lambda; its moment carried to the point.
+LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, const double* lambda, int i, int part,
+                   const Motion& O, const Vec3& point) {
+  Vec3 F = Vec3::Zero(), m = Vec3::Zero();
+  for (int k = 0; k < e.m; ++k) {
+    if (!Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part)) continue;
+    const auto r = block.J(i, k);
+    F -= lambda[k] * Vec3(r[0], r[1], r[2]);
+    m -= lambda[k] * Vec3(r[3], r[4], r[5]);
+  }
+  return {F, O.A * m - cross(Vec3(point - O.x), F)};
+}
+
+}  // namespace
+
+// A body that is fixed has no rows: it takes what all others give.
+LinkWrench Reactions::on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part) const {
+  if (entry(link) < 0) return {};
+  const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];
+  const RowView block = rows_.block(e);
+  const double* lambda = lambda_.data() + e.first_row;
+  const Vec3 point = in_world(at, in).x;
+  if (const int i = e.slots.position(at.slot); i >= 0)
+    return on_slot(link, block, e, lambda, i, part, in.slot(at.slot), point);
+  LinkWrench sum;
+  for (int i = 0; i < e.slots.n; ++i) {
+    const LinkWrench w = on_slot(link, block, e, lambda, i, part, in.slot(e.slots[i]), point);
+    sum.force -= w.force, sum.moment -= w.moment;
+  }
+  return sum;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,131 @@
+#include "framework/mechanism/system/diagnose.h"
+
+#include <cmath>
+
+#include "framework/foundation/support/thrown.h"
+#include "framework/mechanism/system/system.h"
+
+namespace lockstep {
+namespace {
+
+template <class T>
+Thing thing_of_kind(const char* kind, const T& thing) {
+  Thing made{.kind = kind, .name = thing.name(), .type = "?", .origin = thing.origin()};
+  try {
+    made.type = std::string(thing.type());
+  } catch (...) {  // stays "?"
+  }
+  return made;
+}
+
+// What is wrong with one of its laws; asking runs the user's code.
+std::string law_fault_of(const Lock& link, double t) {
+  try {
+    return link.driven() == nullptr ? "" : link.driven()->diagnose(t);
+  } catch (...) {
+    return {};
+  }
+}
+std::string law_fault_of(const Force& force, double t) {
+  try {
+    return force.diagnose(t);
+  } catch (...) {
+    return {};
+  }
+}
+
+// `what` of this thing is not finite: because of a law of it, or else of what `otherwise` says.
+template <class T>
+[[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
+  const std::string law = law_fault_of(thing, t);
+  const std::string words = law.empty() ? "; " + otherwise : ": " + law + "; look at its parameters";
+  throw NonFiniteError(at_time(t) + label(thing) + what + words,
+                       {.thing = thing_of(thing), .advice = law.empty() ? otherwise : "look at its parameters", .t = t});
+}
+
+}  // namespace
+
+Thing thing_of(const Lock& link) { return thing_of_kind("link", link); }
+Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
+
+ErrorContext context_of(const Lock& link, double t) {
+  return {.thing = thing_of(link), .t = t, .fault = law_fault_of(link, t)};
+}
+ErrorContext context_of(const Force& force, double t) {
+  return {.thing = thing_of(force), .t = t, .fault = law_fault_of(force, t)};
+}
+
+void rethrow_from_group(const System& system, const Inputs& in, const RowTable& table, const RowRun& run) {
+  const auto entry = [&](int k) -> const RowEntry& {
+    return table.entries[static_cast<std::size_t>(run.first_entry + k)];
+  };
+  const auto link_of = [&](const RowEntry& e) { return system.links()[static_cast<std::size_t>(e.link)].get(); };
+  if (run.n == 1 && (run.in_plane || !entry(0).plane)) rethrow_in(context_of(*link_of(entry(0)), in.t));
+  RowTable alone;
+  for (int k = 0; k < run.n; ++k) {
+    const RowEntry& e = entry(k);
+    const Lock* link = link_of(e);
+    const RowShape shape = run.in_plane || !e.plane ? e.shape() : link->shape();
+    named(*link, in.t, [&] {
+      if (run.in_plane)
+        link->planar()->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
+      else
+        link->gather(Group(&link, 1), in, alone.spatial_span(shape));
+    });
+  }
+  // No single link throws on its own: an Error says what it is about, of anything else the group is named.
+  try {
+    throw;
+  } catch (const Error&) {
+    throw;
+  } catch (...) {
+    ErrorContext group{.thing = thing_of(*link_of(entry(0))), .t = in.t};
+    group.thing.name.clear();
+    group.label = "one of the " + std::to_string(run.n) + " links of type '" + group.thing.type + "'" +
+                  of_plugin(group.thing.origin) + " (asked one by one, none of them throws)";
+    rethrow_in(group);
+  }
+}
+
+void check_finite(const System& system, const Inputs& in, const RowTable& table, const VecX& f) {
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const Motion& O = in.slot(k);
+    if (O.x.allFinite() && O.A.allFinite() && O.v.allFinite() && O.w.allFinite()) continue;
+    const Thing body{.kind = "body", .name = system.body_of_slot(k).name};
+    throw NonFiniteError(
+        at_time(in.t) + body.words() + " has a position or velocity that is not finite; " + kShorterStep,
+        {.thing = body, .advice = kShorterStep, .t = in.t});
+  }
+  for (const RowEntry& e : table.entries) {
+    const RowView block = table.block(e);
+    double sum = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
+    if (!std::isfinite(sum))
+      refuse_number(*system.links()[static_cast<std::size_t>(e.link)], in.t, " made a number that is not finite",
+                    std::string("look at its function and at the pose it is in, or ") + kShorterStep);
+  }
+  if (f.allFinite()) return;
+  VecX one = VecX::Zero(f.size());
+  for (const auto& force : system.forces()) {
+    WrenchSum sum(in.motions, one);
+    force->apply(in, sum);
+    if (!one.allFinite()) refuse_number(*force, in.t, " is not finite", "look at its law and parameters");
+  }
+  throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep,
+                       {.advice = kShorterStep, .t = in.t});
+}
+
+void diagnose_rates(const System& system, double t, const VecX& sd) {
+  const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
+  for (const auto& link : system.links())
+    if (bad(link->first_state(), link->n_own_states()))
+      refuse_number(*link, t, ": the rate of its driven speed is not finite", "look at its parameters");
+  for (const auto& auxiliary : system.auxiliaries())
+    if (bad(auxiliary->first(), auxiliary->size()))
+      throw NonFiniteError(at_time(t) + "the integrated state '" + auxiliary->name() +
+                               "' has a rate that is not finite; look at what feeds it",
+                           {.thing = {.kind = "integrated state", .name = auxiliary->name()}, .t = t});
+  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them", t);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,51 @@
+// The coupling template_coupling: two wheels in joints of their own, geared so that the second one lags and gains.
+//
+// Change three things: the function phi, the keys in info(), and what make() refuses. Then build and run the test.
+#include "framework/description/registry/plugin.h"
+
+#include "framework/mechanism/lock/phi_coupling.h"
+
+namespace {
+
+using namespace lockstep;
+
+/// phi(a, b, t) = 0 is the coupling. a and b are the two joints: x y z of P seen from S in S's axes, m; e0 ... e3, the
+/// quaternion from S to P; angle_z(), the turn about z; t, the time. Its derivatives are exact, and nobody writes them.
+///
+///   phi = angle_1 + depth sin(angle_1) + angle_2
+struct TemplateCouplingFunction {
+  double depth;
+  static constexpr int kPairs = 2;                   // joints that it couples
+  static constexpr Needs kNeeds = Needs::rotation;   // turns alone; Needs::both where x y z occur as well
+  static constexpr bool kCountsTurns = true;         // angle_z() runs on past full turns
+
+  template <class T>
+  T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
+    using std::sin;
+    return a.angle_z() + depth * sin(a.angle_z()) + b.angle_z();
+  }
+};
+
+/// One row, phi = 0. The joints hold the wheels; the coupling adds nothing to what they hold.
+class TemplateCoupling final : public PhiCoupling<TemplateCouplingFunction> {
+ public:
+  TemplateCoupling(const Site& site, TemplateCouplingFunction phi) : PhiCoupling(site, phi) {}
+  std::string_view type() const override { return "template_coupling"; }
+
+  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
+  static TypeInfo info() {
+    return {"template_coupling",
+            "two wheels, each turning about its own z: angle_2 = -(angle_1 + depth sin(angle_1))",
+            {{"depth", Form::number, Unit::none, kRequired, "how uneven the gearing is, between -1 and 1"}}};
+  }
+
+  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
+    if (!(std::abs(p.number("depth")) < 1))
+      p.refuse("depth", "is " + brief(p.number("depth")) + "; must lie between -1 and 1, or the gearing runs back");
+    return std::make_unique<TemplateCoupling>(site, TemplateCouplingFunction{p.number("depth")});
+  }
+};
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) { registry.links.add<TemplateCoupling>(); }

@@ -1,0 +1,18 @@
+// Holds the coupling against differences: jacobian, rates, right side, stiffness. Give it the file of the plugin.
+#include <cstdio>
+
+#include "framework/description/registry/builtins.h"
+#include "framework/tools/check/check_lock.h"
+#include "framework/description/registry/loader.h"
+
+int main(int argc, char** argv) try {
+  using namespace lockstep;
+  Registry registry = builtin_registry();
+  load_plugin(registry, argc > 1 ? argv[1] : "template_coupling");
+  const CheckReport report = check_lock(registry, "template_coupling", {{"depth", 0.3}}, {.pairs = 2});
+  std::fputs(report.text().c_str(), stdout);
+  return report.ok() ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
+}

@@ -1,0 +1,145 @@
+// Errors as data, and the one way in which an exception gets the name of its culprit.
+#include "framework/foundation/support/error.h"
+
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+#include "framework/foundation/support/error_context.h"
+#include "framework/mechanism/model/law_fault.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+const Thing kOurs{.kind = "link", .name = "A", .type = "revolute", .origin = "built in"};
+const Thing kHosts{.kind = "force", .name = "F", .type = "wind"};
+const Thing kPlugins{.kind = "force", .name = "F", .type = "wind", .origin = "weather"};
+
+// Throws `thrown` in this context.
+template <class T>
+void throw_in(const ErrorContext& context, const T& thrown) {
+  in_context([&] { return context; }, [&] { throw thrown; });
+}
+
+// The E that comes of it.
+template <class E, class T>
+E error_of(const ErrorContext& context, const T& thrown) {
+  try {
+    throw_in(context, thrown);
+  } catch (const E& error) {
+    return error;
+  }
+  throw std::logic_error("nothing was thrown");
+}
+
+}  // namespace
+
+TEST_CASE("an error's sentence is made of its data", "[unit][errors]") {
+  CHECK(std::string(ModelError({.problem = "no mass"}).what()) == "no mass");
+  const SceneError error({.thing = {.kind = "body", .name = "rod"},
+                          .key = "mass",
+                          .problem = "is -1 kg",
+                          .advice = "give one above zero",
+                          .file = "four_bar.json",
+                          .line = 4,
+                          .column = 12});
+  CHECK(std::string(error.what()) == "four_bar.json:4:12: body 'rod': mass is -1 kg; give one above zero");
+  CHECK(std::isnan(error.t));
+  CHECK(std::string(StepError({.problem = "too short", .t = 0.5}).what()) == "t = 0.5 s: too short");
+  CHECK(std::string(ParameterError({.kind = "law", .name = "sine"}, "omega", "is -1; must be above 0").what()) ==
+        "law 'sine': omega is -1; must be above 0");
+}
+
+TEST_CASE("every class says its kind", "[unit][errors]") {
+  using Kind = Error::Kind;
+  CHECK(ModelError("x").kind() == Kind::model);
+  CHECK(ParameterError({}, "k", "x").kind() == Kind::model);
+  CHECK(AssemblyError("x").kind() == Kind::assembly);
+  CHECK(SolveError("x").kind() == Kind::solve);
+  CHECK(StepError("x", 1.0).kind() == Kind::step);
+  CHECK(StepError("x", 1.0).t == 1.0);
+  CHECK(NonFiniteError("x", 2.0).kind() == Kind::non_finite);
+  CHECK(PluginError("x").kind() == Kind::plugin);
+  CHECK(SceneError("x").kind() == Kind::scene);
+  CHECK(FileError("x").kind() == Kind::file);
+  CHECK(UserCodeError("x").kind() == Kind::user_code);
+  CHECK(InterruptedError("x").kind() == Kind::interrupted);
+  CHECK(std::string(to_string(Kind::non_finite)) == "not finite");
+}
+
+TEST_CASE("a label is put behind the place, once", "[unit][errors]") {
+  SceneError error("a.json:2:3: law.slope: is of no use", "a.json", 2, 3);
+  error.attribute(kPlugins, kPlugins.label());
+  error.attribute(kOurs, kOurs.label());
+  CHECK(std::string(error.what()) == "a.json:2:3: force 'F' (wind of plugin weather): law.slope: is of no use");
+  CHECK(error.thing.name == "F");
+}
+
+TEST_CASE("what is no Error becomes UserCodeError with its thing, its time and the original", "[unit][errors]") {
+  const ErrorContext context{.thing = kPlugins, .t = 0.25};
+  const auto error = error_of<UserCodeError>(context, 7);
+  CHECK(std::string(error.what()) ==
+        "t = 0.25 s: force 'F' (wind of plugin weather) threw: an object of type int, which is no exception");
+  CHECK(error.thing.origin == "weather");
+  CHECK(error.t == 0.25);
+  CHECK(message_of<UserCodeError>([&] { throw_in({.thing = kHosts}, std::length_error("too long")); }) ==
+        "force 'F' (wind) threw: too long");
+  try {
+    throw_in(context, std::length_error("too long"));
+  } catch (const UserCodeError& thrown) {
+    CHECK_THROWS_AS(std::rethrow_if_nested(thrown), std::length_error);
+  }
+}
+
+TEST_CASE("built-in code without a law at fault passes what is no Error, with one it names the law", "[unit][errors]") {
+  CHECK_THROWS_AS(throw_in({.thing = kOurs}, std::bad_alloc()), std::bad_alloc);
+  CHECK(message_of<UserCodeError>([] {
+          throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: no more"}, std::runtime_error("no more"));
+        }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: no more");
+}
+
+TEST_CASE("an Error of a plugin is its own in use and keeps its type where it refuses", "[unit][errors]") {
+  CHECK(message_of<UserCodeError>([] { throw_in({.thing = kPlugins, .t = 1}, ModelError("no speed")); }) ==
+        "t = 1 s: force 'F' (wind of plugin weather) threw: no speed");
+  const auto refused = error_of<ModelError>({.thing = kPlugins, .refuses = true}, ModelError("no speed"));
+  CHECK(std::string(refused.what()) == "force 'F' (wind of plugin weather): no speed");
+  CHECK(refused.thing.name == "F");
+  CHECK(message_of<SolveError>([] { throw_in({.thing = kPlugins, .refuses = true}, SolveError("no solution")); }) ==
+        "no solution");
+}
+
+TEST_CASE("an Error of the library or the host keeps its words and notes its thing", "[unit][errors]") {
+  const auto noted = error_of<ModelError>({.thing = kHosts, .t = 1}, ModelError("no speed"));
+  CHECK(std::string(noted.what()) == "no speed");
+  CHECK(noted.thing.words() == "force 'F'");
+  const auto about_another =
+      error_of<ModelError>({.thing = kHosts}, ModelError("no mass", {.thing = {.kind = "body", .name = "rod"}}));
+  CHECK(about_another.thing.name == "rod");
+  CHECK(message_of<NonFiniteError>([] { throw_in({.thing = kPlugins}, NonFiniteError("nan", 1)); }) == "nan");
+}
+
+TEST_CASE("a law's label belongs to the pointer that was labelled", "[unit][errors]") {
+  struct Nothing final : MotionLaw {
+    LawValue at(double) const override { return {std::nan(""), 0, 0}; }
+  };
+  LawPtr<MotionLaw> bare = std::make_shared<const Nothing>();
+  LawPtr<MotionLaw> named = labelled(bare, {"bump", "bumps"});
+  const LawPtr<MotionLaw> other = labelled(named, {"hump", "built in"});
+  CHECK(label_of(bare) == nullptr);
+  CHECK(named.get() == bare.get());
+  REQUIRE(label_of(named) != nullptr);
+  CHECK(label_of(named)->type == "bump");
+  CHECK(label_of(other)->origin == "built in");
+  CHECK(law_fault("its law", bare, 0) == "its law gives nan, 0, 0");
+  CHECK(law_fault("its law", named, 0) == "its law ('bump' of plugin bumps) gives nan, 0, 0");
+  CHECK(law_fault("its law", other, 0) == "its law ('hump') gives nan, 0, 0");
+  CHECK(law_fault("its law", LawPtr<MotionLaw>(), 0).empty());
+  const std::weak_ptr<const MotionLaw> watched = bare;
+  bare.reset(), named.reset();
+  CHECK(other->at(0).yd == 0);
+  CHECK_FALSE(watched.expired());
+}

@@ -1,0 +1,85 @@
+#include <cmath>
+
+#include "framework/dynamics/simulate/clock.h"
+#include "framework/dynamics/simulate/root_finder.h"
+#include "framework/dynamics/simulate/step_rules.h"
+#include "integrators/rk4.h"
+#include "tests/support/catch.h"
+
+using namespace lockstep;
+
+TEST_CASE("the root finder returns the far end of a bracket within the tolerance", "[unit][dynamics]") {
+  struct Case {
+    double (*g)(double);
+    double root;
+  };
+  const Case c = GENERATE(Case{[](double t) { return 0.37 - t; }, 0.37},
+                          Case{[](double t) { return 0.3 + 0.2 * t - 2 * t * t; }, 0.05 + std::sqrt(0.1525)},
+                          Case{[](double t) { return 1 - std::exp(8 * (t - 0.6)); }, 0.6},
+                          Case{[](double t) { return t < 0.7 ? 0.7 - t : 20 * (0.7 - t); }, 0.7});
+  for (const double tolerance : {1e-6, 1e-9, 4e-16}) {
+    int evaluations = 0;
+    const auto g = [&](double t) { return ++evaluations, c.g(t); };
+    const double t = falling_root(0, c.g(0), 1, c.g(1), tolerance, 0.0, g);
+    CAPTURE(c.root, tolerance, t);
+    CHECK(c.g(t) <= 0);
+    CHECK(t == Approx(c.root).margin(tolerance + 1e-15));
+    CHECK(evaluations <= 16);
+  }
+}
+
+TEST_CASE("the root finder ends where the value is near enough, and at the ends themselves", "[unit][dynamics]") {
+  int evaluations = 0;
+  const auto g = [&](double t) { return ++evaluations, 0.5 - t * t; };
+  const double t = falling_root(0, 0.5, 1, -0.5, 0.0, 1e-3, g);
+  CHECK(g(t) <= 0);
+  CHECK(g(t) >= -1e-3);
+  evaluations = 0;
+  CHECK(falling_root(0, 0.5, 1, -1e-4, 0.0, 1e-3, g) == 1);  // near enough already
+  CHECK(falling_root(0, 0.5, 1, 0.0, 0.0, 0.0, g) == 1);
+  CHECK(falling_root(0, 0.0, 1, -0.5, 0.0, 0.0, g) == 0);  // down before it began
+  CHECK(evaluations == 0);
+}
+
+TEST_CASE("two equal steps rather than a whole one and a sliver", "[unit][dynamics]") {
+  CHECK(step_within(1.0, 0.3, 0) == 0.3);
+  CHECK(step_within(1.0, 0.6, 0) == 0.5);
+  CHECK(step_within(1.0, 1.2, 0) == 1.0);
+  CHECK(step_within(1.0, 1 - 1e-13, 1e-12) == 1.0);
+}
+
+TEST_CASE("a step cut short says nothing against the longer one advised before", "[unit][dynamics]") {
+  CHECK(advised_after(0.1, 0.01, 0.01, 0.05) == 0.1);
+  CHECK(advised_after(0.1, 0.01, 0.01, 0.2) == 0.2);
+  CHECK(advised_after(0.1, 0.01, 0.005, 0.005) == 0.005);  // rejected on the way
+  CHECK(advised_after(0.1, 0.1, 0.1, 0.05) == 0.05);
+}
+
+TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynamics]") {
+  System system;
+  system.add_particle("stone", 1, {0, 0, 0});
+  system.setup();
+  Rk4 method;
+  const StepLoopOptions options{.step = 0.25, .output = 0.5};
+  Clock clock(system, method, options);
+  clock.set_end(1.7);
+  clock.start(0);
+  clock.begin(0, 0);
+  CHECK_FALSE(clock.adaptive());
+  CHECK(clock.output_due(0));
+  CHECK(clock.next_output() == 0.5);
+  const Clock::Target target = clock.next_target(0, 1.7, HUGE_VAL, 0, false);
+  CHECK(target.t == 0.5);
+  CHECK_FALSE(target.jump);
+  CHECK(clock.next_target(0, 1.7, 0.4, 0, false).t == 0.4);  // an event before it
+  CHECK(clock.next_target(0, 1.7, HUGE_VAL, 0, true).t == 1.7);
+  CHECK(clock.step_towards(0, target, 0) == 0.25);
+  clock.count_step(0.25, {});
+  CHECK(clock.step_towards(0.25, target, 0) == 0.25);  // what is left
+  CHECK_FALSE(clock.output_due(0.25));
+  CHECK(clock.output_due(0.5));
+  clock.note_output(0.5);
+  CHECK(clock.end_due(1.7));
+  clock.note_output(1.7);
+  CHECK_FALSE(clock.end_due(1.7));
+}
