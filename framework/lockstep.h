@@ -10,7 +10,6 @@
 #include "framework/dynamics/solvers/schur_solver.h"
 #include "framework/dynamics/solvers/sparse_solver.h"
 #include "framework/foundation/support/text.h"
-#include "framework/foundation/support/user_code_error.h"
 #include "framework/mechanism/forces/applied.h"
 #include "framework/mechanism/forces/bushing.h"
 #include "framework/mechanism/forces/function_force.h"

@@ -35,7 +35,7 @@ constexpr int kRounds = 50;  // of the multipliers; a handful is usual
 
 const RattleScheme& scheme_of(int order) { return kSchemes[order == 4 ? 1 : 0]; }
 
-// Numbers that are no motion in particular.
+// Arbitrary velocities.
 VecX any_velocities(Eigen::Index n, double sign) {
   VecX v(n);
   for (Eigen::Index i = 0; i < n; ++i) v[i] = sign * (0.3 + 0.7 * std::cos(1.7 * static_cast<double>(i)));
@@ -135,7 +135,7 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   return report;
 }
 
-// An event may have changed the state.
+// False when an event has changed the state.
 bool Rattle::goes_on_from(const State& state) const {
   return ready_ && state.t == now_.t && state.q == now_.q && state.v == now_.v;
 }

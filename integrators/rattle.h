@@ -18,10 +18,10 @@ namespace lockstep {
 
 struct RattleScheme;
 
-/// Fixed step; a substep costs one factor and 3 to 5 looks at the constraints. The energy swings about its start and
-/// does not drift. Forces must not depend on velocities, and nothing that is integrated beside the mechanism may steer
-/// it: ModelError from begin(), with the name. Its multipliers are not found through singular positions: StepError.
-/// Mere quadratures (State::s) go by the trapezoidal rule, order 2. No error estimate, no dense output.
+/// Fixed step; a substep costs one factor and 3 to 5 evaluations of the constraints. The energy swings about its start
+/// and does not drift. Forces must not depend on velocities, and no state that is integrated along with the mechanism
+/// may act on it: ModelError from begin(), with the name. Its multipliers are not found through singular positions:
+/// StepError. Mere quadratures (State::s) follow the trapezoidal rule, order 2. No error estimate, no dense output.
 class LOCKSTEP_API Rattle final : public Integrator {
  public:
   static TypeInfo type_info(int order);
@@ -51,7 +51,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   const RattleScheme& scheme_;
   std::vector<Turning> turning_;
   State now_, next_;     // before and after a drift
-  VecX v_half_, guess_;  // velocities of the drift; what the last kick of 1 s brought
+  VecX v_half_, guess_;  // velocities of the drift; what the last kick would do in 1 s
   VecX C_, Cd_, f_, d_, lambda_;
   StateRate rate0_, rate1_;
   std::optional<Factor> factor_;  // of the matrix at now_ once a kick was made

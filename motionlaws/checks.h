@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "framework/mechanism/params/params.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

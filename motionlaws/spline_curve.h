@@ -37,7 +37,7 @@ class LOCKSTEP_API SplineCurve {
  public:
   /// `law` names it in messages; t strictly increasing; y one row a point. `turn` = -1 makes the last point and its
   /// rates the negatives of the first ones (quaternions after an odd number of full turns). Throws ModelError
-  /// (BadParameter).
+  /// (ParameterError).
   SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings&, const SplineEndRates& = {},
               double turn = 1);
   /// y, yd, ydd, n_components each. Throws ModelError outside of the range when that is to be refused.

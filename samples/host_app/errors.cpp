@@ -8,42 +8,48 @@
 
 using namespace lockstep;
 
-// From the special to the general: all derive from Error, Error from std::runtime_error.
+namespace {
+
+const char* name_of(Error::Kind kind) {
+  switch (kind) {
+    case Error::Kind::scene:
+      return "SceneError";  // a scene or a parameter that cannot be understood
+    case Error::Kind::non_finite:
+      return "NonFiniteError";  // a law, force or link gave a NaN
+    case Error::Kind::step:
+      return "StepError";  // the integrator cannot go on: smaller steps, another method
+    case Error::Kind::model:
+      return "ModelError";
+    case Error::Kind::assembly:
+      return "AssemblyError";
+    case Error::Kind::solve:
+      return "SolveError";
+    case Error::Kind::plugin:
+      return "PluginError";
+    case Error::Kind::user_code:
+      return "UserCodeError";  // a class of yours or of a plugin threw: that is nested in it
+    case Error::Kind::file:
+      return "FileError";
+    default:
+      return "Error";  // types that come later
+  }
+}
+
+}  // namespace
+
+// All derive from Error, Error from std::runtime_error; each may be caught by its own type too. Nobody has to read the
+// sentence: what it says is there as data.
 std::string handled(const std::function<void()>& work, std::string& words) {
   try {
     work();
     return "";
-  } catch (const SceneError& e) {  // what a scene or a parameter says cannot be understood
-    words = e.what() + std::string(" [file '") + e.file + "', line " + std::to_string(e.line) + ", column " +
-            std::to_string(e.column) + "]";
-    return "SceneError";
-  } catch (const NonFiniteError& e) {  // a law, force or link gave a NaN: it is named
-    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
-    return "NonFiniteError";
-  } catch (const StepError& e) {  // the integrator cannot go on: smaller steps, or another method
-    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
-    return "StepError";
-  } catch (const ModelError& e) {
+  } catch (const Error& e) {
     words = e.what();
-    return "ModelError";
-  } catch (const AssemblyError& e) {
-    words = e.what();
-    return "AssemblyError";
-  } catch (const SolveError& e) {
-    words = e.what();
-    return "SolveError";
-  } catch (const PluginError& e) {
-    words = e.what();
-    return "PluginError";
-  } catch (const UserCodeError& e) {  // a class of yours or of a plugin threw: what it threw is nested in this
-    words = e.what() + std::string(" [t = ") + brief(e.t) + " s]";
-    return "UserCodeError";
-  } catch (const FileError& e) {
-    words = e.what();
-    return "FileError";
-  } catch (const Error& e) {  // types that come later
-    words = e.what();
-    return "Error";
+    if (!e.file.empty())
+      words += " [file '" + e.file + "', line " + std::to_string(e.line) + ", column " + std::to_string(e.column) + "]";
+    if (!std::isnan(e.t)) words += " [t = " + brief(e.t) + " s]";
+    if (e.thing.known()) words += " [about " + e.thing.label() + "]";
+    return name_of(e.kind());
   }
 }
 

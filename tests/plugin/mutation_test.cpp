@@ -114,8 +114,8 @@ std::string loaded_part(const std::string& sound, const std::string& bytes) {
     Elf64_Phdr s;
     std::memcpy(&s, sound.data() + header.e_phoff + k * sizeof s, sizeof s);
     if (s.p_type == PT_LOAD && s.p_offset < bytes.size())
-      part += bytes.substr(std::max<std::size_t>(s.p_offset, sizeof header), s.p_offset + s.p_filesz -
-                           std::max<std::size_t>(s.p_offset, sizeof header));
+      part += bytes.substr(std::max<std::size_t>(s.p_offset, sizeof header),
+                           s.p_offset + s.p_filesz - std::max<std::size_t>(s.p_offset, sizeof header));
   }
   return part;
 }

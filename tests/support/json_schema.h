@@ -29,8 +29,7 @@ class JsonSchema {
       if (word == "type" && !is_of(v, rule)) return false;
       if (word == "const" && v != rule) return false;
       if (word == "enum" && std::find(rule.begin(), rule.end(), v) == rule.end()) return false;
-      if (word == "anyOf" &&
-          std::none_of(rule.begin(), rule.end(), [&](const Json& other) { return takes(v, other); }))
+      if (word == "anyOf" && std::none_of(rule.begin(), rule.end(), [&](const Json& other) { return takes(v, other); }))
         return false;
       if (v.is_array() && !takes_list(v, word, rule)) return false;
       if (v.is_object() && !takes_object(v, word, rule, schema)) return false;

@@ -153,6 +153,6 @@ TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
   check_words(flat(lobes()), {"link 'cam'", "curvature", "flat face", "convex", "take cam_roller"});
   check_words(roller(nullptr, 0.05), {"link 'cam'", "no law of its radius"});
   check_words(flat(nullptr), {"link 'cam'", "no law of its radius"});
-  check_words(roller(egg(), -0.1), {"link 'cam'", "roller -0.1 m", "must not be negative"});
+  check_words(roller(egg(), -0.1), {"link 'cam'", "roller is -0.1 m", "must not be negative"});
   check_words(roller(egg(), std::nan("")), {"link 'cam'", "roller", "negative"});
 }

@@ -2,6 +2,7 @@
 #include "framework/tools/check/check_force.h"
 
 #include "framework/description/registry/builtins.h"
+#include "framework/mechanism/forces/formula_force.h"
 #include "framework/mechanism/lock/marker_frame.h"
 #include "framework/foundation/support/error.h"
 #include "tests/support/catch.h"
@@ -63,15 +64,35 @@ class Rubber final : public Force {
   mutable int n_calls_ = 0;
 };
 
-CheckReport rubber(Fault fault) {
+/// The same from one formula, without the law; what it says of its energies is wrong by these factors.
+class FormulaRubber final : public FormulaForce<FormulaRubber> {
+ public:
+  FormulaRubber(std::string name, Marker& p, Marker& s, double stored, double lost)
+      : FormulaForce(std::move(name), p, &s), stored_(stored), lost_(lost) {}
+  std::string_view type() const override { return "formula_rubber"; }
+  template <class T, class Load>
+  void act(const Ends<T>& at, Load& load) const {
+    const Vec3T<T> d = at.P.x() - at.S.x(), dd = at.P.v() - at.S.v();
+    load.force(-40.0 * d - 3.0 * dd, at.P.x(), at.S.x());
+    load.stores(stored_ * 20.0 * d.dot(d));
+    load.dissipates(lost_ * 3.0 * dd.dot(dd));
+  }
+
+ private:
+  double stored_, lost_;
+};
+
+template <class F, class... Args>
+CheckReport checked(Args... args) {
   System system;
   const MassProperties mass{2.0, Vec3(0.1, 0, 0.05), Vec3(0.5, 0.6, 0.7).asDiagonal()};
   Body& arm = system.add_body("arm", mass, {{0.2, 0.1, 0}, axis_angle(Vec3(1, 2, -2), 0.4)});
   Body& cam = system.add_body("cam", mass, {{-0.2, 0.3, 0.2}, axis_angle(Vec3(1, 0, -2), -0.7)});
   Marker& p = system.add_marker("p", arm, {{0.1, -0.2, 0.1}, axis_angle(Vec3(1, 1, 1), 0.3)});
   Marker& s = system.add_marker("s", cam, {{0.0, 0.1, -0.2}, axis_angle(Vec3(0, 1, 1), 0.3)});
-  return check_force(system, system.add(std::make_unique<Rubber>("rubber", p, s, fault)), {.seed = 7});
+  return check_force(system, system.add(std::make_unique<F>("rubber", p, s, args...)), {.seed = 7});
 }
+CheckReport rubber(Fault fault) { return checked<Rubber>(fault); }
 
 bool says(const CheckReport& report, const std::string& words) {
   return report.text().find(words) != std::string::npos;
@@ -99,6 +120,14 @@ TEST_CASE("check_force names wrong energies", "[unit][check]") {
   CHECK(says(r, "its force at rest fits potential() and supply(), so that what goes with the velocities is wrong"));
   CHECK(says(r, "look at dissipation()"));
   CHECK(says(rubber(Fault::negative), "below zero"));
+}
+
+TEST_CASE("check_force finds wrong energies of a formula, whose supply follows from it", "[unit][check]") {
+  const CheckReport right = checked<FormulaRubber>(1.0, 1.0);
+  INFO(right.text());
+  CHECK(right.ok());
+  CHECK(says(checked<FormulaRubber>(2.0, 1.0), "at rest, and potential() and supply() say"));
+  CHECK(says(checked<FormulaRubber>(1.0, 0.5), "so that what goes with the velocities is wrong"));
 }
 
 TEST_CASE("check_force names wrong tangents", "[unit][check]") {

@@ -98,7 +98,8 @@ TEST_CASE("what is no Error becomes UserCodeError with its thing, its time and t
 TEST_CASE("built-in code without a law at fault passes what is no Error, with one it names the law", "[unit][errors]") {
   CHECK_THROWS_AS(throw_in({.thing = kOurs}, std::bad_alloc()), std::bad_alloc);
   CHECK(message_of<UserCodeError>([] {
-          throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: no more"}, std::runtime_error("no more"));
+          throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: no more"},
+                   std::runtime_error("no more"));
         }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: no more");
 }
 

@@ -187,7 +187,7 @@ TEST_CASE("a generic lock is its mask in words", "[unit][links]") {
   CHECK(link.drive(1).unit == "rad");
 }
 
-// ------------------------------------------------------------------------------------------- functions of the coordinates
+// ------------------------------------------------------------------------------------------ functions of the coordinates
 
 namespace {
 

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/simulation.h"
+#include "framework/dynamics/simulate/step_loop.h"
 #include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/functions.h"
+#include "framework/mechanism/links/distance.h"
 #include "framework/mechanism/system/system.h"
 #include "integrators/rk4.h"
 #include "tests/support/catch.h"
@@ -55,7 +55,7 @@ TEST_CASE("warnings of a run are said and are in its report", "[unit][support]")
   System system({.gravity = {0, 0, -9.81}});
   system.add_particle("bob", 1.0, {0, 0, 0});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
-  Simulation run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
   Heard heard;
   run.warn("event 'late' never comes");
   CHECK(heard.has("lockstep/warning: event 'late' never comes"));

@@ -5,8 +5,8 @@
 
 #include "framework/description/registry/registry.h"
 #include "framework/description/scene/json.h"
-#include "framework/mechanism/params/read.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/params/read.h"
 #include "tests/support/messages.h"
 
 using namespace lockstep;
@@ -77,9 +77,7 @@ struct Laws {
   std::vector<std::string> places;
 };
 
-Params ramp(const std::string& json) {
-  return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law"};
-}
+Params ramp(const std::string& json) { return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law"}; }
 
 std::string ramp_problem(const std::string& json) {
   return message_of<SceneError>([&] { ramp(json); });
@@ -139,12 +137,11 @@ TEST_CASE("every form has its default and its getter", "[unit][model]") {
 
 TEST_CASE("given values stand before defaults in every form", "[unit][model]") {
   Laws laws;
-  const Params p = laws.all(
-      read_json(
-          R"({"number": 7, "integer": -2, "boolean": false, "text": "t", "choice": "green", "vector": [0, "1 cm", 2],
+  const Params p = laws.all(read_json(
+      R"({"number": 7, "integer": -2, "boolean": false, "text": "t", "choice": "green", "vector": [0, "1 cm", 2],
       "axis": [0, 3, 4], "turn": {"axis": "x", "angle": "180 deg"}, "numbers": [], "points": [[1]], "law": 9, "laws": [4, {"type": "x"}],
       "any": {"a": 1}})",
-          "a.json"));
+      "a.json"));
   CHECK(p.number("number") == 7);
   CHECK(p.integer("integer") == -2);
   CHECK_FALSE(p.boolean("boolean"));

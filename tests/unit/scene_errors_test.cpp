@@ -107,6 +107,9 @@ const std::vector<Bad> kLinks = {
     {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])",
      {"force 'f'", "did you mean \"spring_damper\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
+    // the place is that of the culprit, not that of another thing whose name is in the message
+    {TWO_BODIES R"("forces": [{"name": ~"f", "type": "applied_torque", "p": "bob", "torque": [0,0,1]}])",
+     {"force 'f'", "body 'bob'", "particle"}},
 };
 
 const std::vector<Bad> kRuns = {

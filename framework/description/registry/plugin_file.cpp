@@ -29,7 +29,7 @@ constexpr unsigned kMachine = EM_NONE;  // not known here: any is taken
 
 std::string machine_name(unsigned machine) {
   static const std::map<unsigned, const char*> kNames = {
-      {EM_X86_64, "x86-64"}, {EM_386, "x86 of 32 bits"}, {EM_AARCH64, "AArch64"}, {EM_ARM, "ARM of 32 bits"},
+      {EM_X86_64, "x86-64"}, {EM_386, "x86 of 32 bits"},       {EM_AARCH64, "AArch64"}, {EM_ARM, "ARM of 32 bits"},
       {EM_RISCV, "RISC-V"},  {EM_PPC64, "PowerPC of 64 bits"}, {EM_S390, "S/390"}};
   const auto found = kNames.find(machine);
   return found != kNames.end() ? found->second : "machine number " + std::to_string(machine);
@@ -117,8 +117,7 @@ void SharedFile::read_segments() {
   int n_dynamic = 0;
   for (unsigned k = 0; k < header_.e_phnum; ++k) {
     const auto s = bytes_.at<Elf64_Phdr>(header_.e_phoff + k * sizeof(Elf64_Phdr));
-    if (s.p_type == PT_GNU_STACK && (s.p_flags & PF_X) != 0)
-      bytes_.refuse("it asks for a stack that can be executed");
+    if (s.p_type == PT_GNU_STACK && (s.p_flags & PF_X) != 0) bytes_.refuse("it asks for a stack that can be executed");
     if (s.p_type == PT_NULL || s.p_type == PT_GNU_STACK) continue;
     bytes_.need(s.p_offset, s.p_filesz);
     if (s.p_memsz > kMostAddress || s.p_vaddr > kMostAddress || s.p_filesz > s.p_memsz)
@@ -178,7 +177,8 @@ void SharedFile::check_tables() const {
     if (tag(which)) offset_of(*tag(which), 1, "what its dynamic table points to");
   if (tag(DT_RELA) && value(DT_RELAENT, "the size of a relocation") != sizeof(Elf64_Rela))
     bytes_.refuse("its relocations have another size");
-  for (const std::int64_t which : {DT_FILTER, DT_AUXILIARY, DT_CONFIG, DT_AUDIT, DT_DEPAUDIT, DT_PREINIT_ARRAY, DT_REL, DT_TEXTREL})
+  for (const std::int64_t which :
+       {DT_FILTER, DT_AUXILIARY, DT_CONFIG, DT_AUDIT, DT_DEPAUDIT, DT_PREINIT_ARRAY, DT_REL, DT_TEXTREL})
     if (tag(which))
       bytes_.refuse("its dynamic table asks for what no plugin needs (tag " + std::to_string(which) + ")");
   if (tag(DT_VERSYM) && !tag(DT_VERNEED) && !tag(DT_VERDEF))

@@ -15,7 +15,8 @@ std::string owner_of(const std::string& kind, const Value& object, const std::st
 }
 
 Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws) {
-  return checked_params(Params::unchecked(object), scene_table(table).info, owner, laws);
+  return placed(object.where,
+                [&] { return checked_params(Params::unchecked(object), scene_table(table).info, owner, laws); });
 }
 
 const Value::List& objects_of(const Params& parent, const std::string& key) {

@@ -13,7 +13,8 @@ void Builder::forces(const Params& root) {
 }
 
 void Builder::force(const Value& object, const std::string& owner) {
-  const Split parts = split(object, scene_table("force"), registry_.forces, owner, registry_);
+  const Split parts =
+      placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
   const std::string name = claim(parts.common, "force");
   Site where = site(parts.common, name, false);
   if (parts.common.has("link")) {

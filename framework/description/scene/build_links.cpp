@@ -135,7 +135,8 @@ void Builder::links(const Params& root) {
 }
 
 void Builder::link(const Value& object, const std::string& owner) {
-  const Split parts = split(object, scene_table("link"), registry_.links, owner, registry_);
+  const Split parts =
+      placed(object.where, [&] { return split(object, scene_table("link"), registry_.links, owner, registry_); });
   const Params& p = parts.common;
   const std::string name = claim(p, "link");
   if (!p.has("pairs"))

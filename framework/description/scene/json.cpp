@@ -198,8 +198,7 @@ std::string Builder::syntax_problem(std::size_t byte, const ParseError& error) c
   const bool comma = between.find(',') != std::string_view::npos, colon = between.find(':') != std::string_view::npos;
   if (comma && (rest.front() == '}' || rest.front() == ']'))
     return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
-  if (open_.empty() && last_ != Last::nothing)
-    return "something stands behind the end of the description; remove it";
+  if (open_.empty() && last_ != Last::nothing) return "something stands behind the end of the description; remove it";
   if (!open_.empty()) {
     const bool object = open_.back().value.object() != nullptr;
     if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";

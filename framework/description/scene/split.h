@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "framework/description/registry/registry.h"
-#include "framework/mechanism/params/read.h"
 #include "framework/description/scene/tables.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 
@@ -31,7 +31,8 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
   return keys;
 }
 
-/// Checks the object against both tables, makes its laws and takes it apart. Throws SceneError; an unknown type with the closest one.
+/// Checks the object against both tables, makes its laws and takes it apart. Throws SceneError; an unknown type with the
+/// closest one.
 template <class Shelf>
 Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
             const Registry& laws) {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "framework/dynamics/evaluate/projection.h"
-#include "framework/dynamics/evaluate/reacting.h"
+#include "framework/dynamics/evaluate/reaction_iteration.h"
 #include "framework/dynamics/evaluate/stabilization.h"
 
 namespace lockstep {
@@ -83,7 +83,7 @@ class LOCKSTEP_API Dynamics {
   std::unique_ptr<Evaluation> evaluation_;  // null before the first state
   Factor factor_;
   Projection projection_;
-  Reacting reacting_;
+  ReactionIteration reacting_;
   StateInputs inputs_;
   VecX a_, lambda_, c_, C_, Cd_;
   std::optional<Solution> solution_;

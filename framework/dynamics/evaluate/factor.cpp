@@ -64,9 +64,10 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   }
   if (report.contradictory)
     throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
-                     " cannot hold together with the others (" + brief(100 * report.residual) +
-                     " % of its right side is left over); two laws may drive one coordinate: "
-                     "look at the drives and masks of this link and its neighbours");
+                         " cannot hold together with the others (" + brief(100 * report.residual) +
+                         " % of its right side is left over); two laws may drive one coordinate: "
+                         "look at the drives and masks of this link and its neighbours",
+                     {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
 }
 
 }  // namespace lockstep

@@ -69,6 +69,7 @@ void StepLoop::set_state(State state) {
   system().check_size(state);
   check_start(dynamics_, state, options_.start_limit);
   state_ = std::move(state);
+  report_ = {};
   begun_ = false;
 }
 
@@ -124,7 +125,6 @@ void StepLoop::start() {
   check_start(dynamics_, state_, options_.start_limit);
   dynamics_.accept(state_);  // memory includes the speeds of the start
   interval.start(state_);
-  report_ = {};
   clock.start(state_.t);
   events.start(state_.t);
   contacts.start(state_);

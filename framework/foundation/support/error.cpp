@@ -32,8 +32,7 @@ std::string Thing::label() const {
 
 Error::Error(const std::string& sentence, ErrorData about)
     : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence) {}
-Error::Error(ErrorData about)
-    : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence_of(*this)) {}
+Error::Error(ErrorData about) : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence_of(*this)) {}
 
 void Error::attribute(const Thing& whose, const std::string& label) {
   if (!thing.known() || (thing.kind == whose.kind && thing.name == whose.name)) thing = whose;
@@ -62,18 +61,30 @@ InterruptedError::~InterruptedError() = default;
 
 const char* to_string(Error::Kind kind) {
   switch (kind) {
-    case Error::Kind::model: return "model";
-    case Error::Kind::assembly: return "assembly";
-    case Error::Kind::solve: return "solve";
-    case Error::Kind::step: return "step";
-    case Error::Kind::non_finite: return "not finite";
-    case Error::Kind::plugin: return "plugin";
-    case Error::Kind::scene: return "scene";
-    case Error::Kind::file: return "file";
-    case Error::Kind::user_code: return "user code";
-    case Error::Kind::usage: return "usage";
-    case Error::Kind::interrupted: return "interrupted";
-    case Error::Kind::other: break;
+    case Error::Kind::model:
+      return "model";
+    case Error::Kind::assembly:
+      return "assembly";
+    case Error::Kind::solve:
+      return "solve";
+    case Error::Kind::step:
+      return "step";
+    case Error::Kind::non_finite:
+      return "not finite";
+    case Error::Kind::plugin:
+      return "plugin";
+    case Error::Kind::scene:
+      return "scene";
+    case Error::Kind::file:
+      return "file";
+    case Error::Kind::user_code:
+      return "user code";
+    case Error::Kind::usage:
+      return "usage";
+    case Error::Kind::interrupted:
+      return "interrupted";
+    case Error::Kind::other:
+      break;
   }
   return "other";
 }

@@ -23,13 +23,13 @@ struct LOCKSTEP_API Thing {
 
 /// What an error says, as data. What does not apply is empty, 0 or NaN.
 struct ErrorData {
-  Thing thing{};                     ///< what it is about, or whose code threw
-  std::string key{};                 ///< the parameter
-  std::string value{};               ///< what was found there, with its unit
-  std::string problem{};             ///< what is wrong with it
-  std::string advice{};              ///< the next move
-  std::string file{};                ///< where it is written
-  int line = 0, column = 0;          ///< count from 1; 0: not from a file
+  Thing thing{};                                        ///< what it is about, or whose code threw
+  std::string key{};                                    ///< the parameter
+  std::string value{};                                  ///< what was found there, with its unit
+  std::string problem{};                                ///< what is wrong with it
+  std::string advice{};                                 ///< the next move
+  std::string file{};                                   ///< where it is written
+  int line = 0, column = 0;                             ///< count from 1; 0: not from a file
   double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s; NaN: not during a run
 };
 
@@ -41,7 +41,20 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
   explicit Error(ErrorData about);
   ~Error() override;
   /// For programs that store errors or choose by switch: one per class.
-  enum class Kind { other, model, assembly, solve, step, non_finite, plugin, scene, file, user_code, usage, interrupted };
+  enum class Kind {
+    other,
+    model,
+    assembly,
+    solve,
+    step,
+    non_finite,
+    plugin,
+    scene,
+    file,
+    user_code,
+    usage,
+    interrupted
+  };
   virtual Kind kind() const noexcept { return Kind::other; }
   const char* what() const noexcept override { return sentence_.c_str(); }
 

@@ -56,15 +56,4 @@ LOCKSTEP_API Marker& s_of(const Site&, const Params&);
 /// Whether the site has an S.
 LOCKSTEP_API bool has_s(const Site&);
 
-/// Velocity (world, m/s) of the point of the slot that is at x (world, m) now.
-inline Vec3 point_velocity(const Inputs& in, int slot, const Vec3& x) {
-  const Motion& O = in.slot(slot);
-  return O.v + cross(Vec3(O.A * O.w), Vec3(x - O.x));
-}
-/// Angular velocity of the slot, world axes, rad/s.
-inline Vec3 turn_rate(const Inputs& in, int slot) {
-  const Motion& O = in.slot(slot);
-  return O.A * O.w;
-}
-
 }  // namespace lockstep

@@ -111,7 +111,8 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
     : PhiLock(std::move(name), p, s, Mask::none, RollerOnCam{CamProfile(std::move(radius)), roller}) {
   if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law of its radius was given");
   if (!(roller >= 0) || std::isinf(roller))
-    throw ModelError("link '" + this->name() + "': roller " + brief(roller) + " m; it must not be negative");
+    throw ParameterError({.kind = "link", .name = this->name()}, "roller",
+                         "is " + brief(roller) + " m; it must not be negative");
 }
 
 TypeInfo CamRoller::info() {
@@ -122,7 +123,6 @@ TypeInfo CamRoller::info() {
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
-  if (!(p.number("roller") >= 0)) p.refuse("roller", "is " + brief(p.number("roller")) + " m; it must not be negative");
   return std::make_unique<CamRoller>(site.name, site.p(), site.s(), p.law("radius"), p.number("roller"));
 }
 

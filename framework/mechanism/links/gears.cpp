@@ -6,14 +6,9 @@
 namespace lockstep {
 namespace {
 
-double positive(const CoupledPairs& pairs, const char* what, double x) {
+double positive(const CoupledPairs& pairs, const char* key, double x) {
   if (x > 0 && x < 1e300) return x;
-  throw ModelError("link '" + pairs.name + "': " + what + " " + brief(x) + "; it must be above zero");
-}
-
-// The maker's words name the key; the constructor's serve C++.
-void require_positive(const Params& p, const char* key) {
-  if (!(p.number(key) > 0)) p.refuse(key, "is " + brief(p.number(key)) + "; it must be above zero");
+  throw ParameterError({.kind = "link", .name = pairs.name}, key, "is " + brief(x) + "; it must be above zero");
 }
 
 Gear::Mesh mesh_of(const std::string& word) {
@@ -51,15 +46,14 @@ std::unique_ptr<Lock> Gear::make(const Site& site, const Params& p) {
     }
     ratio = double(p.integer("teeth_2")) / p.integer("teeth_1");
   } else {
-    require_positive(p, "ratio");
     ratio = p.number("ratio");
   }
   return std::make_unique<Gear>(site, ratio, mesh_of(p.text("mesh")));
 }
 
 Belt::Belt(const CoupledPairs& pairs, Options o)
-    : PhiCoupling(pairs, {positive(pairs, "radius 1", o.radius1),
-                          (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius 2", o.radius2)}) {}
+    : PhiCoupling(pairs, {positive(pairs, "radius_1", o.radius1),
+                          (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius_2", o.radius2)}) {}
 
 TypeInfo Belt::info() {
   return {"belt",
@@ -70,7 +64,6 @@ TypeInfo Belt::info() {
 }
 
 std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
-  for (const char* key : {"radius_1", "radius_2"}) require_positive(p, key);
   return std::make_unique<Belt>(
       site, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
 }
@@ -85,7 +78,6 @@ TypeInfo Differential::info() {
 }
 
 std::unique_ptr<Lock> Differential::make(const Site& site, const Params& p) {
-  require_positive(p, "ratio");
   return std::make_unique<Differential>(site, p.number("ratio"));
 }
 

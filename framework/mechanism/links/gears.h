@@ -54,8 +54,8 @@ struct TurnsOfThree {
   }
 };
 
-/// Two gears: theta1 + ratio theta2 = as at the start (external, bevel), theta1 - ratio theta2 (internal). Bevel: both z
-/// axes point away from the apex, or both towards it.
+/// Two gears: theta1 + ratio theta2 = as at the start (external, bevel), theta1 - ratio theta2 (internal). Bevel: both
+/// z axes point away from the apex, or both towards it.
 class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
  public:
   enum class Mesh { external, internal, bevel };
@@ -66,8 +66,8 @@ class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
   static std::unique_ptr<Lock> make(const Site&, const Params&);
 };
 
-/// Two pulleys: radius1 theta1 = radius2 theta2 as at the start, or opposed when the belt is crossed. It does not slip or
-/// stretch.
+/// Two pulleys: radius1 theta1 = radius2 theta2 as at the start, or opposed when the belt is crossed. It does not slip
+/// or stretch.
 class LOCKSTEP_API Belt final : public PhiCoupling<TurnsOfTwo> {
  public:
   struct Options {

@@ -10,7 +10,8 @@ namespace {
 
 double checked_radius(const std::string& link, double radius) {
   if (!std::isfinite(radius) || radius == 0)
-    throw ModelError("link '" + link + "': radius " + brief(radius) + " m; a pinion has one, and not zero");
+    throw ParameterError({.kind = "link", .name = link}, "radius",
+                         "is " + brief(radius) + " m; a pinion has a radius that is not zero");
   return radius;
 }
 
@@ -29,7 +30,6 @@ TypeInfo RackAndPinion::info() {
 }
 
 std::unique_ptr<Lock> RackAndPinion::make(const Site& site, const Params& p) {
-  if (!(p.number("radius") != 0)) p.refuse("radius", "is 0 m; a pinion has a radius");
   if (site.pairs.size() < 2) return std::make_unique<RollingRack>(site.name, site.p(), site.s(), p.number("radius"));
   return std::make_unique<RackAndPinion>(site, p.number("radius"));
 }

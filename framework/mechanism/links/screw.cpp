@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "framework/mechanism/model/law_fault.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/model/law_fault.h"
 
 namespace lockstep {
 
@@ -16,7 +18,8 @@ std::string ScrewThread::diagnose(double t) const { return law_fault("the law of
 Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip)
     : PhiLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2, ScrewThread{lead, std::move(slip)}) {
   if (!std::isfinite(lead))
-    throw ModelError("link '" + this->name() + "': lead " + brief(lead) + " m; it must be a finite number");
+    throw ParameterError({.kind = "link", .name = this->name()}, "lead",
+                         "is " + brief(lead) + " m; it must be a finite number");
 }
 
 std::vector<Quantity> Screw::quantities() const { return {{"angle", "rad"}, {"rate", "rad/s"}}; }

@@ -34,8 +34,8 @@ struct LOCKSTEP_API ScrewThread {
 /// Free: turning about z of S, and with it sliding along z. Turns are counted without end.
 class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable {
  public:
-  /// `lead`: m per turn, negative for a left-hand thread; `slip`: law of the distance from the thread, m. The poses of the
-  /// start lie on the thread. Throws ModelError: a lead that is not finite.
+  /// `lead`: m per turn, negative for a left-hand thread; `slip`: law of the distance from the thread, m. The poses of
+  /// the start lie on the thread. Throws ModelError: a lead that is not finite.
   Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip = {});
   std::string_view type() const override { return "screw"; }
   const Observable* observable() const override { return this; }

@@ -41,7 +41,7 @@ void Lock::setup() {
                       "point_on_plane, or a lock with a mask of one word");
 }
 
-void Lock::place(int number, int first_state, int first_memory) {
+void Lock::set_indices(int number, int first_state, int first_memory) {
   number_ = number;
   first_state_ = first_state;
   first_memory_ = first_memory;

@@ -97,7 +97,7 @@ class LOCKSTEP_API Lock {
   // -- after the system's setup
   /// Called by System::setup: keeps what plan_rows() says. Throws ModelError: no rows or too many of them.
   void setup();
-  void place(int number, int first_state, int first_memory);  ///< called by System::setup
+  void set_indices(int number, int first_state, int first_memory);  ///< called by System::setup
   int row_count() const { return static_cast<int>(plan_.rows.size()); }
   const LinkRow& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }
   RowKind row_kind(int k) const { return row(k).kind; }

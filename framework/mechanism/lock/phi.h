@@ -1,4 +1,5 @@
-// phi: a function of the relative coordinates of marker pairs: what it is given, and what it may say about itself (theory, section 7).
+// phi: a function of the relative coordinates of marker pairs: what it is given, and what it may say about itself
+// (theory, section 7).
 //
 //   struct ScrewThread {                                       // advance per turn along z
 //     double lead;

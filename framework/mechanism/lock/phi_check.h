@@ -1,6 +1,6 @@
-// Checks of a function joint at compile time: that its hooks are spelt as PhiTraits reads them, that they can be called,
-// and that it reads no coordinate that its kReads leaves out. PhiFunction asserts them; each message says what was
-// meant. tests/compile_fail holds one wrong function for each.
+// Checks of a function joint at compile time: that its hooks are spelt as PhiTraits reads them and can be called, and
+// that it reads no coordinate that its kReads leaves out. PhiFunction asserts them; each message says what was meant.
+// tests/compile_fail has one wrong function for each.
 #pragma once
 
 #include <array>

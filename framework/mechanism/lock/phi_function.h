@@ -44,9 +44,9 @@ class PhiFunction {
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
       const auto [p, s] = pairs_[k];
       if (Traits::reads(static_cast<int>(k), Reads::rotation)) refuse_particles(link, "phi", *p, *s);
-      Side& side = sides_[k];
-      side.P = MarkerFrame(*p), side.S = MarkerFrame(*s);
-      moving_ = moving_ || side.P.slide || side.P.spin || side.S.slide || side.S.spin;
+      FramePair& frames = frames_[k];
+      frames.P = MarkerFrame(*p), frames.S = MarkerFrame(*s);
+      moving_ = moving_ || frames.P.slide || frames.P.spin || frames.S.slide || frames.S.spin;
     }
     const Coords<Time> y = at_start();
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);
@@ -54,7 +54,7 @@ class PhiFunction {
     if constexpr (kPairs > 1) refuse_unread(link, y);
   }
   void add_slots(SlotList& slots) const {
-    for (const Side& side : sides_) slots.add(side.P.slot), slots.add(side.S.slot);
+    for (const FramePair& frames : frames_) slots.add(frames.P.slot), slots.add(frames.S.slot);
   }
 
   // -- laws
@@ -77,7 +77,7 @@ class PhiFunction {
       fill_still(in, memory, slots, first, block);
   }
 
-  /// (9.11), (9.12) K = lambda ( J_i^T phi_ij J_j + K_lock of each pair ), one multiplier a row.
+  /// (9.11), (9.12) K = lambda ( J_i^T phi_ij J_j + K_lock of each pair ), one multiplier per row.
   void tangent(const Inputs& in, const double* memory, const double* lambda, TangentSum& out) const {
     const Points y = look_at(in);
     const Rows f = value(y, in, memory);
@@ -89,12 +89,13 @@ class PhiFunction {
       J[2 * k + 1] << -L.Jv1, L.Jw2;
       Vec7T<double> phi_y = Vec7T<double>::Zero();
       for (int r = 0; r < kRows; ++r) part<k>(phi_y) += lambda[r] * gradient<k>(f[static_cast<std::size_t>(r)]);
-      const Side& side = sides_[k];
-      const MarkerMotion P = side.P.at(in.t), S = side.S.at(in.t);
+      const FramePair& frames = frames_[k];
+      const MarkerMotion P = frames.P.at(in.t), S = frames.S.at(in.t);
       if (Traits::reads(k, Reads::translation))
-        add_translation_stiffness(in, side.P.slot, side.S.slot, P, S, phi_y.template head<3>(), out);
+        add_translation_stiffness(in, frames.P.slot, frames.S.slot, P, S, phi_y.template head<3>(), out);
       if (Traits::reads(k, Reads::rotation))
-        add_rotation_stiffness(in, side.P.slot, side.S.slot, P, S, Quat{}, Quat::from(phi_y.template tail<4>()), out);
+        add_rotation_stiffness(in, frames.P.slot, frames.S.slot, P, S, Quat{}, Quat::from(phi_y.template tail<4>()),
+                               out);
     });
     for (int a = 0; a < 2 * kPairs; ++a)
       for (int b = 0; b < 2 * kPairs; ++b)
@@ -128,7 +129,7 @@ class PhiFunction {
   }
 
  private:
-  struct Side {
+  struct FramePair {
     MarkerFrame P, S;
   };
   using Points = std::array<LockPoint, static_cast<std::size_t>(kPairs)>;
@@ -162,9 +163,9 @@ class PhiFunction {
   Points look_at(const Inputs& in) const {
     Points y;
     for (int k = 0; k < kPairs; ++k) {
-      const Side& side = sides_[static_cast<std::size_t>(k)];
+      const FramePair& frames = frames_[static_cast<std::size_t>(k)];
       y[static_cast<std::size_t>(k)] =
-          look(in.slot(side.P.slot), in.slot(side.S.slot), side.P.at(in.t), side.S.at(in.t), moving_ ? 1u : 0u,
+          look(in.slot(frames.P.slot), in.slot(frames.S.slot), frames.P.at(in.t), frames.S.at(in.t), moving_ ? 1u : 0u,
                Traits::kReads[static_cast<std::size_t>(k)]);
     }
     return y;
@@ -180,7 +181,7 @@ class PhiFunction {
   }
   /// Coordinates of pair k; `variable(n, i)` makes number n of the variables, coordinate i of the pair.
   template <int k, class T, class Variable>
-  void place(LockCoords<T>& c, double t, const T& time, const double* memory, Variable&& variable) const {
+  void fill_coords(LockCoords<T>& c, double t, const T& time, const double* memory, Variable&& variable) const {
     const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i); };
     if constexpr (Traits::reads(k, Reads::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
     if constexpr (Traits::reads(k, Reads::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
@@ -190,8 +191,9 @@ class PhiFunction {
   template <class T, class Variable>
   Coords<T> coords(double t, const T& time, const double* memory, Variable&& variable) const {
     Coords<T> y;
-    each_pair(
-        [&](auto k) { place<k>(y[k], t, time, memory, [&](int n, int i) { return variable(n, i, std::size_t(k)); }); });
+    each_pair([&](auto k) {
+      fill_coords<k>(y[k], t, time, memory, [&](int n, int i) { return variable(n, i, std::size_t(k)); });
+    });
     return y;
   }
   Coords<Time> along_motion(const Inputs& in, const double* memory) const {
@@ -208,7 +210,7 @@ class PhiFunction {
   Coords<Time> at_start() const {
     Coords<Time> y;
     for (std::size_t k = 0; k < y.size(); ++k) {
-      const Pose rel = pose_at_start(*pairs_[k].first, *pairs_[k].second, sides_[k].P, sides_[k].S);
+      const Pose rel = pose_at_start(*pairs_[k].first, *pairs_[k].second, frames_[k].P, frames_[k].S);
       y[k] = {rel.x[0], rel.x[1], rel.x[2], rel.q.w, rel.q.x, rel.q.y, rel.q.z, Time(0, 1, 0)};
     }
     return y;
@@ -228,7 +230,7 @@ class PhiFunction {
   template <template <Reads> class Seen>
   auto pairs_seen(const Inputs& in) const {
     return [&]<std::size_t... k>(std::index_sequence<k...>) {
-      return std::tuple<Seen<Traits::kReads[k]>...>(Seen<Traits::kReads[k]>(sides_[k].P, sides_[k].S, in)...);
+      return std::tuple<Seen<Traits::kReads[k]>...>(Seen<Traits::kReads[k]>(frames_[k].P, frames_[k].S, in)...);
     }
     (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
   }
@@ -245,8 +247,8 @@ class PhiFunction {
     Coords<Grad> y;
     each_pair([&](auto k) {
       const auto& pair = std::get<k>(pairs);
-      place<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory,
-               [&](int n, int i) { return Grad::variable(n, pair.y()[i], pair.yd()[i]); });
+      fill_coords<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory,
+                     [&](int n, int i) { return Grad::variable(n, pair.y()[i], pair.yd()[i]); });
     });
     const Rows f = call(y);
     for (int r = 0; r < kRows; ++r) {
@@ -259,7 +261,7 @@ class PhiFunction {
         const PulledRow row = pair.pull(g);
         Ct += row.Ct - g.dot(part<k>(pair.yd()));
         Qhat += row.Qhat;
-        columns.add(sides_[k], row);
+        columns.add(frames_[k], row);
       });
       block.C(first + r) = phi.v, block.Ct(first + r) = Ct, block.Qhat(first + r) = Qhat;
       columns.write(first + r, block);
@@ -298,7 +300,7 @@ class PhiFunction {
     return all;
   }
   int slot_of(int side) const {
-    const Side& pair = sides_[static_cast<std::size_t>(side / 2)];
+    const FramePair& pair = frames_[static_cast<std::size_t>(side / 2)];
     return side % 2 == 0 ? pair.P.slot : pair.S.slot;
   }
 
@@ -312,8 +314,8 @@ class PhiFunction {
     }
     static Vec3& at(std::array<Vec3, kMaxSlots>& a, int i) { return a[static_cast<std::size_t>(i)]; }
 
-    void add(const Side& side, const PulledRow& row) {
-      const int i = slots.position(side.P.slot), j = slots.position(side.S.slot);
+    void add(const FramePair& frames, const PulledRow& row) {
+      const int i = slots.position(frames.P.slot), j = slots.position(frames.S.slot);
       if constexpr (kPairs > 1) {
         if (i >= 0) at(v, i) += row.v, at(w, i) += row.w1;
         if (j >= 0) at(v, j) -= row.v, at(w, j) += row.w2;
@@ -358,7 +360,7 @@ class PhiFunction {
 
   Phi phi_;
   Pairs pairs_;
-  std::array<Side, static_cast<std::size_t>(kPairs)> sides_;
+  std::array<FramePair, static_cast<std::size_t>(kPairs)> frames_;
   bool moving_ = false;  // a marker that has a law of its own
 };
 

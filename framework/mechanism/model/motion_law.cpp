@@ -35,7 +35,9 @@ void TranslationLaw::breakpoints(double, double, std::vector<double>&) const {}
 void RotationLaw::breakpoints(double, double, std::vector<double>&) const {}
 
 LawPtr<MotionLaw> labelled(const LawPtr<MotionLaw>& law, LawLabel label) { return keep(law, std::move(label)); }
-LawPtr<TranslationLaw> labelled(const LawPtr<TranslationLaw>& law, LawLabel label) { return keep(law, std::move(label)); }
+LawPtr<TranslationLaw> labelled(const LawPtr<TranslationLaw>& law, LawLabel label) {
+  return keep(law, std::move(label));
+}
 LawPtr<RotationLaw> labelled(const LawPtr<RotationLaw>& law, LawLabel label) { return keep(law, std::move(label)); }
 
 const LawLabel* label_of(const LawPtr<MotionLaw>& law) { return kept(law); }

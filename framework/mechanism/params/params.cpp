@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "framework/mechanism/params/read.h"
-#include "framework/mechanism/params/units.h"
 #include "framework/foundation/support/error.h"
 #include "framework/foundation/support/text.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -263,7 +263,8 @@ L Params::made(std::string_view name) const {
     refuse(name, "it holds a law, and there is nothing here that makes laws; pass a registry");
   }
   const L* law = std::get_if<L>(&found->second);
-  if (law == nullptr) refuse(name, "its maker asks for a law of another kind than its table lists; mend one of the two");
+  if (law == nullptr)
+    refuse(name, "its maker asks for a law of another kind than its table lists; mend one of the two");
   return *law;
 }
 
@@ -274,17 +275,11 @@ double Params::number(std::string_view name) const {
   return read_number(needed(key), key.unit, place_of(name));
 }
 
-int Params::integer(std::string_view name) const {
-  return read_integer(needed(key_of(name)), place_of(name));
-}
+int Params::integer(std::string_view name) const { return read_integer(needed(key_of(name)), place_of(name)); }
 
-bool Params::boolean(std::string_view name) const {
-  return read_boolean(needed(key_of(name)), place_of(name));
-}
+bool Params::boolean(std::string_view name) const { return read_boolean(needed(key_of(name)), place_of(name)); }
 
-std::string Params::text(std::string_view name) const {
-  return read_text(needed(key_of(name)), place_of(name));
-}
+std::string Params::text(std::string_view name) const { return read_text(needed(key_of(name)), place_of(name)); }
 
 Vec3 Params::vector3(std::string_view name) const {
   const Key& key = key_of(name);
@@ -292,9 +287,7 @@ Vec3 Params::vector3(std::string_view name) const {
   return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
 }
 
-Quat Params::orientation(std::string_view name) const {
-  return read_orientation(needed(key_of(name)), place_of(name));
-}
+Quat Params::orientation(std::string_view name) const { return read_orientation(needed(key_of(name)), place_of(name)); }
 
 std::vector<double> Params::numbers(std::string_view name) const {
   const Key& key = key_of(name);
@@ -308,9 +301,7 @@ std::vector<std::vector<double>> Params::points(std::string_view name) const {
 
 LawPtr<MotionLaw> Params::law(std::string_view key) const { return made<LawPtr<MotionLaw>>(key); }
 
-LawPtr<TranslationLaw> Params::translation_law(std::string_view key) const {
-  return made<LawPtr<TranslationLaw>>(key);
-}
+LawPtr<TranslationLaw> Params::translation_law(std::string_view key) const { return made<LawPtr<TranslationLaw>>(key); }
 
 LawPtr<RotationLaw> Params::rotation_law(std::string_view key) const { return made<LawPtr<RotationLaw>>(key); }
 

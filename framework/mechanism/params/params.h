@@ -66,8 +66,8 @@ struct Key {
   std::string name;
   Form form = Form::number;
   Unit unit = Unit::none;
-  Default fallback{};    ///< 0.5, "words", Value::List{0, 0, 1}, kRequired, kOptional
-  std::string help;      ///< one line, says the frame where there is one
+  Default fallback{};                  ///< 0.5, "words", Value::List{0, 0, 1}, kRequired, kOptional
+  std::string help;                    ///< one line, says the frame where there is one
   std::vector<std::string> choices{};  ///< of Form::choice
 
   bool required() const { return default_value() == nullptr && std::get<Unset>(fallback) == kRequired; }
@@ -82,7 +82,8 @@ struct TypeInfo {
 };
 
 /// A law that was made from the value of a key, or the laws of a list.
-using MadeLaw = std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, std::vector<LawPtr<MotionLaw>>>;
+using MadeLaw =
+    std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, std::vector<LawPtr<MotionLaw>>>;
 
 /// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next
 /// move: unknown key (with the closest known one), missing key, wrong form, unit of another dimension, NaN or infinity.

@@ -12,7 +12,7 @@ namespace lockstep {
 namespace {
 
 constexpr std::size_t kFence = 512;  // numbers on each side: more than the largest block of rows has
-// A NaN that no arithmetic makes; told by its bits.
+// A NaN that no arithmetic makes; compared bit by bit.
 constexpr std::uint64_t kMark = 0x7ff8'dead'beef'cafe;
 
 bool marked(double x) { return std::bit_cast<std::uint64_t>(x) == kMark; }
@@ -24,7 +24,7 @@ class Fenced {
   explicit Fenced(std::size_t n) : numbers_(n + 2 * kFence, std::bit_cast<double>(kMark)), n_(n) {}
   double* data() { return numbers_.data() + kFence; }
   std::span<double> span() { return {data(), n_}; }
-  bool fence_stands() const {
+  bool fence_intact() const {
     const auto end = numbers_.end();
     return std::all_of(numbers_.begin(), numbers_.begin() + kFence, marked) && std::all_of(end - kFence, end, marked);
   }
@@ -35,12 +35,13 @@ class Fenced {
   std::size_t n_;
 };
 
-template <class Thing>
-[[noreturn]] void refuse(const Thing& thing, const std::string& did) {
-  throw UserCodeError(label(thing) + " " + did, {.thing = thing_of(thing), .problem = did});
+template <class T>
+[[noreturn]] void refuse(const T& thing, const std::string& did) {
+  const Thing whose = thing_of(thing);
+  throw UserCodeError(whose.label() + " " + did, {.thing = whose, .problem = did});
 }
 
-// The user's code on its first call; what it throws comes again at the first evaluation, with its time.
+// Runs the user's code; what it throws is thrown again at the first evaluation, which knows the time.
 bool runs(const std::function<void()>& act) {
   try {
     act();
@@ -87,7 +88,7 @@ void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_p
           links.front()->gather(links, in, out);
       }))
     return;
-  if (!rows.fence_stands())
+  if (!rows.fence_intact())
     refuse(*links.front(), "writes outside of its rows; it has rows 0 to " + std::to_string(shape.m - 1) +
                                " on its bodies 0 to " + std::to_string(shape.n - 1) +
                                ": look at the numbers that its gather() hands to the block");
@@ -111,11 +112,11 @@ void check_numbers(const Lock& link, const char* what, int n, bool all,
   if (!all) std::fill(numbers.span().begin(), numbers.span().end(), 0.0);
   if (!runs([&] { act(numbers.span()); })) return;
   const std::string its = "its " + std::to_string(n) + " numbers";
-  if (!numbers.fence_stands()) refuse(link, "writes outside of " + its + " in " + what);
+  if (!numbers.fence_intact()) refuse(link, "writes outside of " + its + " in " + what);
   if (all && !numbers.written()) refuse(link, "leaves some of " + its + " unwritten in " + what);
 }
 
-// Before anything else: System::start() gives them the state itself.
+// Comes first: System::start() hands them the state itself.
 void check_start(const Lock& link) {
   if (const Stateful* own = link.stateful())
     check_numbers(link, "start_states()", own->n_states(), true, [&](auto s) { own->start_states(s); });
@@ -135,12 +136,12 @@ void check_start(const Force& force) {
   if (own == nullptr) return;
   const int n = own->n_memory();
   Fenced memory(static_cast<std::size_t>(n));
-  if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_stands() || !memory.written()))
+  if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_intact() || !memory.written()))
     refuse(force, "does not write just its " + std::to_string(n) + " numbers in start_memory()");
 }
 
 void check_force(const Force& force, const Inputs& in, int n_slots) {
-  // Slots beyond the last get a place of their own, so that what is pushed there is seen.
+  // Slots beyond the last have room of their own, in which a push is noticed.
   constexpr int kBeyond = 16;
   std::vector<Motion> motions(in.motions.begin(), in.motions.end());
   motions.resize(motions.size() + kBeyond);

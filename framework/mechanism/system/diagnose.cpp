@@ -39,14 +39,22 @@ template <class T>
 [[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
   const std::string law = law_fault_of(thing, t);
   const std::string words = law.empty() ? "; " + otherwise : ": " + law + "; look at its parameters";
-  throw NonFiniteError(at_time(t) + label(thing) + what + words,
-                       {.thing = thing_of(thing), .advice = law.empty() ? otherwise : "look at its parameters", .t = t});
+  const Thing whose = thing_of(thing);
+  throw NonFiniteError(at_time(t) + whose.label() + what + words,
+                       {.thing = whose, .advice = law.empty() ? otherwise : "look at its parameters", .t = t});
 }
 
 }  // namespace
 
 Thing thing_of(const Lock& link) { return thing_of_kind("link", link); }
 Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
+
+Thing thing_of_row(const System& system, const RowTable& table, int row) {
+  for (const RowEntry& e : table.entries)
+    if (row >= e.first_row && row < e.first_row + e.m)
+      return thing_of(*system.links()[static_cast<std::size_t>(e.link)]);
+  return {};
+}
 
 ErrorContext context_of(const Lock& link, double t) {
   return {.thing = thing_of(link), .t = t, .fault = law_fault_of(link, t)};

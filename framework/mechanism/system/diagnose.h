@@ -18,11 +18,8 @@ inline constexpr const char* kShorterStep =
 /// Kind, name, type and plugin. A class's type() is the user's code: one that throws is "?".
 LOCKSTEP_API Thing thing_of(const Lock&);
 LOCKSTEP_API Thing thing_of(const Force&);
-/// "link 'A' (cam_follower of plugin cams)", "force 'F' (spring_damper)"
-template <class T>
-std::string label(const T& thing) {
-  return thing_of(thing).label();
-}
+/// The link that a row of the table belongs to; no name for a row that the table has not.
+LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 
 /// For errors that leave its code at time t; says which of its laws is at fault then.
 LOCKSTEP_API ErrorContext context_of(const Lock&, double t);

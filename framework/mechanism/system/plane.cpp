@@ -71,8 +71,7 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
                                 " m/s along the normal; take \"planar\" out, or start in the plane");
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
     return refusal_of(
-        body,
-        what + "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
+        body, what + "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
@@ -134,9 +133,9 @@ Look look_in_plane(const System& system) {
 
 Refusal check_force(const Force& force, const Shares& s, Plane plane) {
   if (!s.leaves()) return {};
-  return refusal_of({.kind = "force", .name = force.name()},
-                    in_plane_words(plane) + ", and it pushes out of the plane (" + brief(s.out) +
-                        " N); turn it into the plane, or take \"planar\" out");
+  return refusal_of({.kind = "force", .name = force.name()}, in_plane_words(plane) +
+                                                                 ", and it pushes out of the plane (" + brief(s.out) +
+                                                                 " N); turn it into the plane, or take \"planar\" out");
 }
 
 // A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
@@ -169,8 +168,7 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
                                    "reactions, of which a plane leaves out the moments that arms along the normal "
                                    "make; take \"planar\" out, or put links and forces into one plane");
     if (rows[static_cast<std::size_t>(link->number())].m == 0)
-      return refusal_of(thing,
-                        what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
+      return refusal_of(thing, what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
   }
   return {};
 }

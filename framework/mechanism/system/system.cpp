@@ -189,7 +189,7 @@ void System::setup_states() {
   n_memory_ = 0;
   int number = 0;
   for (auto& link : links_) {
-    link->place(number++, n_states_, n_memory_);
+    link->set_indices(number++, n_states_, n_memory_);
     n_states_ += link->n_own_states();
     n_memory_ += link->n_own_memory() + (link->unilateral() ? 1 : 0);
   }

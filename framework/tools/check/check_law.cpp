@@ -153,8 +153,7 @@ class LawCheck {
 template <class Law>
 CheckReport checked(const Law& law, const char* kind, const std::string& name, const CheckOptions& options,
                     Levels levels) {
-  const std::string& called = name.empty() ? law.type() : name;
-  CheckReport report(called.empty() ? kind : fmt::format("{} '{}'", kind, called), options.seed);
+  CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
   levels.breakpoints = [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); };
   LawCheck(std::move(levels), report, options).run();
   return report;

@@ -177,11 +177,11 @@ void ForceCheck::balance() {
           "supply {:.6g}) {}",
           P, P - b.rest, D, S, here()),
       "potential(), dissipation() and supply(); the energy balance of a run rests on them", std::abs(b.rest));
-  blame_balance();
+  diagnose_balance();
 }
 
 // Which part: the force at rest, component by component, or what goes with the velocities.
-void ForceCheck::blame_balance() {
+void ForceCheck::diagnose_balance() {
   VecX f;
   bool found = false;
   for (const int slot : force_.slots())

@@ -37,7 +37,7 @@ class ForceCheck {
     bool wrong() const;
   };
   Balance balance_of(const Place&) const;
-  void blame_balance();
+  void diagnose_balance();
   void compare_column(int slot, int k, const MatX& K, bool velocity);
   bool particle(int slot) const;
   std::span<double> memory_of(VecX& z) const;

@@ -114,9 +114,9 @@ bool LockCheck::find_place(Draw& draw) {
                        : !rows_.J.row(k).allFinite()   ? "the jacobian"
                                                        : nullptr;
     if (what == nullptr) continue;
-    const std::string blamed = link_.driven() ? link_.driven()->diagnose(place_.t) : "";
+    const std::string fault = link_.driven() ? link_.driven()->diagnose(place_.t) : "";
     add("finite", fmt::format("{} of {} is not finite at t = {} s near the start {}", what, row(k), number(t), here()),
-        blamed.empty() ? "a division by a length that may be zero, a root or an arc sine out of its range" : blamed);
+        fault.empty() ? "a division by a length that may be zero, a root or an arc sine out of its range" : fault);
     break;
   }
   return false;

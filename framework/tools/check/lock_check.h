@@ -40,7 +40,7 @@ class LockCheck {
   bool compare(double is, double should_be, double error, double size);
   std::string jacobian_hint(int k, int slot, bool turn, const Vec3& should_be) const;
   Slope minus_Cdd(const Place&, double reach);
-  std::string blame_right_side(int k);
+  std::string diagnose_right_side(int k);
   void turn_about_z(const Marker& p, const Marker& s);
 
   const System& system_;

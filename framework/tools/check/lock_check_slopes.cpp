@@ -149,13 +149,13 @@ void LockCheck::right_side() {
     if (compare(is, should_be, d.error[k], std::max(std::abs(is), std::abs(should_be)))) continue;
     add(fmt::format("Qhat {}", k),
         fmt::format("Qhat of {} is {:.6g}, second differences of C along a motion say {:.6g}{}{} {}", row(k), is,
-                    should_be, likeness(is, should_be), blame_right_side(k), here()),
+                    should_be, likeness(is, should_be), diagnose_right_side(k), here()),
         "Qhat = -(dJh/dt v + dCt/dt) in gather(), its part that is named here", std::abs(is - should_be));
   }
 }
 
 // Which part of Qhat is wrong: at rest, linear or quadratic in one velocity, or a product of two of them.
-std::string LockCheck::blame_right_side(int k) {
+std::string LockCheck::diagnose_right_side(int k) {
   struct Part {
     int slot;
     bool turn;

@@ -127,7 +127,7 @@ void print_files(const std::string& csv, const std::string& title, const Table& 
 }
 
 // One line each for what is said and has no effect.
-void warn(const Scene& scene, const Mechanism& m, const Words& w, Simulation& sim) {
+void warn(const Scene& scene, const Mechanism& m, const Words& w, StepLoop& sim) {
   const RunSettings& run = m.run;
   const auto say = [&](const std::string& text) { sim.warn(text); };
   if (!run.times.empty() && run.times.back() > run.until)

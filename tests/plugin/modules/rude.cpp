@@ -39,7 +39,7 @@ LOCKSTEP_PLUGIN(registry) {
   if (how == "nameless") registry.laws.add({"", "", {}}, &still);
   if (how == "no maker") registry.laws.add({"unmade", "", {}}, nullptr);
   if (how == "bad key")
-    registry.laws.add({"odd", "", {{"a", lockstep::Form::text, lockstep::Unit::none, "no JSON", ""}}}, &still);
+    registry.laws.add({"odd", "", {{"a", lockstep::Form::text, lockstep::Unit::none, 3, ""}}}, &still);
   if (how == "std") throw std::out_of_range("no such cam");
   if (how == "int") throw 42;
   if (how == "no words") throw Silent();
@@ -48,7 +48,7 @@ LOCKSTEP_PLUGIN(registry) {
   if (how == "bell") registry.laws.add({"loud", "rings: \a", {}}, &still);
   if (how == "latin") registry.laws.add({"l\xe4ut", "", {}}, &still);
   if (how == "key bell")
-    registry.laws.add({"loud", "", {{"a\a", lockstep::Form::number, lockstep::Unit::none, "1", ""}}}, &still);
+    registry.laws.add({"loud", "", {{"a\a", lockstep::Form::number, lockstep::Unit::none, 1, ""}}}, &still);
   if (how == "error") throw lockstep::ModelError("a model that cannot be");
   if (how == "nested") {
     try {

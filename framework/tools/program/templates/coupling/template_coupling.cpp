@@ -15,9 +15,9 @@ using namespace lockstep;
 ///   phi = angle_1 + depth sin(angle_1) + angle_2
 struct TemplateCouplingFunction {
   double depth;
-  static constexpr int kPairs = 2;                   // joints that it couples
-  static constexpr Needs kNeeds = Needs::rotation;   // turns alone; Needs::both where x y z occur as well
-  static constexpr bool kCountsTurns = true;         // angle_z() runs on past full turns
+  static constexpr int kPairs = 2;                  // joints that it couples
+  static constexpr Reads kReads = Reads::rotation;  // turns alone; Reads::both where x y z occur as well
+  static constexpr bool kCountsTurns = true;        // angle_z() runs on past full turns
 
   template <class T>
   T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
@@ -29,7 +29,7 @@ struct TemplateCouplingFunction {
 /// One row, phi = 0. The joints hold the wheels; the coupling adds nothing to what they hold.
 class TemplateCoupling final : public PhiCoupling<TemplateCouplingFunction> {
  public:
-  TemplateCoupling(const Site& site, TemplateCouplingFunction phi) : PhiCoupling(site, phi) {}
+  TemplateCoupling(const CoupledPairs& pairs, TemplateCouplingFunction phi) : PhiCoupling(pairs, phi) {}
   std::string_view type() const override { return "template_coupling"; }
 
   /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.

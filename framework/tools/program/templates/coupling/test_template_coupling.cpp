@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_lock.h"
 #include "framework/description/registry/loader.h"
+#include "framework/tools/check/check_lock.h"
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

@@ -1,4 +1,4 @@
-#include "framework/dynamics/evaluate/reacting.h"
+#include "framework/dynamics/evaluate/reaction_iteration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ double dot(const VecX& a, const VecX& b, double length) {
 // x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. From the second
 // solution on x is taken where the line through the last two changes r = g(x) - x is nearest to zero (Anderson's method
 // with one earlier try, Aitken's for one number): a friction that is stiff to its own reaction costs few solutions more.
-void Reacting::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
+void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
   const double length = e.system().length(), applied = size_of(e.force(), length);
   const Unsettled all{e, factor, c, a, lambda, report};
   added_.setZero(e.force().size());
@@ -66,7 +66,7 @@ void Reacting::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a
 }
 
 // Names the force whose share still changes most between two solutions.
-void Reacting::diagnose(const Unsettled& u, double left) {
+void ReactionIteration::diagnose(const Unsettled& u, double left) {
   u.factor.check(u.e, u.a, u.lambda, u.report);
   const Inputs& in = u.e.inputs();
   const auto share = [&](const Force& force) {

@@ -1,4 +1,4 @@
-// Reacting: solutions with forces that depend on the reactions that they cause (friction).
+// ReactionIteration: solutions with forces that depend on the reactions that they cause (friction).
 #pragma once
 
 #include "framework/dynamics/evaluate/factor.h"
@@ -6,7 +6,7 @@
 namespace lockstep {
 
 /// Scratch for the search; nothing is allocated when the mechanism is that of the last call.
-class LOCKSTEP_API Reacting {
+class LOCKSTEP_API ReactionIteration {
  public:
   /// a and lambda solve M a + Jh^T lambda = f + x, Jh a = c, x = Evaluation::react(lambda). They come in solved without
   /// x, by this factor; all solutions are made by it. Throws SolveError naming the force that does not settle, and

@@ -1,0 +1,79 @@
+#include "framework/tools/simulation/simulation.h"
+
+#include "framework/description/registry/method_spec.h"
+#include "framework/foundation/support/error.h"
+#include "framework/foundation/support/text.h"
+
+namespace lockstep {
+
+Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
+    : system_(system), options_(std::move(options)), recorder_(system) {
+  if (!(options_.tolerance > 0) || !(options_.absolute_tolerance >= 0))
+    throw ModelError("simulation: tolerance " + brief(options_.tolerance) + ", absolute_tolerance " +
+                     brief(options_.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
+  tolerance_.relative = options_.tolerance;
+  tolerance_.atol_x = options_.absolute_tolerance > 0 ? options_.absolute_tolerance : 0.01 * options_.tolerance;
+  const MethodSpec method = read_method_spec(options_.integrator, types_of(registry.integrators));
+  integrator_ = make_integrator(method, registry, "simulation.integrator");
+  if (!integrator_->info().adaptive && !(options_.step > 0))
+    throw ModelError("simulation: integrator \"" + method.type +
+                     "\" takes fixed steps and no step is given; set .step, for instance .step = 1e-3");
+  solver_ = make_solver(read_method_spec(options_.solver, types_of(registry.solvers)), registry, "simulation.solver");
+}
+
+Simulation::~Simulation() = default;
+
+const Table& Simulation::record(std::vector<Request> requests) {
+  if (loop_) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
+  for (Request& request : requests) {
+    Channel channel = make_channel(system_, request.channel);
+    channel.name = std::move(request.name);
+    recorder_.add(std::move(channel));
+  }
+  return recorder_.table();
+}
+
+/// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
+void Simulation::begin() {
+  if (loop_) return;
+  dynamics_ = std::make_unique<Dynamics>(system_, std::move(solver_), options_.dynamics);
+  StepLoopOptions loop;
+  loop.step = options_.step;
+  loop.output = options_.output;
+  loop.tolerance = tolerance_;
+  loop_ = std::make_unique<StepLoop>(*dynamics_, std::move(integrator_), loop);
+  loop_->add_observer(recorder_);
+  start_from(system_.start());
+}
+
+void Simulation::start_from(State start) {
+  if (options_.assemble) assembly_ = assemble(*dynamics_, start);
+  loop_->set_state(std::move(start));
+}
+
+const SimulationReport& Simulation::run_until(double t) { return loop().run_until(t); }
+const State& Simulation::state() { return loop().state(); }
+Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
+void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
+
+void Simulation::set_state(State state) {
+  begin();
+  start_from(std::move(state));
+}
+
+const AssemblyReport& Simulation::assembly() {
+  begin();
+  return assembly_;
+}
+
+StepLoop& Simulation::loop() {
+  begin();
+  return *loop_;
+}
+
+Dynamics& Simulation::dynamics() {
+  begin();
+  return *dynamics_;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,71 @@
+// Simulation, the facade: what it resolves by name is what the layers below it are made of.
+#include "framework/tools/simulation/simulation.h"
+
+#include "framework/dynamics/solvers/schur_solver.h"
+#include "framework/foundation/support/error.h"
+#include "framework/mechanism/links/joints.h"
+#include "integrators/dopri5.h"
+#include "tests/support/messages.h"
+
+using namespace lockstep;
+using lockstep::testing::message_of;
+using lockstep::testing::says;
+
+namespace {
+
+System pendulum() {
+  System system({.gravity = {0, -9.81, 0}});
+  Body& bar = system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add<Revolute>("hinge", bar, system.ground(), at({0, 0, 0}));
+  return system;
+}
+
+}  // namespace
+
+TEST_CASE("A simulation by names is the run that its layers make, to the last bit", "[simulation]") {
+  System one = pendulum(), other = pendulum();
+  Simulation run(one, {.integrator = "dopri5", .tolerance = 1e-8, .output = 0.01});
+  const Table& table = run.record({"rod.angle_z", {"Fy", "hinge.force_on_p_world_y"}, "energy.total"});
+  run.run_until(1.0);
+
+  Recorder recorder(other, {"rod.angle_z", {"Fy", "hinge.force_on_p_world_y"}, "energy.total"});
+  Dynamics dynamics(other, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>(), {.tolerance = {1e-8, 1e-10}, .output = 0.01});
+  loop.add_observer(recorder);
+  loop.run_until(1.0);
+
+  REQUIRE(table.n_rows() == 101);
+  REQUIRE(recorder.table().n_rows() == 101);
+  for (const char* name : {"rod.angle_z", "Fy", "energy.total"}) CHECK(table[name] == recorder.table()[name]);
+  CHECK(run.state().t == 1.0);
+}
+
+TEST_CASE("A simulation assembles its start, or refuses it where that is not wanted", "[simulation]") {
+  System system = pendulum();
+  system.setup();
+  State start = system.start();
+  start.q[0] += 1e-3;  // m, off the hinge
+  {
+    Simulation run(system);
+    run.set_state(start);
+    CHECK(run.assembly().before == Approx(1e-3).epsilon(1e-6));
+    CHECK(run.assembly().after < 1e-12);
+    run.run_until(0.1);
+    CHECK(run.state().t == 0.1);
+  }
+  Simulation run(system, {.assemble = false});
+  CHECK_THROWS_AS(run.set_state(start), AssemblyError);
+}
+
+TEST_CASE("A simulation refuses what it cannot make, with the next move", "[simulation]") {
+  System system = pendulum();
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dopri"}); }), {"did you mean \"dopri5\""}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dop853:stage=auto"}); }), {"did you mean \"stages\""}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.solver = "shur"}); }), {"did you mean \"schur\""}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "rk4"}); }), {"no step is given"}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.tolerance = 0}); }), {"give a positive tolerance"}));
+  Simulation run(system, {.integrator = "rk4", .step = 1e-3});
+  run.run_until(0.01);
+  CHECK(run.loop().report().steps == 10);
+  CHECK(says(message_of<Error>([&] { run.record({"rod.x"}); }), {"before run_until"}));
+}
