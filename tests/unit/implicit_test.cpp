@@ -1,5 +1,6 @@
 #include "framework/dynamics/evaluate/implicit.h"
 
+#include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/mechanism/forces/function_force.h"
 #include "framework/mechanism/forces/spring_damper.h"
 #include "framework/dynamics/solvers/dense_solver.h"

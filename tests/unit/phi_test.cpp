@@ -85,7 +85,7 @@ std::vector<Twin> twins() {
              l.lead = 0.3;
              return l;
            },
-           0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().home; }},
+           0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().reference; }},
           {"gear, a body shared",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, 2.0));
@@ -95,7 +95,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().home; }},
+           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }},
           {"gear, four bodies",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}}}, 2.0));
@@ -105,7 +105,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().home; }}};
+           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }}};
 }
 
 /// K of all slots, and each D zero.
