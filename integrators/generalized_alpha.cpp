@@ -24,7 +24,7 @@ constexpr double kSlow = 0.2;        // a worse ratio of two changes asks for a 
 // out -= Jh^T lambda
 void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
   for (const RowEntry& e : rows.entries) {
-    const RowBlock block = rows.block(e);
+    const RowView block = rows.block(e);
     for (int i = 0; i < e.slots.n; ++i)
       for (int k = 0; k < e.m; ++k) {
         const auto r = block.J(i, k);
@@ -205,18 +205,18 @@ void GeneralizedAlpha::update_end(double h) {
 //   A u + Jh^T mu = 0,                               Jh u  = -C + (beta h/gamma) (Jh v + Ct)
 //   A al + Jh^T l = f - M v' - Jh^T lambda - K u,    Jh al = -(Jh v + Ct)/(gamma h kappa)
 double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
-  dynamics.gather(end_);
-  dynamics.residuals(C_, Cd_);
+  const Evaluation& e = dynamics.gather(end_);
+  e.residuals(C_, Cd_);
   ++dynamics.work().evaluations;
   const double gh = gamma_ * h * kappa_, bh2 = beta_ * h * h * kappa_, length = dynamics.system().length();
   if (anew) {
-    matrix_.gather(dynamics.evaluation(), lambda1_);
+    matrix_.gather(e, lambda1_);
     matrix_.factor(1, gh, bh2);
     ++dynamics.work().factors;
   }
   double change = 0;
   if (start_.s.size() > 0) {  // no matrix of its own: repeated until it stands
-    dynamics.system().state_rates({dynamics.inputs(), vd1_, lambda1_, dynamics.rows()}, sd_now_);
+    dynamics.system().state_rates({e.inputs(), vd1_, lambda1_, e.rows()}, sd_now_);
     const double scale = 1 + end_.s.lpNorm<Eigen::Infinity>();
     change = gh * (sd_now_ - sd1_).lpNorm<Eigen::Infinity>() / scale * length;
     sd1_ = sd_now_;
@@ -224,9 +224,9 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   force_ = -vd1_;
   zero_.setZero();
   matrix_.add_M_times(force_, zero_);
-  force_ = dynamics.force() + zero_;
-  subtract_reactions(dynamics.rows(), lambda1_, force_);
-  if (!dynamics.reacting().empty()) dynamics.react(lambda1_, force_);
+  force_ = e.force() + zero_;
+  subtract_reactions(e.rows(), lambda1_, force_);
+  if (!e.reacting().empty()) e.react(lambda1_, force_);
 
   rows_ = -C_ + beta_ * h / gamma_ * Cd_;
   zero_.setZero();
@@ -235,7 +235,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   force_ -= zero_;
   rows_ = Cd_ / -gh;
   matrix_.solve(force_, rows_, al_, mu_);
-  if (!dynamics.reacting().empty()) settle_reactions(dynamics);
+  if (!e.reacting().empty()) settle_reactions(e);
   u_ += du_;
   vd1_ += al_;
   lambda1_ += mu_;
@@ -246,17 +246,17 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
 
 // What friction changes with the multipliers is in no matrix: al and mu are solved again with the friction at
 // lambda1 + mu, until that stands.
-void GeneralizedAlpha::settle_reactions(Dynamics& dynamics) {
+void GeneralizedAlpha::settle_reactions(const Evaluation& e) {
   friction_.setZero();
-  dynamics.react(lambda1_, friction_);
+  e.react(lambda1_, friction_);
   force_ -= friction_;  // the part that stays
   double first = 0;
   for (int i = 1; i <= kMostReactions; ++i) {
     lambda_try_ = lambda1_ + mu_;
     friction1_.setZero();
-    dynamics.react(lambda_try_, friction1_);
+    e.react(lambda_try_, friction1_);
     friction_ = friction1_ - friction_;
-    const double change = size_of(friction_, 1 / dynamics.system().length());
+    const double change = size_of(friction_, 1 / e.system().length());
     if (i == 1) first = change;
     if (change <= kReactions * first) return;
     friction_.swap(friction1_);

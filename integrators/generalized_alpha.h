@@ -45,7 +45,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
   bool solve(Dynamics&, double h);
   void update_end(double h);
   double correct(Dynamics&, double h, bool anew);
-  void settle_reactions(Dynamics&);
+  void settle_reactions(const Evaluation&);
   double estimate(double h);
   void filter(Eigen::Ref<VecX> out);
 

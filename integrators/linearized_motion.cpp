@@ -9,10 +9,10 @@ void LinearizedMotion::begin(const State& state) {
   matrix_.set_residual(1e-6);  // what the linearisation leaves out is more
 }
 
-void LinearizedMotion::gather(const Dynamics& dynamics) {
-  matrix_.gather(dynamics.evaluation(), dynamics.values().lambda);
-  rows_.setZero(dynamics.rows().n_rows);
-  rows_c_.setZero(dynamics.rows().n_rows);
+void LinearizedMotion::gather(const Solution& solution) {
+  matrix_.gather(solution.evaluation, solution.lambda);
+  rows_.setZero(solution.rows.n_rows);
+  rows_c_.setZero(solution.rows.n_rows);
 }
 
 void LinearizedMotion::factor(double g) { matrix_.factor(1, 1 / g, 1 / (g * g)); }

@@ -17,8 +17,8 @@ class LOCKSTEP_API LinearizedMotion {
   using Complex = NewtonMatrix::Complex;
   /// Sizes the scratch for states like this one.
   void begin(const State&);
-  /// At what the dynamics evaluated last. Throws NonFiniteError, SolveError.
-  void gather(const Dynamics&);
+  /// Linearised at this solution. Throws NonFiniteError, SolveError.
+  void gather(const Solution&);
   /// Factors of the matrix for g; a real and a complex one live side by side.
   void factor(double g);
   void factor(Complex g);

@@ -112,8 +112,7 @@ Attempt Radau5::attempt(Dynamics& dynamics, double h) {
 void Radau5::linearize(Dynamics& dynamics, double h) {
   displace(start_, Z_.col(1), stage_);
   stage_.t = start_.t + kC[1] * h;
-  dynamics.rate(stage_, rate_);
-  linear_.gather(dynamics);
+  linear_.gather(dynamics.rate(stage_, rate_));
   linear_.factor(kReal / h);
   linear_.factor(LinearizedMotion::Complex(kAlpha, kBeta) / h);
   dynamics.work().factors += 2;

@@ -24,10 +24,10 @@ double microseconds(Chain chain, bool tangents = false) {
   State state = chain.sys->start();
   assemble(dynamics, state);
   StateRate rate;
-  dynamics.rate(state, rate);
+  const Solution& solution = dynamics.rate(state, rate);
   NewtonMatrix matrix;
   const auto implicit = [&] {
-    matrix.gather(dynamics.evaluation(), dynamics.values().lambda);
+    matrix.gather(solution.evaluation, solution.lambda);
     matrix.factor(1.0, 1e-3, 1e-6);
   };
   double best = HUGE_VAL;

@@ -98,7 +98,7 @@ double time_of(System& s, bool turning, std::unique_ptr<LinearSolver> solver, in
   StateRate rate;
   dynamics.project_velocity(state);
   const double time = nanoseconds(s.n_slots(), [&] { state.v[5] += 1e-13, dynamics.rate(state, rate); });
-  if (corrections) *corrections = dynamics.last_solve().corrections;
+  if (corrections) *corrections = dynamics.rate(state, rate).report.corrections;
   return time;
 }
 

@@ -45,20 +45,21 @@ struct Probe {
   Scene scene;
   std::unique_ptr<Dynamics> dynamics;
   State state;
+  const Inputs* inputs = nullptr;
   RowTable table;
   Probe(bool third, const Add& add) : scene(third) {
     add(scene);
     dynamics = std::make_unique<Dynamics>(scene.system, std::make_unique<SchurSolver>());
     state = scene.system.start();
     for (int i = 0; i < state.v.size(); ++i) state.v[i] = std::sin(1.0 + i);
-    dynamics->gather(state);
+    inputs = &dynamics->gather(state).inputs();
     scene.system.lay_out(state.modes, table);
   }
-  void gather() { scene.system.gather_rows(dynamics->inputs(), table); }
+  void gather() { scene.system.gather_rows(*inputs, table); }
 };
 
 double difference(const Probe& a, const Probe& b) {
-  const RowBlock x = a.table.block(a.table.entries.front()), y = b.table.block(b.table.entries.front());
+  const RowView x = a.table.block(a.table.entries.front()), y = b.table.block(b.table.entries.front());
   double worst = 0;
   for (int k = 0; k < x.rows(); ++k) {
     worst = std::max({worst, std::abs(x.Ct(k) - y.Ct(k)), std::abs(x.Qhat(k) - y.Qhat(k))});

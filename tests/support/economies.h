@@ -151,8 +151,8 @@ struct Size {
 };
 inline Size size(Chain chain) {
   Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
-  dynamics.gather(chain.sys->start());
-  return {dynamics.system().n_velocities(), dynamics.rows().n_rows};
+  const Evaluation& gathered = dynamics.gather(chain.sys->start());
+  return {dynamics.system().n_velocities(), gathered.rows().n_rows};
 }
 
 /// Multiplications and additions of one lock with the laws of `kWith`, all rows of the halves that `rows` has.

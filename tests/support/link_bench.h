@@ -16,6 +16,7 @@ struct LinkBench {
   Body& S;
   Body& P;
   std::unique_ptr<Dynamics> dynamics;
+  const Evaluation* here = nullptr;  // after put()
   State state;
 
   explicit LinkBench(const Pose& start = {})
@@ -33,13 +34,13 @@ struct LinkBench {
   /// Puts P there after dt, at the speed v (world) and w (its axes).
   void put(const Pose& at, double dt = 0, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero()) {
     state.t += dt;
-    state.q.segment<3>(7 * P.slot) = at.x, state.q.segment<4>(7 * P.slot + 3) = at.q.coefficients();
-    state.v.segment<3>(6 * P.slot) = v, state.v.segment<3>(6 * P.slot + 3) = w;
-    dynamics->gather(state);
+    state.set_slot_pose(P.slot, at);
+    state.set_slot_twist(P.slot, {v, w});
+    here = &dynamics->gather(state);
   }
   void accept() { dynamics->accept(state); }
-  double C(int k = 0) const { return dynamics->rows().block(dynamics->rows().entries.front()).C(k); }
-  double quantity(const Lock& link, int k) const { return link.observable()->quantity(k, dynamics->inputs()); }
+  double C(int k = 0) const { return here->rows().block(here->rows().entries.front()).C(k); }
+  double quantity(const Lock& link, int k) const { return link.observable()->quantity(k, here->inputs()); }
 };
 
 /// The least value of f on [a, b]: looked for on a grid, then by golden section.

@@ -39,9 +39,9 @@ JointFriction::Options rough() {
 /// What the force does to the two bodies at given multipliers.
 template <class Link>
 VecX pushed(Pair<Link>& pair, Dynamics& dynamics, const VecX& lambda) {
-  dynamics.gather(pair.system.start());
+  const Evaluation& gathered = dynamics.gather(pair.system.start());
   VecX f = VecX::Zero(12);
-  dynamics.react(lambda, f);
+  gathered.react(lambda, f);
   return f;
 }
 
@@ -51,29 +51,29 @@ void check_all() {
   o.preload = 5;
   Pair<Link> pair(o);
   Dynamics dynamics(pair.system, std::make_unique<SchurSolver>());
-  dynamics.gather(pair.system.start());
-  const int m = dynamics.rows().n_rows;
+  const Evaluation& gathered = dynamics.gather(pair.system.start());
+  const int m = gathered.rows().n_rows;
   VecX lambda(m);
   for (int k = 0; k < m; ++k) lambda[k] = 3.0 * std::cos(1.0 + 2.0 * k);
   const State s = pair.system.start();
 
   // action and reaction, and power: it takes what it says
   const VecX f = pushed(pair, dynamics, lambda);
-  const Inputs& in = dynamics.inputs();
+  const Inputs& in = gathered.inputs();
   CHECK(f.norm() > 0.1);
   CHECK((f.segment<3>(0) + f.segment<3>(6)).norm() < 1e-13);
   const auto about_origin = [&](int slot) {
     return Vec3(in.slot(slot).A * f.segment<3>(6 * slot + 3) + cross(in.slot(slot).x, Vec3(f.segment<3>(6 * slot))));
   };
   CHECK((about_origin(0) + about_origin(1)).norm() < 1e-13);
-  const Reactions reactions(dynamics.rows(), {lambda.data(), static_cast<std::size_t>(m)});
+  const Reactions reactions(gathered.rows(), {lambda.data(), static_cast<std::size_t>(m)});
   const double loss = pair.friction->friction_loss(in, reactions);
   CHECK(loss > 0);
   CHECK(-f.dot(s.v) == Approx(loss).epsilon(1e-12));
 
   // the tangent, where the load is the preload's alone, against differences
   const VecX none = VecX::Zero(m);
-  const Reactions unloaded(dynamics.rows(), {none.data(), static_cast<std::size_t>(m)});
+  const Reactions unloaded(gathered.rows(), {none.data(), static_cast<std::size_t>(m)});
   TangentSum exact, differences;
   exact.lay_out(2), differences.lay_out(2);
   pair.friction->react_tangent(in, unloaded, exact);
@@ -104,15 +104,15 @@ TEST_CASE("joint friction: loads are the reactions in S axes", "[unit][force]") 
   JointFriction::Options o = rough();
   Pair<Revolute> pair(o);
   Dynamics dynamics(pair.system, std::make_unique<SchurSolver>());
-  dynamics.gather(pair.system.start());
+  const Evaluation& gathered = dynamics.gather(pair.system.start());
   VecX lambda(5);
   lambda << 3, -4, 12, 0.7, 0.2;
-  const Reactions reactions(dynamics.rows(), {lambda.data(), 5});
+  const Reactions reactions(gathered.rows(), {lambda.data(), 5});
   const auto quantity = [&](const std::string& name) {
     const std::vector<Quantity> all = pair.friction->quantities();
     for (std::size_t k = 0; k < all.size(); ++k)
       if (all[k].name == name)
-        return pair.friction->reacting_quantity(static_cast<int>(k), dynamics.inputs(), reactions);
+        return pair.friction->reacting_quantity(static_cast<int>(k), gathered.inputs(), reactions);
     return std::nan("");
   };
   CHECK(quantity("radial_force") == Approx(5).epsilon(1e-12));

@@ -50,10 +50,10 @@ struct Wheels {
       s.q.segment<3>(7 * bodies[k]->slot) = turned.x, s.q.segment<4>(7 * bodies[k]->slot + 3) = turned.q.coefficients();
     }
     Dynamics dynamics(system, std::make_unique<DenseSolver>());
-    dynamics.gather(s);
+    const Evaluation& at = dynamics.gather(s);
     double C = HUGE_VAL;
-    for (const RowEntry& e : dynamics.rows().entries)
-      if (e.m == 1) C = dynamics.rows().block(e).C(0);
+    for (const RowEntry& e : at.rows().entries)
+      if (e.m == 1) C = at.rows().block(e).C(0);
     return C;
   }
 };

@@ -101,10 +101,10 @@ TEST_CASE("The stiffness of a lock is the derivative of its rows, all laws activ
       GenericLock& lock = two.lock(c, Mask::all, laws);
       const std::vector<double> lambda{1.1, -2.0, 0.6, 0.9, -1.4, 2.2};
       Dynamics dynamics(two.system, std::make_unique<DenseSolver>());
-      dynamics.gather(two.system.start());
+      const Evaluation& here = dynamics.gather(two.system.start());
       TangentSum sum;
       sum.lay_out(2);
-      add_tangent(lock, dynamics.inputs(), lambda, sum);
+      add_tangent(lock, here.inputs(), lambda, sum);
 
       const inputs::KernelInputs k(c);
       const Mat12 K = stiffness_by_complex_step(k.O1, k.O2, [&](const MotionT<C>& O1, const MotionT<C>& O2) {
@@ -133,16 +133,16 @@ TEST_CASE("A lock's stiffness leaves out what the mask leaves out, and the groun
   const Lock& lock = two.lock(c, Mask::x | Mask::e2, 0);
   const Lock& to_ground = grounded.lock(c, Mask::x | Mask::e2, 0);
   Dynamics dynamics(two.system, std::make_unique<DenseSolver>()), one(grounded.system, std::make_unique<DenseSolver>());
-  dynamics.gather(two.system.start()), one.gather(grounded.system.start());
+  const Evaluation &here = dynamics.gather(two.system.start()), &there = one.gather(grounded.system.start());
   TangentSum some, all, ground;
   some.lay_out(2), all.lay_out(2), ground.lay_out(1);
   const std::vector<double> lambda{1.5, -0.7};
-  add_tangent(lock, dynamics.inputs(), lambda, some);
+  add_tangent(lock, here.inputs(), lambda, some);
   const MarkerMotion P = MarkerFrame(*two.P).at(0), S = MarkerFrame(*two.S).at(0);
-  add_translation_stiffness(dynamics.inputs(), 0, 1, P, S, Vec3(1.5, 0, 0), all);
-  add_rotation_stiffness(dynamics.inputs(), 0, 1, P, S, Quat{}, Quat{0, 0, -0.7, 0}, all);
+  add_translation_stiffness(here.inputs(), 0, 1, P, S, Vec3(1.5, 0, 0), all);
+  add_rotation_stiffness(here.inputs(), 0, 1, P, S, Quat{}, Quat{0, 0, -0.7, 0}, all);
   CHECK(largest(matrix_of(some) - matrix_of(all)) <= 1e-14);
-  add_tangent(to_ground, one.inputs(), lambda, ground);
+  add_tangent(to_ground, there.inputs(), lambda, ground);
   REQUIRE(ground.pairs().size() == 1);
   CHECK((ground.K(0) - matrix_of(all).topLeftCorner<6, 6>()).cwiseAbs().maxCoeff() <= 1e-14);
 }
@@ -156,13 +156,13 @@ TEST_CASE("The stiffness of a function link is the derivative of its row", "[uni
     const Lock& any = two.system.add(std::make_unique<EverythingLock>("any", *two.P, *two.S, Mask::none, Everything{}));
     const Distance& rod = two.system.add<Distance>("rod", *two.P, *two.S, 0.8);
     Dynamics dynamics(two.system, std::make_unique<DenseSolver>());
-    dynamics.gather(two.system.start());
+    const Evaluation& here = dynamics.gather(two.system.start());
     const inputs::KernelInputs k(c);
     const double lambda = -1.7;
     for (const Lock* lock : {&any, static_cast<const Lock*>(&rod)}) {
       TangentSum sum;
       sum.lay_out(2);
-      add_tangent(*lock, dynamics.inputs(), {&lambda, 1}, sum);
+      add_tangent(*lock, here.inputs(), {&lambda, 1}, sum);
       const Mat12 K = stiffness_by_complex_step(k.O1, k.O2, [&](const MotionT<C>& O1, const MotionT<C>& O2) {
         if (lock == &any) return function_force(Everything{}, lambda, 0, O1, O2, k.P, k.S);
         const auto length = [](const auto& y) { return sqrt(y.x * y.x + y.y * y.y + y.z * y.z); };
@@ -179,11 +179,11 @@ TEST_CASE("K less the half moments is symmetric", "[unit][lock]") {
   inputs::TwoBodies two(c, oracle::kAllLaws);
   const Lock& lock = two.lock(c, Mask::all, oracle::kAllLaws);
   Dynamics dynamics(two.system, std::make_unique<DenseSolver>());
-  dynamics.gather(two.system.start());
+  const Evaluation& here = dynamics.gather(two.system.start());
   const std::vector<double> lambda{1.1, -2.0, 0.6, 0.9, -1.4, 2.2};
   TangentSum sum;
   sum.lay_out(2);
-  add_tangent(lock, dynamics.inputs(), lambda, sum);
+  add_tangent(lock, here.inputs(), lambda, sum);
   const MatX J = inputs::gathered(two.system, two.system.start()).J;
   const VecX F = J.transpose() * Eigen::Map<const VecX>(lambda.data(), 6);
   Mat12 K = matrix_of(sum);

@@ -85,7 +85,7 @@ std::vector<Twin> twins() {
              l.lead = 0.3;
              return l;
            },
-           0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().home; }},
+           0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().reference; }},
           {"gear, a body shared",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, 2.0));
@@ -95,7 +95,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().home; }},
+           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }},
           {"gear, four bodies",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}}}, 2.0));
@@ -105,7 +105,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().home; }}};
+           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }}};
 }
 
 /// K of all slots, and each D zero.
@@ -224,15 +224,15 @@ TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
       CAPTURE(link.type(), seed);
       const State state = b.state(seed + 50);
       Dynamics dynamics(b.system, std::make_unique<DenseSolver>());
-      dynamics.gather(state);
+      const Evaluation& here = dynamics.gather(state);
       oracle::Draw draw(seed + 9);
       VecX lambda(link.row_count());
       for (double& l : lambda) l = draw.number(-2, 2);
       const std::span<const double> given(lambda.data(), static_cast<std::size_t>(lambda.size()));
       TangentSum exact, differences;
       exact.lay_out(b.system.n_slots()), differences.lay_out(b.system.n_slots());
-      add_tangent(link, dynamics.inputs(), given, exact);
-      difference_tangent(link, dynamics.inputs(), given, differences);
+      add_tangent(link, here.inputs(), given, exact);
+      difference_tangent(link, here.inputs(), given, differences);
       MatX K = matrix_of(exact);
       const double size = K.cwiseAbs().maxCoeff();
       CHECK(size > 0.01);
@@ -260,10 +260,10 @@ TEST_CASE("A screw counts its turns, by steps of more than half a turn as well, 
     state.t += dt;
     angle += by;
     set(state, nut.slot, angle, lead / kTwoPi * angle, by / dt, lead / kTwoPi * by / dt);
-    dynamics.gather(state);
-    CHECK(std::abs(dynamics.rows().block(dynamics.rows().entries.front()).C(4)) <= 1e-13);
-    CHECK(std::abs(screw.quantity(0, dynamics.inputs()) - angle) <= 1e-11);
-    CHECK(std::abs(screw.quantity(1, dynamics.inputs()) - by / dt) <= 1e-10);
+    const Evaluation& here = dynamics.gather(state);
+    CHECK(std::abs(here.rows().block(here.rows().entries.front()).C(4)) <= 1e-13);
+    CHECK(std::abs(screw.quantity(0, here.inputs()) - angle) <= 1e-11);
+    CHECK(std::abs(screw.quantity(1, here.inputs()) - by / dt) <= 1e-10);
   };
   for (int i = 0; i < 40; ++i) turn_on(s, 0.5, 0.01), dynamics.accept(s);         // 20 rad at 50/s
   for (int i = 0; i < 60; ++i) turn_on(s, 0.1 * speed, 0.1), dynamics.accept(s);  // 5 rad a step
@@ -301,8 +301,8 @@ TEST_CASE("A gear counts both its turns on a carrier that turns", "[unit][phi]")
     set(s, carrier.slot, arm, 0, -0.37 / dt, 0);
     set(s, one.slot, arm - 3 * turn + 2.5, 0, (-0.37 - 1.8) / dt, 0);
     set(s, two.slot, arm + turn - 3.0, 0, (-0.37 + 0.6) / dt, 0);
-    dynamics.gather(s);
-    const RowTable& rows = dynamics.rows();
+    const Evaluation& here = dynamics.gather(s);
+    const RowTable& rows = here.rows();
     for (const RowEntry& e : rows.entries)
       for (int k = 0; k < e.m; ++k) CHECK(std::abs(rows.block(e).C(k)) <= 1e-11);
     dynamics.accept(s);

@@ -290,7 +290,7 @@ TEST_CASE("a roller on an eccentric circle is a slider-crank", "[verification][j
     const double along = (h.y - e * std::sin(w * t)) / l;
     const Evaluated& values = run.dynamics.evaluate(s);
     double lambda = 0;
-    for (const RowEntry& entry : run.dynamics.rows().entries)
+    for (const RowEntry& entry : values.rows.entries)
       if (entry.m == 1) lambda = values.lambda[entry.first_row];
     push = std::max(push, std::abs(-lambda * along - (h.ydd + g)));
   }
@@ -316,7 +316,7 @@ TEST_CASE("a flat face on an eccentric circle moves as a sine", "[verification][
     v = std::max(v, std::abs(s.v[6 * cam.follower.slot + 1] - e * w * std::cos(w * t)));
     const Evaluated& values = run.dynamics.evaluate(s);
     double lambda = 0;
-    for (const RowEntry& entry : run.dynamics.rows().entries)
+    for (const RowEntry& entry : values.rows.entries)
       if (entry.m == 1) lambda = values.lambda[entry.first_row];
     push = std::max(push, std::abs(-lambda - (g - e * w * w * std::sin(w * t))));
   }

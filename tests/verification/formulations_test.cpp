@@ -21,15 +21,15 @@ namespace {
 
 constexpr double kTolerance = 1e-10;
 
-struct Solution {
+struct Answer {
   VecX a, lambda;
 };
 
 /// By the library. Link rows come in the order of the table; they are put back into the order of the links.
-Solution by_library(Mechanism& m, const State& state, Formulation formulation, Stabilization stabilization = {}) {
+Answer by_library(Mechanism& m, const State& state, Formulation formulation, Stabilization stabilization = {}) {
   Dynamics dynamics(m.system, std::make_unique<DenseSolver>(), {formulation, stabilization});
   const Evaluated& values = dynamics.evaluate(state);
-  Solution s{values.a, VecX(values.lambda.size())};
+  Answer s{values.a, VecX(values.lambda.size())};
   int row = 0;
   for (const auto& link : m.system.links()) {
     const RowEntry& e =
@@ -43,7 +43,7 @@ Solution by_library(Mechanism& m, const State& state, Formulation formulation, S
 
 /// By the paper's equations: (2.1) with (2.3)-(2.7), rows (3.6), (4.8), right sides (3.7), (4.6). A particle's rotation
 /// is held.
-Solution by_paper(Mechanism& m, const State& state) {
+Answer by_paper(Mechanism& m, const State& state) {
   const int n = static_cast<int>(m.bodies.size());
   int n_rows = 0;
   for (const LinkSpec& l : m.links) n_rows += count(l.rows);
@@ -91,7 +91,7 @@ Solution by_paper(Mechanism& m, const State& state) {
     }
   }
   const VecX x = K.fullPivLu().solve(right);
-  Solution s{VecX::Zero(6 * n), x.segment(7 * n, n_rows)};
+  Answer s{VecX::Zero(6 * n), x.segment(7 * n, n_rows)};
   for (int k = 0; k < n; ++k) {
     const Body& b = *m.bodies[static_cast<std::size_t>(k)];
     s.a.segment<3>(6 * b.slot) = x.segment<3>(7 * k);
@@ -110,7 +110,7 @@ double apart(const VecX& a, const VecX& b) {
 void check_three_ways(Mechanism& m) {
   m.system.setup();
   const State state = m.system.start();
-  const Solution omega = by_library(m, state, Formulation::omega),
+  const Answer omega = by_library(m, state, Formulation::omega),
                  quaternion = by_library(m, state, Formulation::quaternion), paper = by_paper(m, state);
   CHECK(apart(quaternion.a, omega.a) < kTolerance);
   CHECK(apart(quaternion.lambda, omega.lambda) < kTolerance);
@@ -170,7 +170,7 @@ TEST_CASE("free bodies and particles: three formulations, one motion", "[verific
   check_three_ways(free);
   // a body by itself: J al = -w x J w, a = g
   const State state = free.system.start();
-  const Solution s = by_library(free, state, Formulation::omega);
+  const Answer s = by_library(free, state, Formulation::omega);
   for (const Body* b : free.bodies) {
     const Vec3 w = b->start.w, al = s.a.segment<3>(6 * b->slot + 3);
     CHECK(difference(s.a.segment<3>(6 * b->slot), free.system.gravity()) < 1e-14);
@@ -199,7 +199,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
     m.link(1, 0, mask_from("x y e1 e2"), 16);
     m.system.setup();
     const State state = m.system.start();
-    const Solution omega = by_library(m, state, Formulation::omega, s),
+    const Answer omega = by_library(m, state, Formulation::omega, s),
                    quaternion = by_library(m, state, Formulation::quaternion, s);
     CHECK(apart(quaternion.a, omega.a) < kTolerance);
     CHECK(apart(quaternion.lambda, omega.lambda) < kTolerance);
@@ -235,7 +235,7 @@ TEST_CASE("redundant rows: both formulations share one set of multipliers", "[ve
   s.add<Revolute>("D", s.ground(), rocker, p3);
   s.setup();
   const State state = s.start();
-  const Solution omega = by_library(m, state, Formulation::omega),
+  const Answer omega = by_library(m, state, Formulation::omega),
                  quaternion = by_library(m, state, Formulation::quaternion);
   REQUIRE(omega.lambda.size() == 20);
   CHECK(apart(quaternion.a, omega.a) < kTolerance);
@@ -252,10 +252,10 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     m.system.setup();
     const State state = m.system.start();
     Dynamics dynamics(m.system, std::make_unique<DenseSolver>());
-    dynamics.gather(state);
+    const Evaluation& at = dynamics.gather(state);
     KktAssembler matrix(m.system, Formulation::quaternion);
-    matrix.lay_out(dynamics.rows(), false);
-    matrix.update(dynamics.rows(), dynamics.inputs().motions);
+    matrix.lay_out(at.rows(), false);
+    matrix.update(at.rows(), at.inputs().motions);
     const KktLink& link = matrix.kkt().pattern.links.front();
     REQUIRE(link.m == 6);
     REQUIRE(link.n_slots == 2);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/dynamics/evaluate/dynamics.h"
 #include "framework/dynamics/evaluate/implicit.h"
 #include "framework/dynamics/solvers/dense_solver.h"
 #include "framework/mechanism/forces/spring_damper.h"

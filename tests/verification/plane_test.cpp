@@ -115,8 +115,9 @@ TEST_CASE("every axis can be the normal", "[verification][plane]") {
     system.set_planar(Plane{n});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
     CHECK(system.n_velocities() == 3);
-    rate[n] = dynamics.evaluate(system.start()).a[3 + n];
-    CHECK(dynamics.rows().n_rows == 2);
+    const Solution& values = dynamics.evaluate(system.start());
+    rate[n] = values.a[3 + n];
+    CHECK(values.rows.n_rows == 2);
   }
   CHECK(rate[0] == Approx(-9.81 * 0.5 / 0.35));
   CHECK(rate[1] == Approx(rate[0]).epsilon(1e-14));

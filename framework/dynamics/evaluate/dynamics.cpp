@@ -77,7 +77,7 @@ const Solution& Dynamics::evaluate(const State& state) {
   // c = Qhat + Qs; Qs = -2 alpha Cd - beta^2 C (2.15)
   c_.resize(e.rows().n_rows);
   for (const RowEntry& entry : e.rows().entries) {
-    const RowBlock block = e.rows().block(entry);
+    const RowView block = e.rows().block(entry);
     for (int k = 0; k < entry.m; ++k) c_[entry.first_row + k] = block.Qhat(k);
   }
   const Stabilization& s = options_.stabilization;

@@ -72,22 +72,6 @@ class LOCKSTEP_API Dynamics {
   /// One for the caller to keep, without a matrix yet. This Dynamics must outlive it.
   Factor new_factor() { return {system_, *solver_, options_.formulation, work_}; }
 
-  // -- for callers that still ask the dynamics for what the last gather() or evaluate() returned
-  const Inputs& look(const State& state) { return inputs(state); }
-  const Evaluation& evaluation() const { return *evaluation_; }
-  const Inputs& inputs() const { return evaluation_->inputs(); }
-  const RowTable& rows() const { return evaluation_->rows(); }
-  const VecX& force() const { return evaluation_->force(); }
-  void residuals(VecX& C, VecX& Cd) const { evaluation_->residuals(C, Cd); }
-  double norm(const VecX& c) const { return evaluation_->norm(c); }
-  const std::vector<const Force*>& reacting() const { return evaluation_->reacting(); }
-  void react(const VecX& lambda, VecX& f) const { evaluation_->react(lambda, f); }
-  const Solution& values() const { return *solution_; }
-  SolveReport last_solve() const { return solution_->full_report(); }
-  SolveReport solve(const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-    return factor(*evaluation_).solve(*evaluation_, f, c, a, lambda);
-  }
-
  private:
   Evaluation& own(const State&);
   Evaluation& gathered(const State&);

@@ -14,7 +14,7 @@ std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std:
 template <class Velocity, class Visit>
 void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
   for (const RowEntry& e : rows.entries) {
-    const RowBlock block = rows.block(e);
+    const RowView block = rows.block(e);
     for (int k = 0; k < e.m; ++k) {
       double cd = block.Ct(k);
       for (int i = 0; i < e.slots.n; ++i) {
@@ -41,20 +41,20 @@ const Inputs& StateInputs::at(const System& system, const State& state) {
 Evaluation::Evaluation(System& system, const State& state) : system_(system) { at(state); }
 
 bool Evaluation::covers(const State& state) const {
-  return system_.ready() && system_.revision() == revision_ && state.modes == modes_;
+  return layout_ && system_.ready() && system_.revision() == layout_->revision && state.modes == layout_->modes;
 }
 
 void Evaluation::lay_out(const State& state) {
   if (covers(state)) return system_.check_size(state);
   system_.setup();
   system_.check_size(state);
-  modes_ = state.modes;
-  system_.lay_out(modes_, rows_);
+  layout_ = nullptr;
+  system_.lay_out(state.modes, rows_);
   f_.setZero(6 * system_.n_slots());
   reacting_.clear();
   for (const auto& force : system_.forces())
     if (force->reacting() != nullptr) reacting_.push_back(force.get());
-  revision_ = system_.revision();
+  layout_ = std::make_shared<const Layout>(Layout{system_.revision(), state.modes});
 }
 
 void Evaluation::at(const State& state) {
@@ -69,7 +69,7 @@ void Evaluation::check() const { check_finite(system_, inputs(), rows_, f_); }
 void Evaluation::residuals(VecX& C, VecX& Cd) const {
   C.resize(rows_.n_rows), Cd.resize(rows_.n_rows);
   for (const RowEntry& e : rows_.entries) {
-    const RowBlock block = rows_.block(e);
+    const RowView block = rows_.block(e);
     for (int k = 0; k < e.m; ++k) C[e.first_row + k] = block.C(k);
   }
   struct Velocity {

@@ -1,6 +1,7 @@
 // Evaluation: a mechanism at one state: motions of the bodies, rows of the links, applied forces.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "framework/mechanism/system/system.h"
@@ -53,9 +54,13 @@ class LOCKSTEP_API Evaluation {
   const std::vector<const Force*>& reacting() const { return reacting_; }
   void react(const VecX& lambda, VecX& f) const;
 
-  // -- what was laid out: a factor made of the same serves this evaluation too
-  long revision() const { return revision_; }  ///< of the system
-  const std::vector<bool>& modes() const { return modes_; }
+  /// What was laid out: a factor of the same layout serves this evaluation too.
+  struct Layout {
+    long revision = -1;       ///< of the system
+    std::vector<bool> modes;  ///< links in force
+    bool operator==(const Layout&) const = default;
+  };
+  const std::shared_ptr<const Layout>& layout() const { return layout_; }
   /// Whether at() would lay out nothing anew.
   bool covers(const State&) const;
 
@@ -63,8 +68,7 @@ class LOCKSTEP_API Evaluation {
   void lay_out(const State&);
 
   System& system_;
-  std::vector<bool> modes_;
-  long revision_ = -1;
+  std::shared_ptr<const Layout> layout_;
   StateInputs inputs_;
   RowTable rows_;
   VecX f_;

@@ -10,10 +10,10 @@ Factor::Factor(const System& system, const LinearSolver& solver, Formulation for
     : solver_(&solver), work_(&work), assembler_(system, formulation) {}
 
 void Factor::lay_out(const Evaluation& e) {
+  layout_ = nullptr;
   assembler_.lay_out(e.rows(), solver_->reads_rows());
   factorization_ = solver_->analyse(assembler_.kkt().pattern);
-  revision_ = e.revision();
-  modes_ = e.modes();
+  layout_ = e.layout();
   if (assembler_.direct()) return;
   for (VecX* x : {&f_, &a_}) x->setZero(assembler_.n());
   for (VecX* x : {&c_, &lambda_}) x->setZero(assembler_.m());

@@ -41,14 +41,13 @@ class LOCKSTEP_API Factor {
  private:
   void lay_out(const Evaluation&);
   SolveReport solve(const Evaluation&, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
-  bool fits(const Evaluation& e) const { return e.revision() == revision_ && e.modes() == modes_; }
+  bool fits(const Evaluation& e) const { return layout_ && (layout_ == e.layout() || *layout_ == *e.layout()); }
 
   const LinearSolver* solver_;
   WorkCount* work_;
   KktAssembler assembler_;
   std::unique_ptr<Factorization> factorization_;
-  long revision_ = -1;  // of the system that was laid out, and the links in force then
-  std::vector<bool> modes_;
+  std::shared_ptr<const Evaluation::Layout> layout_;  // null: no matrix yet
   VecX f_, c_, a_, lambda_;  // in the formulation's own unknowns
 };
 

@@ -78,7 +78,7 @@ void NewtonMatrix::Work::lay_out_plan() {
 void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
   double* out = J.data();
   for (const RowEntry& e : rows.entries) {
-    const RowBlock block = rows.block(e);
+    const RowView block = rows.block(e);
     for (int i = 0; i < e.slots.n; ++i)
       for (int k = 0; k < e.m; ++k, out += 6) {
         const auto r = block.J(i, k);

@@ -107,7 +107,7 @@ void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions)
       out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
       continue;
     }
-    const RowBlock block = rows.block(rows.entries[static_cast<std::size_t>(l)]);
+    const RowView block = rows.block(rows.entries[static_cast<std::size_t>(l)]);
     for (int i = 0; i < link.n_slots; ++i) {
       const int slot = link.slot[static_cast<std::size_t>(i)], width = p.width[static_cast<std::size_t>(slot)];
       for (int k = 0; k < link.m; ++k, out += width) {

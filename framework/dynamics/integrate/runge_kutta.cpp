@@ -88,9 +88,9 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
     combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
     stage_.t = y.t + tableau_.c[i] * h;
     if (on == StagesOn::manifold && !dynamics.project(stage_, 0).converged) return false;
-    dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
+    const Solution& solution = dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
     if (!watch_) continue;
-    const SolveReport& solved = dynamics.last_solve();
+    const SolveReport solved = solution.full_report();
     conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;

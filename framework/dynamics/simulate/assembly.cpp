@@ -24,13 +24,13 @@ void cayley_move(State& state, int n_slots, double share, const VecX& d) {
   }
 }
 
-std::string worst_rows(const Dynamics& dynamics, const VecX& C) {
+std::string worst_rows(const Evaluation& e, const VecX& C) {
   std::vector<int> order(static_cast<std::size_t>(C.size()));
   for (int i = 0; i < C.size(); ++i) order[static_cast<std::size_t>(i)] = i;
   std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
   std::vector<std::string> words;
   for (std::size_t i = 0; i < order.size() && i < 3; ++i)
-    words.push_back(dynamics.system().row_name(dynamics.rows(), order[i]) + " (" + brief(C[order[i]]) + ")");
+    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + brief(C[order[i]]) + ")");
   return join(words);
 }
 
@@ -46,7 +46,11 @@ constexpr double kVelocityLimit = 1e-6;  // m/s, left of |Jh v + Ct|: more is a 
 class Assembler {
  public:
   Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
-      : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
+      : dynamics_(dynamics),
+        state_(state),
+        options_(options),
+        n_(dynamics.system().n_slots()),
+        factor_(dynamics.new_factor()) {}
 
   void positions(AssemblyReport& report) {
     dynamics_.normalize(state_);
@@ -59,7 +63,8 @@ class Assembler {
     for (report.iterations = 0; now > goal; ++report.iterations) {
       if (report.iterations == options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
       const VecX c = -C_;
-      dynamics_.solve(zero, c, d, lambda);
+      factor_.compute(*now_);
+      factor_.solve(*now_, zero, c, d, lambda);
       const State from = state_;
       double next = 0;
       for (double share = 1.0;; share *= 0.5) {
@@ -97,10 +102,11 @@ class Assembler {
         rows.row(i) = target_row(targets[static_cast<std::size_t>(i)], rate).transpose();
         gap[i] = targets[static_cast<std::size_t>(i)].value - rate;
       }
-      dynamics_.gather(state_);
-      const VecX none = VecX::Zero(dynamics_.rows().n_rows);
+      const Evaluation& e = dynamics_.gather(state_);
+      const VecX none = VecX::Zero(e.rows().n_rows);
+      factor_.compute(e);
       for (int i = 0; i < m; ++i) {
-        dynamics_.solve(rows.row(i).transpose(), none, a, lambda);
+        factor_.solve(e, rows.row(i).transpose(), none, a, lambda);
         response.col(i) = a;
       }
       const MatX compliance = rows * response;
@@ -116,22 +122,20 @@ class Assembler {
     residual();
     if (!(report.after_v <= kVelocityLimit))
       throw AssemblyError("assembly left velocities that no motion can have, " + brief(report.after_v) +
-                          " m/s beside the constraints; worst: " + worst_rows(dynamics_, Cd_) +
+                          " m/s beside the constraints; worst: " + worst_rows(*now_, Cd_) +
                           ". Two laws may drive one coordinate: look at the drives of these links");
   }
 
  private:
   double residual() {
-    dynamics_.gather(state_);
-    C_.resize(dynamics_.rows().n_rows);
-    Cd_.resize(dynamics_.rows().n_rows);
-    dynamics_.residuals(C_, Cd_);
-    return dynamics_.norm(C_);
+    now_ = &dynamics_.gather(state_);
+    now_->residuals(C_, Cd_);
+    return now_->norm(C_);
   }
 
   [[noreturn]] void stop(double now, int iterations) {
     throw AssemblyError("assembly stopped after " + std::to_string(iterations) + " iterations at |C| = " + brief(now) +
-                        " m; worst: " + worst_rows(dynamics_, C_) +
+                        " m; worst: " + worst_rows(*now_, C_) +
                         ". Check the start poses of these links' bodies, their markers and masks");
   }
 
@@ -141,8 +145,7 @@ class Assembler {
     const Lock& link = dynamics_.system().link(target.link);
     const auto [p, s] = link.pairs().front();
     const MarkerFrame P(*p), S(*s);
-    dynamics_.gather(state_);
-    const Inputs& in = dynamics_.inputs();
+    const Inputs& in = dynamics_.inputs(state_);
     const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
     const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
     const auto axis = vec::vector(Vec3(Vec3::Unit(index(target.axis) % 3)));
@@ -175,6 +178,8 @@ class Assembler {
   State& state_;
   const AssemblyOptions& options_;
   int n_;
+  Factor factor_;
+  const Evaluation* now_ = nullptr;  // of residual()
   VecX C_, Cd_;
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 // Name of the row that is violated most, by the norm of the dynamics. Only on the way to an error.
 std::string worst_row(Dynamics& dynamics, const State& state) {
-  dynamics.gather(state);
-  const RowTable& rows = dynamics.rows();
+  const Evaluation& at = dynamics.gather(state);
+  const RowTable& rows = at.rows();
   VecX c = VecX::Zero(rows.n_rows);
   int worst = 0;
   double most = -1;
@@ -22,7 +22,7 @@ std::string worst_row(Dynamics& dynamics, const State& state) {
     for (int k = 0; k < e.m; ++k) {
       const int row = e.first_row + k;
       c[row] = rows.block(e).C(k);
-      const double size = dynamics.norm(c);
+      const double size = at.norm(c);
       c[row] = 0;
       if (size > most) most = size, worst = row;
     }
@@ -51,24 +51,24 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
     const Lock& link = dynamics.system().link(name);
     const int n = link.n_own_states();
     if (n == 0) continue;
-    dynamics.gather(state);
+    const Inputs& in = dynamics.inputs(state);
     named(link, state.t, [&] {
-      link.stateful()->engage(dynamics.inputs(), {state.s.data() + link.first_state(), static_cast<std::size_t>(n)});
+      link.stateful()->engage(in, {state.s.data() + link.first_state(), static_cast<std::size_t>(n)});
     });
   }
 }
 
 void check_links(Dynamics& dynamics, const State& state, const std::vector<std::string>& links,
                  const std::string& cause, double limit) {
-  dynamics.gather(state);
-  const RowTable& rows = dynamics.rows();
+  const Evaluation& at = dynamics.gather(state);
+  const RowTable& rows = at.rows();
   for (const std::string& name : links) {
     const int entry = rows.entry_of_link[static_cast<std::size_t>(dynamics.system().link(name).number())];
     if (entry < 0) continue;
     const RowEntry& e = rows.entries[static_cast<std::size_t>(entry)];
     VecX c = VecX::Zero(rows.n_rows);
     for (int k = 0; k < e.m; ++k) c[e.first_row + k] = rows.block(e).C(k);
-    const double violation = dynamics.norm(c);
+    const double violation = at.norm(c);
     if (!(violation <= limit))
       throw AssemblyError(
           fmt::format("{} puts link '{}' in force at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "

@@ -32,7 +32,7 @@ ContactManager::Settled ContactManager::settle(State& state) {
   contact_time_ = std::numeric_limits<double>::infinity();
   if (!find_touching(state)) {
     for (std::size_t i = 0; i < contacts_.size(); ++i)
-      contacts_[i].clear = contacts_[i].above(contacts_.gap(i, dynamics_.look(state)));
+      contacts_[i].clear = contacts_[i].above(contacts_.gap(i, dynamics_.inputs(state)));
     out.restart = here;
     return out;
   }
@@ -49,7 +49,7 @@ ContactManager::Settled ContactManager::settle(State& state) {
 // Who touches, and what an impact is to leave of its speed. False: nobody.
 bool ContactManager::find_touching(const State& state) {
   touching_.clear(), hits_.clear(), aim_.clear(), active_.clear();
-  const Inputs& in = dynamics_.look(state);
+  const Inputs& in = dynamics_.inputs(state);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!contacts_.watched(i, state)) continue;
     const Contact& contact = contacts_[i];
@@ -82,18 +82,18 @@ void ContactManager::impact(State& state) {
 // The velocities after it with the rows that are active, and the first row that does not fit to them.
 void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
   put_active(state);
-  dynamics_.gather(state);
-  const RowTable& rows = dynamics_.rows();
-  C_.setZero(rows.n_rows), Cd_.setZero(rows.n_rows), impulse_.setZero(rows.n_rows);
+  const Evaluation& e = dynamics_.gather(state);
+  const RowTable& rows = e.rows();
+  impulse_.setZero(rows.n_rows);
   no_force_.setZero(state.v.size()), kick_.setZero(state.v.size());
-  dynamics_.residuals(C_, Cd_);
+  e.residuals(C_, Cd_);
   C_ = -Cd_;
   for (std::size_t k = 0; k < touching_.size(); ++k)
     if (active_[k]) C_[contacts_.row(touching_[k], rows)] += contacts_[touching_[k]].sign * aim_[k];
-  if (rows.n_rows > 0) dynamics_.solve(no_force_, C_, kick_, impulse_);
+  if (rows.n_rows > 0) dynamics_.factor(e).solve(e, no_force_, C_, kick_, impulse_);
   trial_ = state;
   trial_.v += kick_;
-  const Inputs& in = dynamics_.look(trial_);
+  const Inputs& in = dynamics_.inputs(trial_);
   double speed = 0;
   for (const Gap& g : hits_) speed = std::max(speed, std::abs(g.cd));
   const double least = rows.n_rows > 0 ? -kNoise * impulse_.lpNorm<Eigen::Infinity>() : 0.0;
@@ -110,8 +110,8 @@ void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
 
 // v+ and the energy that it cost: an impulse z on a row takes z (Cd- + Cd+)/2, and laws give z Ct.
 void ContactManager::take_impact(State& state) {
-  dynamics_.gather(state);
-  const RowTable& rows = dynamics_.rows();
+  const Evaluation& e = dynamics_.gather(state);
+  const RowTable& rows = e.rows();
   for (std::size_t k = 0; k < touching_.size(); ++k) {
     if (!active_[k]) continue;
     const Contact& contact = contacts_[touching_[k]];
@@ -119,11 +119,11 @@ void ContactManager::take_impact(State& state) {
     if (row < 0) continue;
     state.z[contact.link->impact_memory()] += 0.5 * impulse_[row] * contact.sign * (hits_[k].cd + aim_[k]);
   }
-  const Evaluated impulses{dynamics_.inputs(), kick_, impulse_, rows};
+  const Evaluated impulses{e.inputs(), kick_, impulse_, rows};
   for (const auto& auxiliary : dynamics_.system().auxiliaries())
     auxiliary->impact(impulses, {state.s.data() + auxiliary->first(), static_cast<std::size_t>(auxiliary->size())});
   state.v += kick_;
-  const Inputs& in = dynamics_.look(state);
+  const Inputs& in = dynamics_.inputs(state);
   for (std::size_t k = 0; k < touching_.size(); ++k) hits_[k] = contacts_.gap(touching_[k], in);
 }
 
@@ -146,9 +146,9 @@ std::string ContactManager::rest(State& state) {
   for (std::size_t pivots = 0; !fits; ++pivots) {
     if (pivots == most_pivots(n)) fail(state, "forces");
     put_active(state);
-    const Evaluated& v = dynamics_.evaluate(state);
+    const Solution& v = dynamics_.evaluate(state);
     const double force = std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
-                                  dynamics_.force().lpNorm<Eigen::Infinity>());
+                                  v.evaluation.force().lpNorm<Eigen::Infinity>());
     const double a = v.a.size() > 0 ? v.a.lpNorm<Eigen::Infinity>() : 0.0;
     fits = true;
     for (std::size_t k = 0; k < n && fits; ++k) {

@@ -44,7 +44,7 @@ void ContactManager::start(const State& state) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!contacts_.watched(i, state)) continue;
     check_side(i, state, "the start");
-    const Gap g = contacts_.gap(i, dynamics_.look(state));
+    const Gap g = contacts_.gap(i, dynamics_.inputs(state));
     contacts_[i].leave(g);
     if (g.cd < -contacts_[i].rest_speed()) contacts_[i].clear = true;  // it begins with an impact
   }
@@ -56,7 +56,7 @@ void ContactManager::check_sides(const State& state, const std::vector<std::stri
 }
 
 void ContactManager::check_side(std::size_t i, const State& state, const std::string& cause) {
-  const Gap g = contacts_.gap(i, dynamics_.look(state));
+  const Gap g = contacts_.gap(i, dynamics_.inputs(state));
   const Contact& contact = contacts_[i];
   const double length = dynamics_.system().length();
   const RowKind kind = contact.link->row_kind(0);
@@ -71,7 +71,7 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
 
 void ContactManager::note(const State& state, bool moved) {
   bool any_in_force = false;
-  const Inputs& in = dynamics_.look(state);
+  const Inputs& in = dynamics_.inputs(state);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!contacts_.watched(i, state)) continue;
     contacts_[i].gap = contacts_.gap(i, in);
@@ -84,20 +84,14 @@ void ContactManager::note(const State& state, bool moved) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].push = contacts_[i].push_now;
 }
 
-void ContactManager::evaluate_pushes(const State& state) {
-  const Evaluated& v = dynamics_.evaluate(state);
+const Solution& ContactManager::evaluate_pushes(const State& state) {
+  const Solution& v = dynamics_.evaluate(state);
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     if (const int row = contacts_.row(i, v.rows); row >= 0) contacts_[i].push_now = -contacts_[i].sign * v.lambda[row];
+  return v;
 }
 
-// Forces below this are noise; of the evaluation made last.
-double ContactManager::pull_limit() const {
-  const Evaluated& v = dynamics_.values();
-  const double lambda = v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0;
-  return kPull * std::max(lambda, dynamics_.force().lpNorm<Eigen::Infinity>());
-}
-
-Gap ContactManager::gap_at(std::size_t i, double t) { return contacts_.gap(i, dynamics_.look(interval_.at(t))); }
+Gap ContactManager::gap_at(std::size_t i, double t) { return contacts_.gap(i, dynamics_.inputs(interval_.at(t))); }
 
 double ContactManager::push_at(std::size_t i, double t) {
   const Evaluated& v = dynamics_.evaluate(interval_.at(t));
@@ -157,7 +151,7 @@ double ContactManager::locate_hit(const State& end) {
   std::vector<double>& times = sample_times_;
   const auto sample = [&](const State& state) {
     times.push_back(state.t);
-    const Inputs& in = dynamics_.look(state);
+    const Inputs& in = dynamics_.inputs(state);
     for (std::size_t i = 0; i < n; ++i) samples_.push_back(free(i, end) ? contacts_.gap(i, in) : Gap{});
   };
   times.assign(1, t0);
@@ -196,8 +190,9 @@ double ContactManager::locate_releases(const State& end, double before) {
   bool any_in_force = false;
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
   if (!any_in_force) return kNever;
-  evaluate_pushes(end);
-  const double limit = pull_limit();
+  const Solution& v = evaluate_pushes(end);
+  const double limit = kPull * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
+                                        v.evaluation.force().lpNorm<Eigen::Infinity>());
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     if (contacts_.in_force(i, end) && contacts_[i].push_now < -limit) released_.push_back(i);
   double earliest = kNever;

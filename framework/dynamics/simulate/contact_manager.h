@@ -46,9 +46,8 @@ class ContactManager {
   double lowest_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b, double& c);
   double locate_hit(const State& end);
   double locate_releases(const State& end, double before);
-  void evaluate_pushes(const State&);
+  const Solution& evaluate_pushes(const State&);
   double locate_release(std::size_t contact, double t1);
-  double pull_limit() const;
   // contact_impacts.cpp: at the instant
   bool find_touching(const State&);
   void impact(State&);

@@ -20,16 +20,16 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
 }
 
 // In space, also where the mechanism is planar.
-RowBlock Contacts::gathered(const Lock& link, const Inputs& in) const {
+RowView Contacts::gathered(const Lock& link, const Inputs& in) {
   const RowShape shape = link.shape();
   const Lock* const one = &link;
   link.gather(Group(&one, 1), in, room_.spatial_span(shape));
   return room_.spatial(shape);
 }
 
-Gap Contacts::gap(std::size_t i, const Inputs& in) const {
+Gap Contacts::gap(std::size_t i, const Inputs& in) {
   const Contact& contact = all_[i];
-  const RowBlock block = gathered(*contact.link, in);
+  const RowView block = gathered(*contact.link, in);
   const SlotList slots = contact.link->slots();
   double cd = block.Ct(0);
   for (int k = 0; k < slots.n; ++k) {
@@ -41,9 +41,9 @@ Gap Contacts::gap(std::size_t i, const Inputs& in) const {
 }
 
 // C'' = Jh a - Qhat
-double Contacts::gap_dd(std::size_t i, const Evaluated& v) const {
+double Contacts::gap_dd(std::size_t i, const Evaluated& v) {
   const Contact& contact = all_[i];
-  const RowBlock block = gathered(*contact.link, v.in);
+  const RowView block = gathered(*contact.link, v.in);
   const SlotList slots = contact.link->slots();
   double cdd = -block.Qhat(0);
   for (int k = 0; k < slots.n; ++k) {

@@ -53,14 +53,14 @@ class Contacts {
   int number(std::size_t i) const { return all_[i].link->number(); }
 
   /// The gap as the link sees it, whether or not it is in force.
-  Gap gap(std::size_t i, const Inputs&) const;
+  Gap gap(std::size_t i, const Inputs&);
   /// Its second rate at these accelerations.
-  double gap_dd(std::size_t i, const Evaluated&) const;
+  double gap_dd(std::size_t i, const Evaluated&);
   /// Its row in the table; -1: not in force.
   int row(std::size_t i, const RowTable&) const;
 
  private:
-  RowBlock gathered(const Lock&, const Inputs&) const;
+  RowView gathered(const Lock&, const Inputs&);
   std::vector<Contact> all_;
   RowTable room_;  // for one row that is in no table
 };

@@ -15,7 +15,7 @@ class Sample {
   const StepReport& report;
   const System& system() const { return dynamics_.system(); }
   /// a, lambda, rows and inputs at this state; solved at the first call.
-  const Evaluated& values() const {
+  const Solution& values() const {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
@@ -37,7 +37,7 @@ class Sample {
     LinkWrench wrench;
   };
   Dynamics& dynamics_;
-  mutable const Evaluated* values_ = nullptr;
+  mutable const Solution* values_ = nullptr;
   mutable Asked last_;
 };
 

@@ -4,7 +4,7 @@ namespace lockstep {
 namespace {
 
 // (2.1) generalised force on the link's i-th slot: -J_i^T lambda; its moment carried to the point.
-LinkWrench on_slot(const Lock& link, const RowBlock& block, const RowEntry& e, const double* lambda, int i, int part,
+LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, const double* lambda, int i, int part,
                    const Motion& O, const Vec3& point) {
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
@@ -22,7 +22,7 @@ LinkWrench on_slot(const Lock& link, const RowBlock& block, const RowEntry& e, c
 LinkWrench Reactions::on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part) const {
   if (entry(link) < 0) return {};
   const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];
-  const RowBlock block = rows_.block(e);
+  const RowView block = rows_.block(e);
   const double* lambda = lambda_.data() + e.first_row;
   const Vec3 point = in_world(at, in).x;
   if (const int i = e.slots.position(at.slot); i >= 0)

@@ -4,23 +4,48 @@
 
 #include <vector>
 
-#include "framework/foundation/math/pose.h"
+#include "framework/mechanism/model/inputs.h"
 #include "framework/foundation/support/export.h"
 
 namespace lockstep {
 
+/// Coordinates belong to a formulation: integrators step them, the functions below read and write them as motions, and
+/// everybody else asks those.
 struct State {
-  double t = 0;
-  VecX q;  ///< 7 a slot: x (world, m), quaternion (scalar first) of the slot's frame at its mass centre
-  VecX v;  ///< 6 a slot: velocity (world, m/s), angular velocity (slot's axes, rad/s)
-  VecX s;  ///< integrated as well, each with a rate: controllers, speed laws, quadratures
-  VecX z;  ///< remembered, not integrated: turn counters; written only when a step is accepted
+  double t = 0;  ///< s
+  VecX q;        ///< 7 per slot: x (world, m), quaternion (scalar first) of the slot's frame at its mass centre
+  VecX v;        ///< 6 per slot: velocity (world, m/s), angular velocity (slot axes, rad/s)
+  VecX s;        ///< integrated as well, each with a rate: controllers, speed laws, quadratures
+  VecX z;        ///< remembered, not integrated: turn counters; written only when a step is accepted
   std::vector<bool> modes;    ///< which links are in force, by link number; changed only between steps
   std::vector<bool> watched;  ///< which unilateral links come into force when they are touched; others: false
 
   Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
   Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
+  void set_slot_pose(int slot, const Pose& p) {
+    q.segment<3>(7 * slot) = p.x;
+    q.segment<4>(7 * slot + 3) = p.q.coefficients();
+  }
+  void set_slot_twist(int slot, const Twist& o) {
+    v.segment<3>(6 * slot) = o.v;
+    v.segment<3>(6 * slot + 3) = o.w;
+  }
 };
+
+/// Motion of a slot, its quaternion normalised.
+inline void read_motion(const State& state, int slot, Motion& out) {
+  out.x = state.q.segment<3>(7 * slot);
+  out.e = normalized(Quat::from(state.q.segment<4>(7 * slot + 3)));
+  out.A = rotation(out.e);
+  out.v = state.v.segment<3>(6 * slot);
+  out.w = state.v.segment<3>(6 * slot + 3);
+}
+/// The same; of the ground: at rest.
+inline Motion motion(const State& state, int slot) {
+  Motion out;
+  if (slot != kGround) read_motion(state, slot, out);
+  return out;
+}
 
 /// q (+) h v: x += h v, e <- e exp(h w). v: 6 per slot, m/s (world) and rad/s (slot axes).
 LOCKSTEP_API void advance(State&, double h, const VecX& v);

@@ -74,17 +74,19 @@ struct RowShape {
   std::size_t at(int column) const { return static_cast<std::size_t>(column * ld()); }
 };
 
-/// The rows of one link, to be written and read.
-class RowBlock {
+/// The rows of one link: RowBlock to be written and read, RowView only to be read.
+template <class Number>
+class BasicRowBlock {
  public:
-  RowBlock(double* base, const RowShape& shape) : p_(base), shape_(shape), ld_(shape.ld()) {}
+  BasicRowBlock(Number* base, const RowShape& shape) : p_(base), shape_(shape), ld_(shape.ld()) {}
+  operator BasicRowBlock<const double>() const { return {p_, shape_}; }
 
   int rows() const { return shape_.m; }
   int slots() const { return shape_.n; }
   RowLayout layout() const { return shape_.layout; }
-  double& C(int k) const { return p_[k]; }
-  double& Ct(int k) const { return p_[ld_ + k]; }
-  double& Qhat(int k) const { return p_[2 * ld_ + k]; }
+  Number& C(int k) const { return p_[k]; }
+  Number& Ct(int k) const { return p_[ld_ + k]; }
+  Number& Qhat(int k) const { return p_[2 * ld_ + k]; }
 
   /// Row k on the link's i-th slot: 6 numbers, v (world) then w (slot axes).
   std::array<double, 6> J(int i, int k) const {
@@ -164,10 +166,12 @@ class RowBlock {
     }
     return out;
   }
-  double* p_;
+  Number* p_;
   RowShape shape_;
   int ld_;
 };
+using RowBlock = BasicRowBlock<double>;
+using RowView = BasicRowBlock<const double>;
 
 /// The rows of a group, link after link.
 class RowSpan {
@@ -227,24 +231,25 @@ class RowTable {
     }
     data_.assign(at, 0.0);  // what pads the columns stays zero
   }
-  RowBlock block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
-  RowSpan span(const RowEntry& first) const { return {data_.data() + first.offset, first.shape()}; }
+  RowBlock block(const RowEntry& e) { return {data_.data() + e.offset, e.shape()}; }
+  RowView block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
+  RowSpan span(const RowEntry& first) { return {data_.data() + first.offset, first.shape()}; }
   const double* data() const { return data_.data(); }
   /// Grows whenever the numbers are written anew: a factor of older ones knows by it that they are gone.
   long revision() const { return revision_; }
   void renew() { ++revision_; }
   /// Room for the rows in space of one link, before those of a plane are taken from it.
-  RowBlock spatial(const RowShape& shape) const {
+  RowBlock spatial(const RowShape& shape) {
     if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
     return {spatial_.data(), shape};
   }
-  RowSpan spatial_span(const RowShape& shape) const {
+  RowSpan spatial_span(const RowShape& shape) {
     (void)spatial(shape);
     return {spatial_.data(), shape};
   }
 
  private:
-  mutable Aligned<double> data_, spatial_;
+  Aligned<double> data_, spatial_;
   long revision_ = 0;
 };
 

@@ -105,7 +105,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
         {.thing = body, .advice = kShorterStep, .t = in.t});
   }
   for (const RowEntry& e : table.entries) {
-    const RowBlock block = table.block(e);
+    const RowView block = table.block(e);
     double sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum))

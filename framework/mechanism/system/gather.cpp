@@ -52,14 +52,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
 
 void System::motions(const State& state, std::vector<Motion>& out) const {
   out.resize(static_cast<std::size_t>(n_slots() + 1));  // the first is the ground, at rest
-  for (int k = 0; k < n_slots(); ++k) {
-    Motion& O = out[static_cast<std::size_t>(k + 1)];
-    O.x = state.q.segment<3>(7 * k);
-    O.e = normalized(Quat::from(state.q.segment<4>(7 * k + 3)));
-    O.A = rotation(O.e);
-    O.v = state.v.segment<3>(6 * k);
-    O.w = state.v.segment<3>(6 * k + 3);
-  }
+  for (int k = 0; k < n_slots(); ++k) read_motion(state, k, out[static_cast<std::size_t>(k + 1)]);
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {

@@ -23,16 +23,16 @@ State planar_state(const System& system, const State& start, int k) {
   for (int i = 0; i < system.n_slots(); ++i) {
     const auto wave = [&](double phase) { return std::sin(1.0 + 2.3 * i + 1.7 * k + phase); };
     const double turn = k == 0 ? 0.0 : 0.4 * wave(0.0), move = k == 0 ? 0.0 : 0.2 * system.length();
-    s.q[7 * i + plane.i()] += move * wave(1.0);
-    s.q[7 * i + plane.j()] += move * wave(2.0);
-    Vec3 n = Vec3::Zero();
-    n[plane.n] = 1;
-    const Quat q = Quat::from(s.q.segment<4>(7 * i + 3)) * axis_angle(n, turn);
-    s.q.segment<4>(7 * i + 3) = q.coefficients();
-    s.v.segment<6>(6 * i).setZero();
-    s.v[6 * i + plane.i()] = wave(3.0) * system.length();
-    s.v[6 * i + plane.j()] = wave(4.0) * system.length();
-    s.v[6 * i + 3 + plane.n] = wave(5.0);
+    Pose pose = s.slot_pose(i);
+    pose.x[plane.i()] += move * wave(1.0);
+    pose.x[plane.j()] += move * wave(2.0);
+    pose.q = pose.q * axis_angle(Vec3(Vec3::Unit(plane.n)), turn);
+    s.set_slot_pose(i, pose);
+    Twist twist;
+    twist.v[plane.i()] = wave(3.0) * system.length();
+    twist.v[plane.j()] = wave(4.0) * system.length();
+    twist.w[plane.n] = wave(5.0);
+    s.set_slot_twist(i, twist);
   }
   return s;
 }

@@ -26,17 +26,15 @@ std::vector<std::string> names_of(const Range& range) {
 }
 
 template <class Range>
-auto find_in(Range& range, const std::string& name) {
-  return std::find_if(range.begin(), range.end(), [&](const auto& item) {
-    if constexpr (requires { item->name(); })
-      return item->name() == name;
-    else
-      return item.name == name;
-  });
-}
-
-[[noreturn]] void unknown(const std::string& kind, const std::string& name, const std::vector<std::string>& known) {
-  throw ModelError("unknown " + kind + " \"" + name + "\"" + suggestion(name, known));
+auto& find(const std::string& kind, Range& range, const std::string& name) {
+  for (auto& item : range) {
+    if constexpr (requires { item->name(); }) {
+      if (item->name() == name) return item;
+    } else {
+      if (item.name == name) return item;
+    }
+  }
+  throw ModelError("unknown " + kind + " \"" + name + "\"" + suggestion(name, names_of(range)));
 }
 
 void check_pose(const std::string& what, const Pose& pose) {
@@ -149,26 +147,14 @@ Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
-Body& System::body(const std::string& name) const {
-  const auto it = find_in(bodies_, name);
-  if (it == bodies_.end()) unknown("body", name, names_of(bodies_));
-  return const_cast<Body&>(*it);
-}
-Marker& System::marker(const std::string& name) const {
-  const auto it = find_in(markers_, name);
-  if (it == markers_.end()) unknown("marker", name, names_of(markers_));
-  return const_cast<Marker&>(*it);
-}
-Lock& System::link(const std::string& name) const {
-  const auto it = find_in(links_, name);
-  if (it == links_.end()) unknown("link", name, names_of(links_));
-  return **it;
-}
-Force& System::force(const std::string& name) const {
-  const auto it = find_in(forces_, name);
-  if (it == forces_.end()) unknown("force", name, names_of(forces_));
-  return **it;
-}
+Body& System::body(const std::string& name) { return find("body", bodies_, name); }
+Marker& System::marker(const std::string& name) { return find("marker", markers_, name); }
+Lock& System::link(const std::string& name) { return *find("link", links_, name); }
+Force& System::force(const std::string& name) { return *find("force", forces_, name); }
+const Body& System::body(const std::string& name) const { return find("body", bodies_, name); }
+const Marker& System::marker(const std::string& name) const { return find("marker", markers_, name); }
+const Lock& System::link(const std::string& name) const { return *find("link", links_, name); }
+const Force& System::force(const std::string& name) const { return *find("force", forces_, name); }
 
 // --------------------------------------------------------------------------------------------------------------- setup
 
@@ -286,12 +272,10 @@ State System::start() const {
   for (int k = 0; k < n; ++k) {
     const Body& b = body_of_slot(k);
     const Pose& home = slot(k).home;
-    state.q.segment<3>(7 * k) = home.x;
-    state.q.segment<4>(7 * k + 3) = home.q.coefficients();
+    state.set_slot_pose(k, home);
     const Mat3 A = rotation(b.home.q);  // a part moves as its first body does
     const Vec3 r = slot(k).bodies.size() == 1 ? b.mass.center : Vec3(A.transpose() * (home.x - b.home.x));
-    state.v.segment<3>(6 * k) = b.start.v + A * cross(b.start.w, r);
-    state.v.segment<3>(6 * k + 3) = rotation(b.in_slot.q) * b.start.w;
+    state.set_slot_twist(k, {b.start.v + A * cross(b.start.w, r), rotation(b.in_slot.q) * b.start.w});
   }
   state.s = VecX::Zero(n_states_);
   state.z = VecX::Zero(n_memory_);
@@ -313,19 +297,6 @@ State System::start() const {
       named(*force, 0.0, [&] { own->start_memory(part(state.z, force->first_memory(), own->n_memory())); });
   for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
   return state;
-}
-
-Pose pose(const Body& b, const State& state) {
-  if (b.slot == kGround) return b.home;
-  const Pose slot = state.slot_pose(b.slot);
-  return Pose{slot.x, normalized(slot.q)} * b.in_slot;
-}
-
-Twist twist(const Body& b, const State& state) {
-  if (b.slot == kGround) return {};
-  const Twist slot = state.slot_twist(b.slot);
-  const Mat3 A = rotation(normalized(state.slot_pose(b.slot).q));
-  return {slot.v + A * cross(slot.w, b.in_slot.x), rotation(b.in_slot.q).transpose() * slot.w};
 }
 
 }  // namespace lockstep

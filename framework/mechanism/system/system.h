@@ -17,6 +17,7 @@
 #include "framework/mechanism/model/plane.h"
 #include "framework/mechanism/model/slot.h"
 #include "framework/mechanism/model/state.h"
+#include "framework/mechanism/system/state_editor.h"
 
 namespace lockstep {
 
@@ -95,10 +96,14 @@ class LOCKSTEP_API System {
   bool has_offsets() const { return offsets_; }
 
   // -- finding; throws ModelError with the closest name
-  Body& body(const std::string& name) const;
-  Marker& marker(const std::string& name) const;
-  Lock& link(const std::string& name) const;
-  Force& force(const std::string& name) const;
+  Body& body(const std::string& name);
+  Marker& marker(const std::string& name);
+  Lock& link(const std::string& name);
+  Force& force(const std::string& name);
+  const Body& body(const std::string& name) const;
+  const Marker& marker(const std::string& name) const;
+  const Lock& link(const std::string& name) const;
+  const Force& force(const std::string& name) const;
   const std::deque<Body>& bodies() const { return bodies_; }  ///< the ground is the first
   const std::deque<Marker>& markers() const { return markers_; }
   const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }
@@ -191,10 +196,5 @@ class LOCKSTEP_API System {
 /// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres
 /// lie in it. No plane if there is none. The system's own choice of plane is left as it was.
 LOCKSTEP_API Plane find_plane(System&);
-
-/// Pose of a body's frame in the world.
-LOCKSTEP_API Pose pose(const Body&, const State&);
-/// v: velocity of the body's frame origin (world); w: body axes.
-LOCKSTEP_API Twist twist(const Body&, const State&);
 
 }  // namespace lockstep

@@ -12,7 +12,7 @@ Quat turn_of(const VecX& q, Eigen::Index slot) { return Quat::from(q.segment<4>(
 VecX loads(const Evaluated& values, Eigen::Index n) {
   VecX load = VecX::Zero(n);
   for (const RowEntry& e : values.rows.entries) {
-    const RowBlock block = values.rows.block(e);
+    const RowView block = values.rows.block(e);
     for (int k = 0; k < e.m; ++k)
       for (int i = 0; i < e.slots.n; ++i) {
         const auto r = block.J(i, k);

@@ -6,9 +6,9 @@
 namespace lockstep {
 
 MobilityReport mobility(Dynamics& dynamics, const State& state) {
-  dynamics.gather(state);
+  const Evaluation& evaluation = dynamics.gather(state);
   const System& system = dynamics.system();
-  const RowTable& table = dynamics.rows();
+  const RowTable& table = evaluation.rows();
   MobilityReport report;
   report.bodies = system.n_slots();
   report.unknowns = system.n_velocities();
@@ -18,7 +18,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
   const double L = system.length();
   MatX Jt = MatX::Zero(6 * system.n_slots(), table.n_rows);
   for (const RowEntry& e : table.entries) {
-    const RowBlock block = table.block(e);
+    const RowView block = table.block(e);
     for (int i = 0; i < e.slots.n; ++i) {
       const bool particle = system.slot(e.slots[i]).freedoms == Freedoms::particle;
       for (int k = 0; k < e.m; ++k) {

@@ -57,8 +57,10 @@ std::string contents(const std::string& file) {
 
 // Runs the program in the folder with its arguments as they are; what it says goes to said.txt. 0 when all went well.
 int run(const std::string& program, std::span<const std::string> arguments, const std::string& folder) {
-  std::vector<char*> argv{const_cast<char*>(program.c_str())};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  std::vector<std::string> words{program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

@@ -96,7 +96,7 @@ void LockBench::look_beside() {
 
 void LockBench::read(std::size_t lane, LockRows& out) const {
   const RowShape s = link_.shape();
-  const RowBlock block = RowSpan(const_cast<double*>(numbers_.data()) + kGuard, s).lane(lane);
+  const RowView block(numbers_.data() + kGuard + lane * RowSpan::stride(s), s);
   const SlotList slots = link_.slots();
   out.C.resize(s.m), out.Ct.resize(s.m), out.Qhat.resize(s.m);
   out.J.setZero(s.m, 6 * system_.n_slots());

@@ -66,9 +66,9 @@ void of_body(const Body& body, Entries& out) {
   if (body.fixed) return;
   const Body* const b = &body;  // the mass centre is the slot's origin
   add_vector(out, "center_", "m", "mass centre in the world",
-             [b](const Sample& s) { return Vec3(s.state.q.segment<3>(7 * b->slot)); });
+             [b](const Sample& s) { return s.state.slot_pose(b->slot).x; });
   add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
-             [b](const Sample& s) { return Vec3(s.state.v.segment<3>(6 * b->slot)); });
+             [b](const Sample& s) { return s.state.slot_twist(b->slot).v; });
   add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
              [b](const Sample& s) { return Vec3(s.values().a.segment<3>(6 * b->slot)); });
 }

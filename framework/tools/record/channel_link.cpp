@@ -81,7 +81,7 @@ void add_rows(const Lock& link, Entries& out) {
 }
 
 // The row's own value, whether or not it is in force.
-double row_value(const Lock& link, const Inputs& in, const RowTable& room) {
+double row_value(const Lock& link, const Inputs& in, RowTable& room) {
   const RowShape shape = link.shape();
   const Lock* const one = &link;
   link.gather(Group(&one, 1), in, room.spatial_span(shape));
@@ -93,7 +93,7 @@ void add_contact(const Lock& link, Entries& out) {
   const auto room = std::make_shared<RowTable>();
   add(out, "gap", link.row_kind(0) == RowKind::translation ? "m" : "",
       "how far the one-sided link is from holding; below zero is forbidden", [l, room](const Sample& s) {
-        return l->unilateral()->sign() * row_value(*l, s.dynamics().look(s.state), *room);
+        return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
       });
   add(out, "in_contact", "", "1 while the one-sided link holds, 0 while it is free",
       [l](const Sample& s) { return s.state.modes[static_cast<std::size_t>(l->number())] ? 1.0 : 0.0; });
@@ -113,12 +113,13 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const auto scratch = std::make_shared<VecX>();
   add(out, "violation", "m", "largest residual of the link, turns as lengths; 0 while it is not active",
       [l, scratch](const Sample& s) {
-        const RowTable& rows = s.values().rows;
+        const Evaluation& at = s.values().evaluation;
+        const RowTable& rows = at.rows();
         const RowEntry* e = entry_of(*l, rows);
         if (!e) return 0.0;
         scratch->setZero(rows.n_rows);
         for (int k = 0; k < e->m; ++k) (*scratch)[e->first_row + k] = rows.block(*e).C(k);
-        return s.dynamics().norm(*scratch);
+        return at.norm(*scratch);
       });
   if (link.unilateral()) add_contact(link, out);
   const Observable* const observable = link.observable();

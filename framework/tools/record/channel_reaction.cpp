@@ -36,7 +36,7 @@ double power_of_drive(const Lock& link, const Evaluated& v, int part) {
   const int entry = v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
   if (entry < 0) return 0;
   const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
-  const RowBlock block = v.rows.block(e);
+  const RowView block = v.rows.block(e);
   double power = 0;
   for (int k = 0; k < e.m; ++k)
     if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
@@ -72,7 +72,7 @@ void of_reactions(const Lock& link, Entries& out) {
 double power_of_laws(const Evaluated& v) {
   double power = 0;
   for (const RowEntry& e : v.rows.entries) {
-    const RowBlock block = v.rows.block(e);
+    const RowView block = v.rows.block(e);
     for (int k = 0; k < e.m; ++k) power += v.lambda[e.first_row + k] * block.Ct(k);
   }
   return power;

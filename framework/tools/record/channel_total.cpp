@@ -12,8 +12,8 @@ double kinetic(const Sample& s) {
   double twice = 0;
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
-    const Vec3 v = s.state.v.segment<3>(6 * k), w = s.state.v.segment<3>(6 * k + 3);
-    twice += b.mass * v.squaredNorm() + w.dot(b.J * w);
+    const Twist O = s.state.slot_twist(k);
+    twice += b.mass * O.v.squaredNorm() + O.w.dot(b.J * O.w);
   }
   return 0.5 * twice;
 }
@@ -21,7 +21,7 @@ double kinetic(const Sample& s) {
 double potential(const Sample& s) {
   double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k)
-    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.q.segment<3>(7 * k));
+    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.slot_pose(k).x);
   if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.values().in); });
   return sum;
@@ -29,7 +29,7 @@ double potential(const Sample& s) {
 
 Vec3 momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.state.v.segment<3>(6 * k);
+  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.state.slot_twist(k).v;
   return sum;
 }
 
@@ -37,7 +37,7 @@ Vec3 angular_momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
-    const Motion O = slot_motion(s.state, k);
+    const Motion O = motion(s.state, k);
     sum += cross(O.x, Vec3(b.mass * O.v)) + O.A * (b.J * O.w);
   }
   return sum;
@@ -142,26 +142,20 @@ void of_run(Entries& out) {
     scratch->setZero(rows.n_rows);
     for (const RowEntry& e : rows.entries)
       for (int k = 0; k < e.m; ++k) (*scratch)[e.first_row + k] = rows.block(e).C(k);
-    return s.dynamics().norm(*scratch);
+    return s.values().evaluation.norm(*scratch);
   });
   add(out, "evaluations", "", "evaluations of the equations of motion so far, those for the record included",
       [](const Sample& s) { return static_cast<double>(s.dynamics().work().evaluations); });
   add(out, "solver.residual", "", "largest residual of the rows' equations, relative", [](const Sample& s) {
-    s.values();
-    return s.dynamics().last_solve().residual;
+    return s.values().full_report().residual;
   });
   add(out, "solver.corrections", "", "proximal corrections of this solution", [](const Sample& s) {
-    s.values();
-    return static_cast<double>(s.dynamics().last_solve().corrections);
+    return static_cast<double>(s.values().report.corrections);
   });
   add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
-      [](const Sample& s) {
-        s.values();
-        return s.dynamics().last_solve().detector;
-      });
+      [](const Sample& s) { return s.values().full_report().detector; });
   add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution", [](const Sample& s) {
-    s.values();
-    return s.dynamics().last_solve().smallest_pivot;
+    return s.values().full_report().smallest_pivot;
   });
 }
 

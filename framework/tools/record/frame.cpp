@@ -12,7 +12,7 @@ Vec3 slot_alpha(const VecX& a, int slot) {
 
 RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
   const bool moving = m.slide || m.spin || n.slide || n.spin;
-  return relative_kinematics(slot_motion(s, m.slot), slot_motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
+  return relative_kinematics(motion(s, m.slot), motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
 }
 
 }  // namespace
@@ -26,20 +26,9 @@ MarkerFrame Frame::folded() const {
   return f;
 }
 
-Motion slot_motion(const State& s, int slot) {
-  Motion O;
-  if (slot == kGround) return O;
-  O.x = s.q.segment<3>(7 * slot);
-  O.e = normalized(Quat::from(s.q.segment<4>(7 * slot + 3)));
-  O.A = rotation(O.e);
-  O.v = s.v.segment<3>(6 * slot);
-  O.w = s.v.segment<3>(6 * slot + 3);
-  return O;
-}
-
 FrameMotion motion_of(const Frame& frame, const State& s) {
   const MarkerFrame f = frame.folded();
-  const Motion O = slot_motion(s, f.slot);
+  const Motion O = motion(s, f.slot);
   const MarkerMotion m = f.at(s.t);
   FrameMotion r;
   r.q = O.e * m.q;
@@ -54,7 +43,7 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   const VecX& a = sample.values().a;
   const State& s = sample.state;
   const MarkerFrame f = frame.folded();
-  const Motion O = slot_motion(s, f.slot);
+  const Motion O = motion(s, f.slot);
   const MarkerMotion m = f.at(s.t);
   const Vec3 al = slot_alpha(a, f.slot);
   // a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  alpha = A al + A_M md + (A w) x (A_M mw)

@@ -24,7 +24,6 @@ struct FrameAcceleration {
   Vec3 a, alpha;
 };
 
-Motion slot_motion(const State&, int slot);
 FrameMotion motion_of(const Frame&, const State&);
 FrameAcceleration acceleration_of(const Frame&, const Sample&);
 

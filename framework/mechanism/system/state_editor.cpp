@@ -1,0 +1,44 @@
+#include "framework/mechanism/system/state_editor.h"
+
+#include "framework/foundation/support/error.h"
+
+namespace lockstep {
+
+namespace {
+
+int moving_slot(const Body& b) {
+  if (b.slot == kGround)
+    throw ModelError("body '" + b.name + "' does not move; only bodies that move have a pose or twist to be set");
+  return b.slot;
+}
+
+}  // namespace
+
+Pose pose(const Body& b, const State& state) {
+  if (b.slot == kGround) return b.home;
+  const Pose slot = state.slot_pose(b.slot);
+  return Pose{slot.x, normalized(slot.q)} * b.in_slot;
+}
+
+Twist twist(const Body& b, const State& state) {
+  if (b.slot == kGround) return {};
+  const Twist slot = state.slot_twist(b.slot);
+  const Mat3 A = rotation(normalized(state.slot_pose(b.slot).q));
+  return {slot.v + A * cross(slot.w, b.in_slot.x), rotation(b.in_slot.q).transpose() * slot.w};
+}
+
+void StateEditor::set_pose(const Body& b, const Pose& pose) {
+  const int slot = moving_slot(b);
+  const Twist kept = twist(b);
+  state_.set_slot_pose(slot, Pose{pose.x, normalized(pose.q)} * inverse(b.in_slot));
+  set_twist(b, kept);
+}
+
+void StateEditor::set_twist(const Body& b, const Twist& twist) {
+  const int slot = moving_slot(b);
+  const Vec3 w = rotation(b.in_slot.q) * twist.w;
+  const Mat3 A = rotation(normalized(state_.slot_pose(slot).q));
+  state_.set_slot_twist(slot, {twist.v - A * cross(w, b.in_slot.x), w});
+}
+
+}  // namespace lockstep
