@@ -20,10 +20,10 @@ struct OrderProbe {
 
 /// An integrator and what is expected of it. Empty `adaptive`: fixed steps only; `dense_order` 0: no dense output.
 struct IntegratorCase {
-  const char* name;
-  std::function<std::unique_ptr<Integrator>()> fixed, adaptive;
-  double order;
-  OrderProbe top, pendulum;
+  const char* name = "";
+  std::function<std::unique_ptr<Integrator>()> fixed{}, adaptive{};
+  double order = 1;
+  OrderProbe top{}, pendulum{};
   double dense_order = 0, dense_h = 0, dense_margin = 0;
   double dense_end = 1e-14;  ///< how well dense output meets the end of a step
   double eager_step = 3;     ///< s: a step that is rejected, `eager_rejections` times at least
