@@ -6,8 +6,8 @@
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 
@@ -99,8 +99,7 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
   for (int k = 0; k < n_slots; ++k) mass.push_back(plan.find(k, k));
   int node = n_slots;
   for (const KktLink& link : pattern.links) {
-    for (int i = 0; i < link.n_slots; ++i)
-      jacobian.push_back(plan.find(node, link.slot[i]));
+    for (int i = 0; i < link.n_slots; ++i) jacobian.push_back(plan.find(node, link.slot[i]));
     proximal.push_back(plan.find(node, node));
     ++node;
   }

@@ -9,8 +9,8 @@
 
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 

@@ -10,8 +10,8 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
 #include "framework/foundation/support/error.h"
+#include "framework/mechanism/params/params.h"
 
 namespace lockstep {
 
@@ -63,7 +63,7 @@ class SparseFactorization final : public Factorization {
  private:
   Sparse matrix;  // upper triangle, already in the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt;
-  std::vector<int> place;        // of a row of the system in K; unknowns keep theirs
+  std::vector<int> place;               // of a row of the system in K; unknowns keep theirs
   std::vector<Eigen::Index> positions;  // places in the values of K, in the order of for_each_number
   VecX rhs, solution, S_diagonal;
   StopRule rule;
