@@ -48,7 +48,7 @@ class SchurFactorization final : public Factorization {
   const RowTable* rows_ = nullptr;  // that the matrix was computed from, and their revision then
   long revision_ = -1;
   bool masses_known_ = false;
-  double energy_f_ = 0;                          // largest f . M^-1 f of a slot
+  double energy_f_ = 0;                         // largest f . M^-1 f of a slot
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction

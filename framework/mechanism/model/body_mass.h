@@ -1,10 +1,10 @@
-// BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v alone of a particle; in a
-// plane the two or three velocities of it.
+// BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v alone of a particle;
+// in a plane the two or three velocities of it.
 #pragma once
 
+#include "framework/foundation/support/export.h"
 #include "framework/mechanism/model/plane.h"
 #include "framework/mechanism/model/slot.h"
-#include "framework/foundation/support/export.h"
 
 namespace lockstep {
 
