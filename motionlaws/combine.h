@@ -66,6 +66,7 @@ class LOCKSTEP_API ShiftedLaw final : public MotionLaw {
   double delay_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws) {
   return std::make_shared<const SumLaw>(std::move(laws));
 }
@@ -78,5 +79,6 @@ inline LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offs
 inline LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
   return std::make_shared<const ShiftedLaw>(std::move(law), delay);
 }
+}  // namespace laws
 
 }  // namespace lockstep

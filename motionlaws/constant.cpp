@@ -15,7 +15,7 @@ const TypeInfo& Constant::info() {
 }
 
 LawPtr<MotionLaw> Constant::make(const Params& p) {
-  return constant(p.number("value"));
+  return laws::constant(p.number("value"));
 }
 
 }  // namespace lockstep

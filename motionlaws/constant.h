@@ -18,6 +18,8 @@ class LOCKSTEP_API Constant final : public MotionLaw {
   double value_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -28,6 +28,8 @@ class LOCKSTEP_API Fourier final : public MotionLaw {
   std::vector<double> a_, b_;  // of equal length
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
+}  // namespace laws
 
 }  // namespace lockstep

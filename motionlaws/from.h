@@ -59,6 +59,7 @@ class RotationFrom final : public FromFunction<RotationLaw, F> {
   RotationValue at(double t) const override { return rotation_value(this->on_jet(t)); }
 };
 
+namespace laws {
 /// y = f(t). `breaks`: the instants at which y, yd or ydd jumps, if any (f chooses its branch by comparing t).
 template <class F>
 LawPtr<MotionLaw> law(F f, std::vector<double> breaks = {}) {
@@ -70,6 +71,7 @@ template <class F>
 LawPtr<TranslationLaw> translation(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const TranslationFrom<F>>(std::move(f), std::move(breaks));
 }
+}  // namespace laws
 
 /// q = f(t)/|f(t)|: f gives a QuatT of any length but zero, `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t,
 /// sin(t)}; }`.

@@ -31,9 +31,11 @@ class LOCKSTEP_API PathLaw final : public TranslationLaw {
   SplineCurve curve_;
 };
 
+namespace laws {
 inline LawPtr<TranslationLaw> path(const PathLaw::Points& points, const SplineSettings& k = {},
                                    const PathEndValues& ends = {}) {
   return std::make_shared<const PathLaw>(points, k, ends);
 }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -33,7 +33,7 @@ const TypeInfo& Polynomial::info() {
 }
 
 LawPtr<MotionLaw> Polynomial::make(const Params& p) {
-  return polynomial(p.numbers("coefficients"), p.number("t0"));
+  return laws::polynomial(p.numbers("coefficients"), p.number("t0"));
 }
 
 }  // namespace lockstep

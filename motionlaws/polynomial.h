@@ -21,8 +21,10 @@ class LOCKSTEP_API Polynomial final : public MotionLaw {
   double t0_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0 = 0) {
   return std::make_shared<const Polynomial>(std::move(coefficients), t0);
 }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -18,8 +18,10 @@ class LOCKSTEP_API Ramp final : public MotionLaw {
   double slope_, t0_, y0_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
   return std::make_shared<const Ramp>(slope, t0, y0);
 }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -53,7 +53,7 @@ const TypeInfo& Repeat::info() {
 }
 
 LawPtr<MotionLaw> Repeat::make(const Params& p) {
-  return repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
+  return laws::repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
 }
 
 }  // namespace lockstep

@@ -27,8 +27,10 @@ class LOCKSTEP_API Repeat final : public MotionLaw {
   bool jump_ = false;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k = {}) {
   return std::make_shared<const Repeat>(std::move(law), period, k);
 }
+}  // namespace laws
 
 }  // namespace lockstep

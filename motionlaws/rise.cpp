@@ -78,11 +78,11 @@ const TypeInfo& HarmonicRise::info() {
 }
 
 LawPtr<MotionLaw> Poly345::make(const Params& p) {
-  return poly345(rise_settings(p));
+  return laws::poly345(rise_settings(p));
 }
 
 LawPtr<MotionLaw> Cycloid::make(const Params& p) {
-  return cycloid(rise_settings(p));
+  return laws::cycloid(rise_settings(p));
 }
 
 LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {

@@ -59,8 +59,10 @@ class LOCKSTEP_API HarmonicRise final : public Rise {
   LawValue shape(double u) const override;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
 inline LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
+}  // namespace laws
 inline LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
 
 }  // namespace lockstep

@@ -41,8 +41,10 @@ class LOCKSTEP_API Sequence final : public MotionLaw {
   std::vector<bool> jump_;      // at T_0 .. T_n
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k = {}) {
   return std::make_shared<const Sequence>(std::move(pieces), k);
 }
+}  // namespace laws
 
 }  // namespace lockstep

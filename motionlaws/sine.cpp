@@ -36,7 +36,7 @@ LawPtr<MotionLaw> Sine::make(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
+  return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
 }
 
 }  // namespace lockstep

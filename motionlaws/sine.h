@@ -25,6 +25,8 @@ class LOCKSTEP_API Sine final : public MotionLaw {
   SineSettings k_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -32,9 +32,11 @@ class LOCKSTEP_API Spline final : public MotionLaw {
   SplineCurve curve_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {},
                                 const SplineEndValues& ends = {}) {
   return std::make_shared<const Spline>(points, k, ends);
 }
+}  // namespace laws
 
 }  // namespace lockstep

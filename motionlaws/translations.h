@@ -54,11 +54,13 @@ class LOCKSTEP_API AlongLaw final : public TranslationLaw {
 inline LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
   return std::make_shared<const ConstantTranslation>(value);
 }
+namespace laws {
 inline LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
   return std::make_shared<const ComponentsLaw>(std::move(x), std::move(y), std::move(z));
 }
 inline LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin = Vec3::Zero()) {
   return std::make_shared<const AlongLaw>(axis, std::move(law), origin);
 }
+}  // namespace laws
 
 }  // namespace lockstep

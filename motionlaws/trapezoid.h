@@ -34,6 +34,8 @@ class LOCKSTEP_API Trapezoid final : public MotionLaw {
   double t0_, y0_;
 };
 
+namespace laws {
 inline LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
+}  // namespace laws
 
 }  // namespace lockstep

@@ -68,7 +68,7 @@ inline std::unique_ptr<System> ladder(int bays, int k) {
   };
   for (int i = 0; i <= bays; ++i) {
     Body& up = rod("upright " + std::to_string(i), Vec3(i + 0.5 * s, 0, 0.5 * c));
-    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), at(Vec3(i, 0, 0), axis));
+    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), pose_at(Vec3(i, 0, 0), axis));
     uprights.push_back(&up);
   }
   for (int i = 0; i < bays; ++i) {

@@ -102,7 +102,7 @@ TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster
   Body& arm = system.add_body("arm", MassProperties{2.0, Vec3(0.1, 0.2, 0.3), Mat3::Identity()}, {Vec3(1, 0, 0), {}});
   Body& tool = system.add_body("tool", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()},
                                {Vec3(1, 1, 0), axis_angle(Vec3(1, 0, 0), 0.7)});
-  system.add<Fixed>("weld", tool, arm, at(Vec3(1, 1, 0)));
+  system.add<Fixed>("weld", tool, arm, pose_at(Vec3(1, 1, 0)));
   system.set_merge(true);
   system.setup();
   State s = system.start();

@@ -15,8 +15,8 @@ namespace {
 
 System pendulum() {
   System system({.gravity = {0, -9.81, 0}});
-  Body& bar = system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  system.add<Revolute>("hinge", bar, system.ground(), at({0, 0, 0}));
+  Body& bar = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add<Revolute>("hinge", bar, system.ground(), pose_at({0, 0, 0}));
   return system;
 }
 

@@ -235,7 +235,7 @@ TEST_CASE("an event at an instant switches a link off, the body flies on freely"
 TEST_CASE("a link that is put in force takes up the velocity, far from its place it is refused by name",
           "[unit][dynamics]") {
   Stone stone;
-  Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), at({0, 0, 2}));
+  Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), pose_at({0, 0, 2}));
   hook.set_active_at_start(false);
   Dynamics dynamics = dynamics_of(stone.system);
   Event event;

@@ -130,7 +130,7 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
   platform.start = {three("vx", "vy", "vz", 0), rotation(quaternion(0)).transpose() * three("wx", "wy", "wz", 0)};
   for (int k = 0; k < 6; ++k) {
     const Vec3 a = ring(1, kBase[k], 0), b = ring(0.5, kPlatform[k], -0.05);
-    const auto length = law([a, b](auto t) {
+    const auto length = laws::law([a, b](auto t) {
       const auto p = point(t, b);
       const auto x = p[0] - a[0], y = p[1] - a[1], z = p[2] - a[2];
       return sqrt(x * x + y * y + z * z);

@@ -57,7 +57,7 @@ void StepInterval::restore_method() {
 }
 
 void StepInterval::cut(double t, State& state) {
-  state = at(t);
+  state = pose_at(t);
   report_.h = t - from_.t;
 }
 

@@ -21,6 +21,7 @@ struct MassProperties {
 /// triangle rule of principal moments (equality passes, to 1e-10 relative).
 LOCKSTEP_API void check(const MassProperties&, const std::string& owner);
 
+namespace shapes {
 /// Inertia given about another point `origin` and in axes turned by `axes` (both in the body's frame), as mass
 /// properties.
 LOCKSTEP_API MassProperties about(double mass, const Vec3& center, const Mat3& J_origin, const Vec3& origin,
@@ -31,6 +32,7 @@ LOCKSTEP_API MassProperties moved(const MassProperties&, const Pose& pose);
 
 /// Several rigidly joined: sum of masses, common centre, Steiner's terms.
 LOCKSTEP_API MassProperties compound(std::span<const MassProperties> parts);
+}  // namespace shapes
 
 /// A shape at its mass centre, axes as said; with the pose that its makers give it in the world.
 struct Shape {
@@ -38,6 +40,7 @@ struct Shape {
   Pose home;
 };
 
+namespace shapes {
 /// Rod from `from` to `to` (world, m): frame in the middle, x axis along the rod, z axis as near to the world's z as
 /// can be (world y for a rod along z). A solid cylinder of `radius` (default: length/50).
 LOCKSTEP_API Shape rod(double mass, const Vec3& from, const Vec3& to, double radius = -1);
@@ -46,6 +49,7 @@ LOCKSTEP_API Shape slender_rod(double mass, const Vec3& from, const Vec3& to, do
 LOCKSTEP_API MassProperties box(double mass, const Vec3& size);
 LOCKSTEP_API MassProperties cylinder(double mass, double radius, double length);  ///< axis z
 LOCKSTEP_API MassProperties sphere(double mass, double radius);
+}  // namespace shapes
 LOCKSTEP_API double box_volume(const Vec3& size);
 LOCKSTEP_API double cylinder_volume(double radius, double length);
 LOCKSTEP_API double sphere_volume(double radius);

@@ -22,9 +22,9 @@
 namespace lockstep {
 
 /// Where two markers of a new link coincide at the start: one point and one set of axes, in the world.
-inline Pose at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
+inline Pose pose_at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
 /// The same with the markers' z axis along `z` (any length; x and y are chosen).
-LOCKSTEP_API Pose at(const Vec3& x, const Vec3& z);
+LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 
 /// Which rows of a link lie in the plane of a planar mechanism.
 struct PlanarRows {
