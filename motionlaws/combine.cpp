@@ -1,6 +1,5 @@
-#include "motionlaws/combine.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 namespace {

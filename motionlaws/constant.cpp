@@ -1,6 +1,5 @@
-#include "motionlaws/constant.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 

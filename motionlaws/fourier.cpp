@@ -1,11 +1,10 @@
-#include "motionlaws/fourier.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 

@@ -1,8 +1,7 @@
-#include "motionlaws/polynomial.h"
+#include <lockstep/laws.h>
 
 #include <utility>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 

@@ -1,6 +1,5 @@
-#include "motionlaws/ramp.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 

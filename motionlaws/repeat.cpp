@@ -1,12 +1,10 @@
-#include "motionlaws/repeat.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 

@@ -1,10 +1,8 @@
-#include "motionlaws/rise.h"
+#include <lockstep/laws.h>
 
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 

@@ -1,9 +1,7 @@
-#include "motionlaws/sequence.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 

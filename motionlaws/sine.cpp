@@ -1,9 +1,8 @@
-#include "motionlaws/sine.h"
+#include <lockstep/laws.h>
 
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 

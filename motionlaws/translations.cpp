@@ -1,6 +1,6 @@
-#include "motionlaws/translations.h"
+#include <lockstep/frame_laws.h>
 
-#include "motionlaws/checks.h"
+#include <lockstep/laws.h>
 
 namespace lockstep {
 

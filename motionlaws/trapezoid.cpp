@@ -1,10 +1,8 @@
-#include "motionlaws/trapezoid.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 

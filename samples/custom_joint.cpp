@@ -3,8 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/lock/phi_lock.h"
-#include "framework/lockstep.h"
+#include <lockstep/phi_links.h>
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;

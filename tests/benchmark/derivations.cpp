@@ -5,13 +5,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/dynamics/simulate/assembly.h"
+#include <lockstep/assembly.h>
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/tools/charts/chart.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/charts.h>
+#include <lockstep/integrators.h>
 #include "samples/shared/output.h"
 #include "tests/support/derivations.h"
 #include "tests/support/lock_checks.h"

@@ -5,10 +5,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "samples/shared/output.h"
 #include "tests/benchmark/articulated.h"
 

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <string>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 

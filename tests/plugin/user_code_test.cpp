@@ -3,13 +3,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/registry/loader.h"
-#include "framework/description/scene/scene.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/assembly.h>
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/loader.h>
+#include <lockstep/scene.h>
+#include <lockstep/system.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "motionlaws/from.h"
+#include <lockstep/assembly.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/laws.h>
 #include "tests/support/mechanism.h"
 
 namespace lockstep::test {

@@ -8,13 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/translations.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/counted.h"
 
 namespace lockstep::economies {

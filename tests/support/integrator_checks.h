@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

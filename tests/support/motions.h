@@ -7,11 +7,11 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/integrate/integrator.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/integrator.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 
 /// A free body of revolution (axis z), thrown: the centre flies a parabola, the body turns about its angular momentum
 /// at a steady rate and about its own axis at another.

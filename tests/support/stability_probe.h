@@ -7,13 +7,11 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/rk4.h"
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 
 namespace lockstep::stability {
 

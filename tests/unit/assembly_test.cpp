@@ -3,7 +3,7 @@
 #include <limits>
 #include <memory>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,17 +1,17 @@
 // Cams: the distance of a roller and of a flat face, held against a search along the profile; turn after turn; what
 // profiles are refused.
-#include "framework/mechanism/links/cam.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_lock.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/from.h"
-#include "motionlaws/spline.h"
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"

@@ -1,19 +1,17 @@
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/params.h>
 #include "framework/tools/record/quadrature.h"
-#include "framework/tools/record/recorder.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/from.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,4 +1,4 @@
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,10 +1,10 @@
 // check_lock: right links pass, wrong ones are named in words.
-#include "framework/tools/check/check_lock.h"
+#include <lockstep/check.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/lock/phi_lock.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/joints.h>
+#include <lockstep/phi_links.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 

@@ -1,9 +1,9 @@
-#include "framework/tools/batch/copies.h"
+#include <lockstep/batch.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/mechanism/forces/torsion_spring_damper.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/stepping.h>
+#include <lockstep/forces.h>
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"

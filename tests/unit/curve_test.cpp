@@ -1,15 +1,15 @@
 // Points on curves and followers of paths: held against a search along the curve; round and round; what is refused.
-#include "framework/mechanism/links/curve.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "framework/tools/check/check_lock.h"
-#include "motionlaws/from.h"
-#include "motionlaws/path.h"
-#include "motionlaws/translations.h"
+#include <lockstep/error.h>
+#include <lockstep/check.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"

@@ -1,10 +1,7 @@
 // Evaluation, Factor, StateEditor: what a caller may hold, and what of it stays true when the state moves on.
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/block_solver.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"

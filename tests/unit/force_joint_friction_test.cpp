@@ -1,8 +1,8 @@
-#include "framework/mechanism/forces/joint_friction.h"
+#include <lockstep/forces.h>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,15 +1,14 @@
 // Gears, belts, differentials, racks and screws: which way they turn, from any start; their check; what is refused.
-#include "framework/mechanism/links/gears.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/links/rack_and_pinion.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/tools/check/check_lock.h"
-#include "motionlaws/from.h"
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
+#include <lockstep/check.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"

@@ -1,10 +1,10 @@
-#include "framework/mechanism/lock/geometric_stiffness.h"
+#include <lockstep/phi_function.h>
 
 #include <complex>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 

@@ -1,11 +1,11 @@
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 
 #include <functional>
 #include <limits>
 #include <random>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;

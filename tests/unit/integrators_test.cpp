@@ -1,10 +1,4 @@
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/generalized_alpha.h"
-#include "integrators/radau5.h"
-#include "integrators/rattle.h"
-#include "integrators/rk4.h"
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/integrators.h>
 #include "tests/support/integrator_checks.h"
 
 using namespace lockstep;

@@ -8,9 +8,8 @@
 
 #include <Eigen/SVD>
 
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_functions.h"
 #include "tests/support/lock_inputs.h"

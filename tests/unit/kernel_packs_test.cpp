@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "framework/foundation/math/pack.h"
-#include "framework/mechanism/lock/kernel.h"
+#include <lockstep/jet.h>
+#include <lockstep/kernel.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 

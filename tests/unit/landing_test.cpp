@@ -3,9 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "framework/lockstep.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/sequence.h"
+#include <lockstep/lockstep.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

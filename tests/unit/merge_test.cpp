@@ -1,7 +1,7 @@
 // Bodies bolted together move as one slot: equal motion with fewer unknowns, and what must stay a link stays one.
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

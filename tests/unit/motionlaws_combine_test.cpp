@@ -1,15 +1,7 @@
 // Sequence, repeat and the combinations: values against formulas, breakpoints found where they are and nowhere else.
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/combine.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/sequence.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;

@@ -3,19 +3,11 @@
 // are known.
 #include <array>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/from.h"
-#include "motionlaws/path.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/rotations.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/spline.h"
-#include "motionlaws/spline_rotation.h"
-#include "motionlaws/translations.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;

@@ -3,24 +3,13 @@
 #include <fstream>
 #include <functional>
 
-#include "framework/foundation/math/types.h"
-#include "framework/description/registry/registry.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/combine.h"
-#include "motionlaws/fourier.h"
-#include "motionlaws/path.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/math.h>
+#include <lockstep/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
 #include "motionlaws/register.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/rotations.h"
-#include "motionlaws/sequence.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/spline.h"
-#include "motionlaws/spline_rotation.h"
-#include "motionlaws/translations.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;

@@ -2,10 +2,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/columns.h"
-#include "motionlaws/spline.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/splines.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;

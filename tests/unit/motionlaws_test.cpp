@@ -2,16 +2,9 @@
 #include <array>
 #include <limits>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/fourier.h"
-#include "motionlaws/from.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/relative_kinematics.h"
+#include <lockstep/relative.h>
 #include "tests/support/catch.h"
 #include "tests/support/counted.h"
 #include "tests/support/lock_inputs.h"

@@ -5,14 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/gears.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/mechanism/links/universal.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/check.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/couplings.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/hand_joints.h"
 #include "tests/support/lock_inputs.h"

@@ -1,6 +1,6 @@
-#include "integrators/rattle.h"
+#include <lockstep/integrators.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;

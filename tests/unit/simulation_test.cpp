@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/step_loop.h>
 
 #include <cmath>
 #include <functional>
@@ -6,10 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/rk4.h"
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,8 +1,8 @@
-#include "framework/dynamics/integrate/singular_rate.h"
+#include <lockstep/stepping.h>
 
 #include <cmath>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

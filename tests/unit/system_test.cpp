@@ -1,14 +1,13 @@
 // The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"

@@ -5,12 +5,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/rk4.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -7,16 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/cam.h"
-#include "framework/mechanism/links/curve.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "motionlaws/from.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/couplings.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/paths.h"

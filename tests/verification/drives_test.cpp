@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

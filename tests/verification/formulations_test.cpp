@@ -7,9 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/evaluate/kkt_assembler.h"
-#include "framework/dynamics/solvers/dense_solver.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/mechanism.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "framework/mechanism/lock/relative_kinematics.h"
+#include <lockstep/relative.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/lock_checks.h"

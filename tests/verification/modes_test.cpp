@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/evaluate/implicit.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/lock/phi_lock.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/newton.h>
+#include <lockstep/solvers.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/phi_links.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

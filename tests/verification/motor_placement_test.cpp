@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "integrators/dop853.h"
-#include "integrators/generalized_alpha.h"
-#include "integrators/radau5.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"

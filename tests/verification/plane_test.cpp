@@ -1,15 +1,12 @@
 // Planar mechanisms: the same motion as in space, half the unknowns; and who leaves the plane is told by name.
 #include <algorithm>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"

@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "motionlaws/from.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"

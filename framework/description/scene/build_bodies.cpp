@@ -1,9 +1,9 @@
 // Bodies and markers of a scene.
 #include <algorithm>
 
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 #include "framework/description/scene/builder.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

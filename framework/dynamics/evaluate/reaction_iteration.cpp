@@ -1,10 +1,10 @@
-#include "framework/dynamics/evaluate/reaction_iteration.h"
+#include <lockstep/dynamics.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {

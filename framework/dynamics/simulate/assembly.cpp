@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/assembly.h"
+#include <lockstep/assembly.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanism/lock/relative_kinematics.h"
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/log.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/relative.h>
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

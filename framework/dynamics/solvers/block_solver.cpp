@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/block_solver.h"
+#include <lockstep/solvers.h>
 
 #include <algorithm>
 #include <limits>
@@ -6,8 +6,8 @@
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/params/params.h"
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/dense_solver.h"
+#include <lockstep/solvers.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,8 +9,8 @@
 
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/params/params.h"
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "framework/mechanism/rows/rows.h"
+#include <lockstep/rows.h>
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
 #include "framework/dynamics/solvers/schur_passes.h"
 
-#include "framework/foundation/support/clones.h"
+#include <lockstep/export.h>
 
 namespace lockstep::schur {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "framework/dynamics/solvers/scales.h"
-#include "framework/foundation/support/export.h"
-#include "framework/mechanism/rows/rows.h"
+#include <lockstep/export.h>
+#include <lockstep/rows.h>
 
 namespace lockstep::schur {
 

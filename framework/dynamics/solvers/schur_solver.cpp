@@ -1,12 +1,12 @@
-#include "framework/dynamics/solvers/schur_solver.h"
+#include <lockstep/solvers.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/foundation/support/aligned.h"
-#include "framework/mechanism/model/body_mass.h"
+#include <lockstep/memory.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/dynamics/solvers/linear_solver.h"
+#include <lockstep/solver.h>
 
 namespace lockstep {
 

@@ -1,10 +1,10 @@
-#include "framework/mechanism/links/cam.h"
+#include <lockstep/couplings.h>
 
 #include <cmath>
 #include <limits>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

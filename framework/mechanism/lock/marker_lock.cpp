@@ -1,12 +1,12 @@
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/lock.h>
 
 #include <algorithm>
 
-#include "framework/foundation/support/clones.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/export.h>
+#include <lockstep/error.h>
 #include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/pair_setup.h"
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/phi_function.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 

@@ -1,8 +1,8 @@
 // MarkerLock in a planar mechanism: the equations of equations.h with everything in the plane or along its normal.
-#include "framework/foundation/support/clones.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/export.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include <lockstep/lock.h>
 
 namespace lockstep {
 namespace {

@@ -1,5 +1,5 @@
-#include "framework/mechanism/lock/geometric_stiffness.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/phi_function.h>
+#include <lockstep/lock.h>
 
 namespace lockstep {
 

@@ -1,10 +1,10 @@
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -1,12 +1,12 @@
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 #include <algorithm>
 #include <map>
 #include <tuple>
 #include <typeindex>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/lock/marker_lock.h"
-#include "framework/mechanism/model/body_mass.h"
+#include <lockstep/lock.h>
+#include <lockstep/body.h>
 
 namespace lockstep::lanes {
 namespace {

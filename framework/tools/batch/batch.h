@@ -6,8 +6,8 @@
 #include <array>
 #include <span>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/foundation/support/aligned.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/memory.h>
 #include "framework/tools/batch/lane_passes.h"
 
 namespace lockstep::lanes {

@@ -5,8 +5,8 @@
 // calls it. Memory holds eight lanes side by side in every case; narrower packs make several rounds (lane_all.h).
 #pragma once
 
-#include "framework/foundation/math/pack.h"
-#include "framework/foundation/math/vec.h"
+#include <lockstep/jet.h>
+#include <lockstep/math.h>
 #include "framework/tools/batch/lane_plan.h"
 
 #define LOCKSTEP_LANE LOCKSTEP_INLINE

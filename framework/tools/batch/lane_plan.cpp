@@ -2,7 +2,7 @@
 
 #include <typeinfo>
 
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/joints.h>
 
 namespace lockstep::lanes {
 namespace {

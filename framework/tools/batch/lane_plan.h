@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "framework/dynamics/solvers/schur_plan.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 class MarkerLock;

@@ -2,7 +2,7 @@
 // to the room.
 #pragma once
 
-#include "framework/mechanism/lock/equations.h"
+#include <lockstep/kernel.h>
 #include "framework/tools/batch/lane_math.h"
 #include "framework/tools/batch/lane_numbers.h"
 

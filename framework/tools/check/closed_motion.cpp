@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "framework/mechanism/forces/torsion_spring_damper.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
 
 namespace lockstep {
 

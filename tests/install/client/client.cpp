@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <cstring>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
-#include "framework/version.h"
-#include "integrators/rk4.h"
-#include "motionlaws/sine.h"
+#include <lockstep/registry.h>
+#include <lockstep/loader.h>
+#include <lockstep/version.h>
+#include <lockstep/integrators.h>
+#include <lockstep/laws.h>
 
 using namespace lockstep;
 
