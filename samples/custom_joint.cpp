@@ -37,14 +37,10 @@ int main() {
   Body& nut = sys.add_body("nut", MassProperties{m, Vec3::Zero(), Vec3(0.003, 0.003, J).asDiagonal()});
   sys.add<mine::Screw>("thread", nut, sys.ground(), pose_at({0, 0, 0}), lead);
 
-  Recorder recorder(
-      sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
-  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
-  run.add_observer(recorder);
+  Simulation run(sys, {.integrator = "dop853", .tolerance = 1e-10, .output = 0.02});
+  const Table& t = run.record({"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   run.run_until(2.0);
 
-  const Table& t = recorder.table();
   const double a = -m * g / (m + J * k * k);  // z'' in closed form
   double z = 0, turn = 0, force = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i) {

@@ -18,17 +18,10 @@ int main() {
   auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), pose_at({0, 0, 0}));
   guide.drive(Axis::z, lift);
 
-  Recorder recorder(sys,
-                    {"slider.z", "slider.az", "guide.drive.force_on_p_link_z", "guide.drive.work", "energy.total"});
-  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  State start = sys.start();
-  assemble(dynamics, start);
-  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.01});
-  run.set_state(start);
-  run.add_observer(recorder);
+  Simulation run(sys, {.integrator = "dop853", .tolerance = 1e-10, .output = 0.01});
+  const Table& t = run.record({"slider.z", "slider.az", "guide.drive.force_on_p_link_z", "guide.drive.work", "energy.total"});
   run.run_until(3.0);
 
-  const Table& t = recorder.table();
   double worst = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i)
     worst = std::max(worst, std::abs(t["guide.drive.force_on_p_link_z"][i] - m * (lift->at(t["t"][i]).ydd + g)));

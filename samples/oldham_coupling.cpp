@@ -24,16 +24,10 @@ int main() {
   sys.add<GenericLock>("slot_in", center, sys.add_marker("hub_in", input), mask_from("y z e1 e2 e3"));
   sys.add<GenericLock>("slot_out", center, sys.add_marker("hub_out", output), mask_from("x z e1 e2 e3"));
 
-  Recorder recorder(sys, {"shaft_in.angle_z", "shaft_out.angle_z", "disc.x", "disc.y", "slot_in.torque_on_p_world_z"});
-  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  State start = sys.start();
-  assemble(dynamics, start);
-  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 5e-3});
-  run.set_state(start);
-  run.add_observer(recorder);
+  Simulation run(sys, {.integrator = "rk4", .step = 1e-3, .output = 5e-3});
+  const Table& t = run.record({"shaft_in.angle_z", "shaft_out.angle_z", "disc.x", "disc.y", "slot_in.torque_on_p_world_z"});
   run.run_until(kTwoPi / w);
 
-  const Table& t = recorder.table();
   double turn = 0, circle = 0, couple = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double phi = w * t["t"][i];

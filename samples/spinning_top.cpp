@@ -19,13 +19,10 @@ int main() {
   top.start.w = {0, W * std::sin(th), w3};
   sys.add<Spherical>("tip", top, sys.ground(), pose_at({0, 0, 0}));
 
-  Recorder recorder(sys, {"top.center_x", "top.center_y", "top.center_z", "energy.total", "angular_momentum.z"});
-  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
-  StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.02});
-  run.add_observer(recorder);
+  Simulation run(sys, {.integrator = "dop853", .tolerance = 1e-10, .output = 0.02});
+  const Table& t = run.record({"top.center_x", "top.center_y", "top.center_z", "energy.total", "angular_momentum.z"});
   run.run_until(5.0);
 
-  const Table& t = recorder.table();
   double height = 0, path = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double phase = W * t["t"][i], r = l * std::sin(th);

@@ -1,6 +1,6 @@
 # How the parts of the library are built.
 
-# Other people's headers that most files need, compiled once for each target.
+# Headers that most files need are compiled once for each target; of other people's, these.
 set(lockstep_common_headers <Eigen/Core> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <unordered_map> <utility> <vector> <spdlog/fmt/fmt.h>)
 
@@ -27,8 +27,10 @@ function(lockstep_add_library part file)
   target_link_libraries(lockstep_${part} PRIVATE lockstep_own)
   target_link_options(lockstep_${part} PRIVATE
                       "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
-  lockstep_precompile(lockstep_${part} ${lockstep_common_headers})
-  if(NOT part STREQUAL "core")
+  if(part STREQUAL "core")
+    lockstep_precompile(lockstep_core ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/registry.h>)
+  else()
+    lockstep_precompile(lockstep_${part} ${lockstep_common_headers} <lockstep/lockstep.h>)
     lockstep_cold(lockstep_${part})
   endif()
 endfunction()

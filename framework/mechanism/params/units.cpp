@@ -51,7 +51,7 @@ const UnitWords& words_of(Unit unit) {
 }
 
 // SI value = x * up / down * 10^ten: powers of ten apart, so that "12 mm" is the double nearest to 0.012.
-struct Factor {
+struct UnitFactor {
   double up = 1, down = 1;
   int ten = 0;
   Dimension dimension;
@@ -60,7 +60,7 @@ struct Factor {
 struct Symbol {
   std::string_view name;
   bool prefixes;
-  Factor factor;
+  UnitFactor factor;
 };
 
 constexpr double kTurn = kTwoPi;
@@ -91,15 +91,15 @@ struct Prefix {
 constexpr std::array<Prefix, 9> kPrefixes{
     {{"n", -9}, {"u", -6}, {"\u00b5", -6}, {"\u03bc", -6}, {"m", -3}, {"c", -2}, {"d", -1}, {"k", 3}, {"M", 6}}};
 
-std::optional<Factor> symbol(std::string_view name) {
+std::optional<UnitFactor> symbol(std::string_view name) {
   for (const Symbol& s : kSymbols)
     if (s.name == name) return s.factor;
-  if (name == "1") return Factor{};  // "1/s"
+  if (name == "1") return UnitFactor{};  // "1/s"
   for (const Prefix& p : kPrefixes) {
     if (!name.starts_with(p.name)) continue;
     for (const Symbol& s : kSymbols) {
       if (!s.prefixes || s.name != name.substr(p.name.size())) continue;
-      Factor f = s.factor;
+      UnitFactor f = s.factor;
       f.ten += p.ten;
       return f;
     }
@@ -107,7 +107,7 @@ std::optional<Factor> symbol(std::string_view name) {
   return {};
 }
 
-void multiply(Factor& a, const Factor& b, int power) {
+void multiply(UnitFactor& a, const UnitFactor& b, int power) {
   for (int i = 0; i < std::abs(power); ++i) (power > 0 ? a.up : a.down) *= b.up, (power > 0 ? a.down : a.up) *= b.down;
   a.ten += power * b.ten;
   a.dimension.m += power * b.dimension.m, a.dimension.kg += power * b.dimension.kg;
@@ -144,15 +144,15 @@ std::vector<std::string> symbol_names() {
 }
 
 // Reads a whole unit; on failure `problem` says why.
-Factor unit_factor(std::string_view unit, std::string& problem) {
-  Factor total;
+UnitFactor unit_factor(std::string_view unit, std::string& problem) {
+  UnitFactor total;
   bool divide = false, divided = false;
   while (!unit.empty()) {
     const std::size_t end = std::min(unit.find_first_of(" \t*/"), unit.size());
     std::string_view name = unit.substr(0, end);
     const std::string written(name);
     const int power = take_power(name);
-    const std::optional<Factor> factor = name == "1" && divided ? std::nullopt : symbol(name);
+    const std::optional<UnitFactor> factor = name == "1" && divided ? std::nullopt : symbol(name);
     if (!factor || power == 0) {
       problem = written.empty() ? "a symbol is missing in the unit"
                                 : "unknown unit \"" + written + "\"" + suggestion(written, symbol_names());
@@ -180,7 +180,7 @@ double power_of_ten(int n) {
   return p;
 }
 
-double to_si(double x, const Factor& f) {
+double to_si(double x, const UnitFactor& f) {
   const double y = x * f.up / f.down;
   return f.ten >= 0 ? y * power_of_ten(f.ten) : y / power_of_ten(-f.ten);
 }
@@ -217,7 +217,7 @@ Measured read_quantity(std::string_view text, Unit unit) {
             quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
   if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal sign is a point"};
 
-  const Factor factor = unit_factor(rest, result.problem);
+  const UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
   if (unit != Unit::any && !(factor.dimension == words.dimension)) {
     std::string given = "of another dimension";

@@ -20,7 +20,7 @@ class TurnCounter {
     return raw + kTwoPi * std::round((expected - raw) / kTwoPi);
   }
   void accept(double raw, double t, double rate) {
-    angle_ = pose_at(raw, t, rate);
+    angle_ = at(raw, t, rate);
     t_ = t, rate_ = rate, begun_ = true;
   }
   void restart() { begun_ = false; }
