@@ -35,7 +35,7 @@ bool origin_of(const Params& p, const std::string& key, const Body& body, Vec3& 
 Quat axes_of(const Params& p) {
   if (p.has("axis") && p.has("orientation"))
     p.refuse("orientation", "\"axis\" is given as well; remove one of the two");
-  if (p.has("axis")) return at(Vec3::Zero(), p.vector3("axis")).q;
+  if (p.has("axis")) return pose_at(Vec3::Zero(), p.vector3("axis")).q;
   return p.has("orientation") ? p.orientation("orientation") : Quat{};
 }
 

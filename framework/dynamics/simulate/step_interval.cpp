@@ -57,7 +57,7 @@ void StepInterval::restore_method() {
 }
 
 void StepInterval::cut(double t, State& state) {
-  state = pose_at(t);
+  state = at(t);
   report_.h = t - from_.t;
 }
 
