@@ -52,7 +52,7 @@ struct RodPendulum {
   explicit RodPendulum(double angle_ = 1.2) : angle(angle_) {
     using namespace lockstep;
     const Vec3 end(kLength * std::sin(angle), 0, -kLength * std::cos(angle));
-    Body& rod = system.add_body("rod", lockstep::rod(1.5, Vec3::Zero(), end));
+    Body& rod = system.add_body("rod", lockstep::shapes::rod(1.5, Vec3::Zero(), end));
     system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
     system.setup();
     w2_ = 1.5 * kG * 0.5 * kLength / inertia();

@@ -3,7 +3,7 @@
 
 int main() {
   lockstep::System system;
-  system.add_body("ball", lockstep::sphere(1.0, 0.1));
+  system.add_body("ball", lockstep::shapes::sphere(1.0, 0.1));
   system.setup();
   lockstep::State state = system.start();
   state.q.conservativeResize(100);
