@@ -28,7 +28,7 @@ System chain(int n, bool spatial) {
   for (int i = 0; i < n; ++i) {
     Body& b = add_rod(s, "rod" + std::to_string(i), Vec3(i + 0.5, 0, 0));
     s.add<Revolute>("hinge" + std::to_string(i), b, *last,
-                    at(Vec3(i, 0, 0), spatial && i % 2 == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
+                    pose_at(Vec3(i, 0, 0), spatial && i % 2 == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
     last = &b;
   }
   return s;
@@ -47,7 +47,7 @@ System ladder(int n) {
     Body& bar = add_rod(s, "bar" + std::to_string(i), Vec3(i + 0.5, 0, 0) + up);
     s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], pose_at(Vec3(i, 0, 0) + up));
     s.add<Revolute>("right" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
-                    at(Vec3(i + 1, 0, 0) + up));
+                    pose_at(Vec3(i + 1, 0, 0) + up));
   }
   return s;
 }
@@ -61,7 +61,7 @@ System star(int n) {
     const double angle = kTwoPi * i / n;
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     s.add<Spherical>("arm" + std::to_string(i), add_rod(s, "rod" + std::to_string(i), 1.5 * out, angle), plate,
-                     at(out));
+                     pose_at(out));
   }
   return s;
 }

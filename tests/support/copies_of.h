@@ -50,7 +50,7 @@ inline std::unique_ptr<System> chain(int n, int k, double twist = 0.0) {
                               {Vec3(x + 0.5, 0, 0), Quat{}});
     const double angle = twist * i;
     sys->add<Revolute>("hinge " + std::to_string(i), rod, *before,
-                       at(Vec3(x, 0, 0), Vec3(std::sin(angle), std::cos(angle), 0)));
+                       pose_at(Vec3(x, 0, 0), Vec3(std::sin(angle), std::cos(angle), 0)));
     before = &rod;
   }
   return sys;
@@ -74,9 +74,9 @@ inline std::unique_ptr<System> ladder(int bays, int k) {
   for (int i = 0; i < bays; ++i) {
     Body& bar = rod("bar " + std::to_string(i), Vec3(i + 0.5 + s, 0, c));
     sys->add<Revolute>("left " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)],
-                       at(Vec3(i + s, 0, c), axis));
+                       pose_at(Vec3(i + s, 0, c), axis));
     sys->add<Revolute>("right " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
-                       at(Vec3(i + 1 + s, 0, c), axis));
+                       pose_at(Vec3(i + 1 + s, 0, c), axis));
   }
   return sys;
 }

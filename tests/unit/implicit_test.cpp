@@ -161,7 +161,7 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   System sys({.gravity = {0, -9.81, 0}});
   const double m = 2, d = 0.7, F = 0.01;
   Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, 0.3).asDiagonal()}, {Vec3(0, -d, 0), {}});
-  sys.add<Revolute>("hinge", bob, sys.ground(), at(Vec3::Zero()));
+  sys.add<Revolute>("hinge", bob, sys.ground(), pose_at(Vec3::Zero()));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   const Solution& values = dynamics.evaluate(sys.start());
   NewtonMatrix N;
@@ -190,8 +190,8 @@ TEST_CASE("NewtonMatrix in a plane solves what it solves in space", "[unit][dyna
     Body& one = rod("one", Vec3(0.5, 0, 0), 0.0);
     Body& two = rod("two", Vec3(1.2, 0, -0.4), 0.6);
     Body& ball = sys.add_particle("ball", 0.7, Vec3(2, 0, 0.3));
-    sys.add<Revolute>("A", one, sys.ground(), at(Vec3::Zero(), Vec3(0, 1, 0)));
-    sys.add<Revolute>("B", two, one, at(Vec3(1, 0, 0), Vec3(0, 1, 0)));
+    sys.add<Revolute>("A", one, sys.ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
+    sys.add<Revolute>("B", two, one, pose_at(Vec3(1, 0, 0), Vec3(0, 1, 0)));
     Marker& P = sys.add_marker("P", ball);
     Marker& S = sys.add_marker("S", two, {Vec3(0.3, 0, 0), {}});
     sys.add<SpringDamper>("spring", P, S, {.stiffness = 300, .damping = 2, .free_length = 0.3});
@@ -222,7 +222,7 @@ TEST_CASE("A hanging pendulum has its frequency: the geometric stiffness of the 
   System sys({.gravity = {0, -9.81, 0}});
   const double m = 2, d = 0.7, I = 0.3;
   Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, I).asDiagonal()}, {Vec3(0, -d, 0), {}});
-  sys.add<Revolute>("hinge", bob, sys.ground(), at(Vec3::Zero()));
+  sys.add<Revolute>("hinge", bob, sys.ground(), pose_at(Vec3::Zero()));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   const Solution& values = dynamics.evaluate(sys.start());
   NewtonMatrix N;

@@ -102,7 +102,7 @@ TEST_CASE("poses that are none are refused", "[unit][system]") {
   CHECK(says(refused({Vec3::Zero(), {0, 0, 0, 0}}), {"body 'b'", "length 0"}));
   CHECK(says(message_of<ModelError>([&] { system.add_particle("p", -1, Vec3::Zero()); }),
              {"'p'", "-1 kg", "above zero"}));
-  CHECK(says(message_of<ModelError>([] { at(Vec3::Zero(), Vec3(0, 0, 0)); }), {"zero", "give a direction"}));
+  CHECK(says(message_of<ModelError>([] { pose_at(Vec3::Zero(), Vec3(0, 0, 0)); }), {"zero", "give a direction"}));
 }
 
 TEST_CASE("at puts z where it is told, right-handed", "[unit][system]") {

@@ -250,9 +250,9 @@ struct Camshaft {
   Body& follower;
   Marker *P, *S;
   Camshaft(double speed, const Pose& start) : follower(system.add_body("follower", kBody, start)) {
-    auto& bearing = system.add<Revolute>("bearing", shaft, system.ground(), at(Vec3::Zero()));
+    auto& bearing = system.add<Revolute>("bearing", shaft, system.ground(), pose_at(Vec3::Zero()));
     bearing.drive(Axis::rz, laws::ramp(speed));
-    system.add<Prismatic>("guide", follower, system.ground(), at(start.x, Vec3(0, 1, 0)));
+    system.add<Prismatic>("guide", follower, system.ground(), pose_at(start.x, Vec3(0, 1, 0)));
     P = &system.add_marker("P", follower), S = &system.add_marker("S", shaft);
   }
 };
