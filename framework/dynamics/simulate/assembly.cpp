@@ -194,12 +194,12 @@ void measure_move(const System& system, const State& from, const State& to, Asse
 
 }  // namespace
 
-bool AssemblyReport::is_notable() const {
+LOCKSTEP_API bool AssemblyReport::is_notable() const {
   constexpr double kNotable = 1e-6;  // m, rad, m/s
   return before > kNotable || before_v > kNotable || largest_move > kNotable || largest_turn > kNotable;
 }
 
-std::string AssemblyReport::text() const {
+LOCKSTEP_API std::string AssemblyReport::text() const {
   std::string text = fmt::format(
       "the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s", before,
       before_v, after, after_v);
