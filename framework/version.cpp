@@ -1,4 +1,4 @@
-#include "framework/version.h"
+#include <lockstep/version.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // Source: E. Hairer, S. P. Norsett & G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.6 and II.10
 // (P. J. Prince & J. R. Dormand 1981; dense output by the authors). The figures are those of their program DOP853,
 // rounded to double.
-#include "integrators/dop853.h"
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

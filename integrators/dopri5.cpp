@@ -1,6 +1,6 @@
 // Sources: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; dense output by Shampine 1986, as in
 // Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.5 and II.6.
-#include "integrators/dopri5.h"
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

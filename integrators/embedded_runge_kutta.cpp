@@ -1,4 +1,4 @@
-#include "integrators/embedded_runge_kutta.h"
+#include <lockstep/integrators.h>
 
 #include <cmath>
 

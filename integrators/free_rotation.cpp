@@ -1,4 +1,4 @@
-#include "integrators/free_rotation.h"
+#include <lockstep/integrators.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

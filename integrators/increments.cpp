@@ -1,4 +1,4 @@
-#include "integrators/increments.h"
+#include <lockstep/integrators.h>
 
 #include <algorithm>
 #include <cmath>

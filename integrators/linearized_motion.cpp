@@ -1,4 +1,4 @@
-#include "integrators/linearized_motion.h"
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "integrators/predictive_control.h"
+#include <lockstep/integrators.h>
 
 #include <algorithm>
 #include <cmath>

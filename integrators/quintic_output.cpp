@@ -1,4 +1,4 @@
-#include "integrators/quintic_output.h"
+#include <lockstep/integrators.h>
 
 #include <array>
 

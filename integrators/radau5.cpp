@@ -1,12 +1,11 @@
 // Sources: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II (1996), IV.5 (method) and IV.8
 // (transformed Newton iteration, its stop rule, error estimate).
-#include "integrators/radau5.h"
+#include <lockstep/integrators.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "integrators/increments.h"
 
 namespace lockstep {
 

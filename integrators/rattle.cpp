@@ -1,7 +1,7 @@
 // Sources: H. C. Andersen, J. Comput. Phys. 52 (1983) 24; A. Dullweber, B. Leimkuhler & R. McLachlan, J. Chem. Phys.
 // 107 (1997) 5840; M. Suzuki, Phys. Lett. A 146 (1990) 319; Hairer, Lubich & Wanner, Geometric Numerical Integration
 // (2006), VII.1 and II.4.
-#include "integrators/rattle.h"
+#include <lockstep/integrators.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/stepping.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

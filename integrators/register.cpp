@@ -1,13 +1,7 @@
 #include "integrators/register.h"
 
-#include "framework/description/registry/registry.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/generalized_alpha.h"
-#include "integrators/radau5.h"
-#include "integrators/rattle.h"
-#include "integrators/rk4.h"
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/registry.h>
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

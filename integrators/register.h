@@ -1,7 +1,7 @@
 // The integrators that come with lockstep.
 #pragma once
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

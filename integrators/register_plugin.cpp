@@ -1,5 +1,5 @@
 // This folder as a plugin, where it is no part of the library (LOCKSTEP_BUILTINS=OFF).
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 #include "integrators/register.h"
 
 LOCKSTEP_PLUGIN(registry) { lockstep::register_integrators(registry); }

@@ -1,5 +1,5 @@
 // Source of the tableau: W. Kutta, Zeitschrift fuer Mathematik und Physik 46 (1901) 435.
-#include "integrators/rk4.h"
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

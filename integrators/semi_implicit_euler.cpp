@@ -1,5 +1,5 @@
 // Source of the scheme: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), I.1.2.
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/integrators.h>
 
 namespace lockstep {
 

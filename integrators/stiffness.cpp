@@ -1,4 +1,4 @@
-#include "integrators/stiffness.h"
+#include <lockstep/integrators.h>
 
 #include <cmath>
 

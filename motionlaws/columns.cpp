@@ -1,12 +1,12 @@
-#include "motionlaws/columns.h"
+#include <lockstep/splines.h>
 
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string_view>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -1,6 +1,5 @@
-#include "motionlaws/combine.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 namespace {
@@ -101,19 +100,19 @@ const TypeInfo& ShiftedLaw::info() {
 }
 
 LawPtr<MotionLaw> SumLaw::make(const Params& p) {
-  return sum(p.laws("laws"));
+  return laws::sum(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ProductLaw::make(const Params& p) {
-  return product(p.laws("laws"));
+  return laws::product(p.laws("laws"));
 }
 
 LawPtr<MotionLaw> ScaledLaw::make(const Params& p) {
-  return scale(p.law("law"), p.number("factor"), p.number("offset"));
+  return laws::scale(p.law("law"), p.number("factor"), p.number("offset"));
 }
 
 LawPtr<MotionLaw> ShiftedLaw::make(const Params& p) {
-  return shift(p.law("law"), p.number("delay"));
+  return laws::shift(p.law("law"), p.number("delay"));
 }
 
 }  // namespace lockstep

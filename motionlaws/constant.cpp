@@ -1,6 +1,5 @@
-#include "motionlaws/constant.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 
@@ -15,7 +14,7 @@ const TypeInfo& Constant::info() {
 }
 
 LawPtr<MotionLaw> Constant::make(const Params& p) {
-  return constant(p.number("value"));
+  return laws::constant(p.number("value"));
 }
 
 }  // namespace lockstep

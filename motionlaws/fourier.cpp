@@ -1,11 +1,10 @@
-#include "motionlaws/fourier.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 
@@ -48,7 +47,7 @@ LawPtr<MotionLaw> Fourier::make(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
+  return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
 }
 
 }  // namespace lockstep

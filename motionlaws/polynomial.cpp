@@ -1,8 +1,7 @@
-#include "motionlaws/polynomial.h"
+#include <lockstep/laws.h>
 
 #include <utility>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 
@@ -33,7 +32,7 @@ const TypeInfo& Polynomial::info() {
 }
 
 LawPtr<MotionLaw> Polynomial::make(const Params& p) {
-  return polynomial(p.numbers("coefficients"), p.number("t0"));
+  return laws::polynomial(p.numbers("coefficients"), p.number("t0"));
 }
 
 }  // namespace lockstep

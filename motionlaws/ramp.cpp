@@ -1,6 +1,5 @@
-#include "motionlaws/ramp.h"
+#include <lockstep/laws.h>
 
-#include "motionlaws/checks.h"
 
 namespace lockstep {
 
@@ -22,7 +21,7 @@ const TypeInfo& Ramp::info() {
 }
 
 LawPtr<MotionLaw> Ramp::make(const Params& p) {
-  return ramp(p.number("slope"), p.number("t0"), p.number("y0"));
+  return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0"));
 }
 
 }  // namespace lockstep

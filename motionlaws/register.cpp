@@ -1,21 +1,9 @@
 #include "motionlaws/register.h"
 
-#include "framework/description/registry/registry.h"
-#include "motionlaws/combine.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/fourier.h"
-#include "motionlaws/path.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/rotations.h"
-#include "motionlaws/sequence.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/spline.h"
-#include "motionlaws/spline_rotation.h"
-#include "motionlaws/translations.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/registry.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
+#include <lockstep/frame_laws.h>
 
 namespace lockstep {
 

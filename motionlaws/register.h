@@ -1,7 +1,7 @@
 // Puts every law of this room on the registry's shelves.
 #pragma once
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

@@ -1,12 +1,10 @@
-#include "motionlaws/repeat.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 
@@ -53,7 +51,7 @@ const TypeInfo& Repeat::info() {
 }
 
 LawPtr<MotionLaw> Repeat::make(const Params& p) {
-  return repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
+  return laws::repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
 }
 
 }  // namespace lockstep

@@ -1,10 +1,8 @@
-#include "motionlaws/rise.h"
+#include <lockstep/laws.h>
 
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 
@@ -78,11 +76,11 @@ const TypeInfo& HarmonicRise::info() {
 }
 
 LawPtr<MotionLaw> Poly345::make(const Params& p) {
-  return poly345(rise_settings(p));
+  return laws::poly345(rise_settings(p));
 }
 
 LawPtr<MotionLaw> Cycloid::make(const Params& p) {
-  return cycloid(rise_settings(p));
+  return laws::cycloid(rise_settings(p));
 }
 
 LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {

@@ -1,8 +1,8 @@
-#include "motionlaws/rotations.h"
+#include <lockstep/frame_laws.h>
 
 #include <cmath>
 
-#include "motionlaws/checks.h"
+#include <lockstep/laws.h>
 
 namespace lockstep {
 

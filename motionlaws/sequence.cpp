@@ -1,9 +1,7 @@
-#include "motionlaws/sequence.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 
@@ -98,7 +96,7 @@ LawPtr<MotionLaw> Sequence::make(const Params& p) {
                               " laws; give one each");
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
-  return sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
+  return laws::sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
 }
 
 }  // namespace lockstep

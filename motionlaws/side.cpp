@@ -1,4 +1,4 @@
-#include "motionlaws/side.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,8 @@
-#include "motionlaws/sine.h"
+#include <lockstep/laws.h>
 
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
-#include "motionlaws/checks.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 
@@ -36,7 +35,7 @@ LawPtr<MotionLaw> Sine::make(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
+  return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
 }
 
 }  // namespace lockstep

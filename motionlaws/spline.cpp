@@ -1,7 +1,6 @@
-#include "motionlaws/spline.h"
+#include <lockstep/splines.h>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/spline_params.h"
+#include <lockstep/laws.h>
 
 namespace lockstep {
 namespace {

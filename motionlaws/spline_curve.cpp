@@ -1,12 +1,11 @@
-#include "motionlaws/spline_curve.h"
+#include <lockstep/splines.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "framework/foundation/support/error.h"
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 // sign of a row).
 #include <Eigen/LU>
 
-#include "motionlaws/spline_curve.h"
+#include <lockstep/splines.h>
 
 namespace lockstep {
 namespace {

@@ -1,4 +1,4 @@
-#include "motionlaws/spline_params.h"
+#include <lockstep/splines.h>
 
 #include <filesystem>
 

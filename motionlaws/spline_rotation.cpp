@@ -1,11 +1,9 @@
-#include "motionlaws/spline_rotation.h"
+#include <lockstep/splines.h>
 
 #include <cmath>
 
 #include "framework/mechanism/params/read.h"
-#include "motionlaws/checks.h"
-#include "motionlaws/rotation_value.h"
-#include "motionlaws/spline_params.h"
+#include <lockstep/laws.h>
 
 namespace lockstep {
 namespace {

@@ -1,6 +1,6 @@
-#include "motionlaws/translations.h"
+#include <lockstep/frame_laws.h>
 
-#include "motionlaws/checks.h"
+#include <lockstep/laws.h>
 
 namespace lockstep {
 
@@ -72,11 +72,11 @@ LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
 }
 
 LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {
-  return components(p.law("x"), p.law("y"), p.law("z"));
+  return laws::components(p.law("x"), p.law("y"), p.law("z"));
 }
 
 LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
-  return along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
+  return laws::along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
 }
 
 }  // namespace lockstep

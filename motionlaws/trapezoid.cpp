@@ -1,10 +1,8 @@
-#include "motionlaws/trapezoid.h"
+#include <lockstep/laws.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "motionlaws/checks.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 
@@ -82,7 +80,7 @@ LawPtr<MotionLaw> Trapezoid::make(const Params& p) {
     if (!(value > 0)) p.refuse(key, "is " + number(value) + "; must be above 0");
     return value;
   };
-  return trapezoid({p.number("distance"), given("speed"), given("acceleration"), given("duration"), p.number("t0"),
+  return laws::trapezoid({p.number("distance"), given("speed"), given("acceleration"), given("duration"), p.number("t0"),
                     p.number("y0")});
 }
 

@@ -3,8 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/lock/phi_lock.h"
-#include "framework/lockstep.h"
+#include <lockstep/phi_links.h>
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;
@@ -35,7 +35,7 @@ int main() {
   const double m = 2, J = 0.004, lead = 0.1, g = 9.81, k = kTwoPi / lead;
   System sys({.gravity = {0, 0, -g}});
   Body& nut = sys.add_body("nut", MassProperties{m, Vec3::Zero(), Vec3(0.003, 0.003, J).asDiagonal()});
-  sys.add<mine::Screw>("thread", nut, sys.ground(), at({0, 0, 0}), lead);
+  sys.add<mine::Screw>("thread", nut, sys.ground(), pose_at({0, 0, 0}), lead);
 
   Recorder recorder(
       sys, {"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});

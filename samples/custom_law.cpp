@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;
@@ -11,11 +11,11 @@ using namespace lockstep;
 int main() {
   const double m = 3, g = 9.81;
   // Any function of t that is written for any number: lockstep evaluates it on jets, value and two derivatives at once.
-  const LawPtr<MotionLaw> lift = law([](auto t) { return 0.1 * (1.0 - exp(-2.0 * t)) * sin(5.0 * t); });
+  const LawPtr<MotionLaw> lift = laws::law([](auto t) { return 0.1 * (1.0 - exp(-2.0 * t)) * sin(5.0 * t); });
 
   System sys({.gravity = {0, 0, -g}});
-  Body& slider = sys.add_body("slider", box(m, {0.1, 0.1, 0.1}));
-  auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({0, 0, 0}));
+  Body& slider = sys.add_body("slider", shapes::box(m, {0.1, 0.1, 0.1}));
+  auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), pose_at({0, 0, 0}));
   guide.drive(Axis::z, lift);
 
   Recorder recorder(sys,

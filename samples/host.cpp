@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 #include "samples/shared/paths.h"
 
@@ -16,10 +16,10 @@ int main() {
       fmt::print("loaded {}\n", load_plugin(registry, plugin, {paths::kPlugins}));
 
     System sys({.gravity = {0, -9.81, 0}});
-    Body& cam = sys.add_body("cam", cylinder(1.0, 0.05, 0.02));
-    Body& follower = sys.add_body("follower", box(0.3, {0.02, 0.1, 0.02}), {{0, 0.05, 0}, {}});
-    auto& shaft = sys.add<Revolute>("shaft", cam, sys.ground(), at({0, 0, 0}));
-    sys.add<Prismatic>("guide", follower, sys.ground(), at({0, 0.05, 0}, Vec3::UnitY()));
+    Body& cam = sys.add_body("cam", shapes::cylinder(1.0, 0.05, 0.02));
+    Body& follower = sys.add_body("follower", shapes::box(0.3, {0.02, 0.1, 0.02}), {{0, 0.05, 0}, {}});
+    auto& shaft = sys.add<Revolute>("shaft", cam, sys.ground(), pose_at({0, 0, 0}));
+    sys.add<Prismatic>("guide", follower, sys.ground(), pose_at({0, 0.05, 0}, Vec3::UnitY()));
 
     // By name, like a built-in one: the cam joint from one plugin, the law of the shaft's angle from the other.
     Marker& tip = sys.add_marker_at("tip", follower, {{0, 0.05, 0}, {}});

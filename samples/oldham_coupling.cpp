@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;
@@ -16,9 +16,9 @@ int main() {
   Body& disc = sys.add_body("disc", {0.8, Vec3::Zero(), Vec3(0.002, 0.002, 0.004).asDiagonal()}, {{e, 0, 0}, {}});
   Body& output = sys.add_body("output", hub, {{e, 0, 0}, {}});
 
-  auto& shaft = sys.add<Revolute>("shaft_in", input, sys.ground(), at({0, 0, 0}));
-  shaft.drive(Axis::rz, ramp(w));
-  sys.add<Revolute>("shaft_out", output, sys.ground(), at({e, 0, 0}));
+  auto& shaft = sys.add<Revolute>("shaft_in", input, sys.ground(), pose_at({0, 0, 0}));
+  shaft.drive(Axis::rz, laws::ramp(w));
+  sys.add<Revolute>("shaft_out", output, sys.ground(), pose_at({e, 0, 0}));
   // Each hub carries the disc along and lets it slide in one slot: five of six rows, a lock by its mask.
   Marker& center = sys.add_marker("center", disc);
   sys.add<GenericLock>("slot_in", center, sys.add_marker("hub_in", input), mask_from("y z e1 e2 e3"));

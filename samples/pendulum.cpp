@@ -3,15 +3,15 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;
 
 int main() {
   System sys({.gravity = {0, -9.81, 0}});
-  Body& bar = sys.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  sys.add<Revolute>("hinge", bar, sys.ground(), at({0, 0, 0}));
+  Body& bar = sys.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  sys.add<Revolute>("hinge", bar, sys.ground(), pose_at({0, 0, 0}));
 
   Recorder recorder(sys, {"rod.angle_z", "hinge.force_on_p_world_x", "hinge.force_on_p_world_y", "energy.total"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());

@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 #include "samples/shared/robot_arm.h"
 #include "samples/shared/sampled_law.h"
@@ -37,10 +37,10 @@ int main() {
   samples::Arm led = samples::make_arm(q0);
   const Pose home = led.tool->body->home * led.tool->local;
   auto& lead = led.sys.add<Fixed>("lead", *led.tool, led.sys.add_marker("station", led.sys.ground(), home));
-  lead.move(translation([](auto t) {
+  lead.move(laws::translation([](auto t) {
     return std::array{0.12 * sin(1.5 * t), 0.15 * (1.0 - cos(1.5 * t)), 0.08 * sin(3.0 * t) * t};
   }));
-  lead.turn(axis_rotation({1, 2, -1}, law([](auto t) { return 0.3 * sin(2.0 * t); })));
+  lead.turn(axis_rotation({1, 2, -1}, laws::law([](auto t) { return 0.3 * sin(2.0 * t); })));
   const Table a = run(led);
 
   // Then every joint is driven by what it did, and nobody holds the tool.

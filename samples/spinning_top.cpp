@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 
 using namespace lockstep;
@@ -17,7 +17,7 @@ int main() {
   MassProperties mass{m, {0, 0, l}, Vec3(I1 - m * l * l, I1 - m * l * l, I3).asDiagonal()};
   Body& top = sys.add_body("top", mass, {{0, 0, 0}, axis_angle(Vec3::UnitX(), th)});
   top.start.w = {0, W * std::sin(th), w3};
-  sys.add<Spherical>("tip", top, sys.ground(), at({0, 0, 0}));
+  sys.add<Spherical>("tip", top, sys.ground(), pose_at({0, 0, 0}));
 
   Recorder recorder(sys, {"top.center_x", "top.center_y", "top.center_z", "energy.total", "angular_momentum.z"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());

@@ -1,4 +1,4 @@
-# Headers keep their paths, so an include line is the same here and in a client: #include "framework/mechanism/lock/kernel.h".
+# Headers keep their paths, so an include line is the same here and in a client: #include "framework/include/lockstep/kernel.h".
 # Four components, which packages.cmake makes Debian packages of: library, development, program, plugins.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
@@ -13,12 +13,10 @@ if(TARGET lockstep_program)
   install(TARGETS lockstep_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endif()
 
-foreach(folder framework motionlaws integrators)
-  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN program EXCLUDE PATTERN cmake EXCLUDE)
-endforeach()
-install(FILES ${PROJECT_BINARY_DIR}/generated/framework/version.h
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep/framework COMPONENT development)
+install(DIRECTORY framework/include/lockstep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
+        FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_BINARY_DIR}/generated/lockstep/version.h
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT development)
 
 install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 namespace {
 

@@ -1,8 +1,8 @@
 // A force as a plugin: the drag of the air, which is at rest, on the point P.
 //
 //   F = -c |v| v at P,   v: velocity of P in the world,   c = coefficient, or density area shape/2
-#include "framework/mechanism/forces/formula_force.h"
-#include "framework/description/registry/plugin.h"
+#include <lockstep/force.h>
+#include <lockstep/plugin.h>
 
 namespace {
 

@@ -13,9 +13,8 @@
 #include <exception>
 #include <limits>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/dynamics/integrate/step_control.h"
-#include "framework/description/registry/plugin.h"
+#include <lockstep/stepping.h>
+#include <lockstep/plugin.h>
 #include "ida_memory.h"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <new>
 #include <type_traits>
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 
 namespace lockstep::ida_plugin {
 

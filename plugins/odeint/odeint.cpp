@@ -10,9 +10,8 @@
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/dynamics/integrate/step_control.h"
-#include "framework/description/registry/plugin.h"
+#include <lockstep/stepping.h>
+#include <lockstep/plugin.h>
 
 namespace {
 

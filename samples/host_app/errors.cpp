@@ -58,9 +58,9 @@ namespace {
 /// A slider whose height follows each of the laws.
 struct Slider {
   explicit Slider(std::initializer_list<LawPtr<MotionLaw>> laws) {
-    Body& body = system.add_body("slider", box(1.0, {0.1, 0.1, 0.1}));
+    Body& body = system.add_body("slider", shapes::box(1.0, {0.1, 0.1, 0.1}));
     for (const auto& law : laws)
-      system.add<Prismatic>("guide" + std::to_string(system.links().size()), body, system.ground(), at({0, 0, 0}))
+      system.add<Prismatic>("guide" + std::to_string(system.links().size()), body, system.ground(), pose_at({0, 0, 0}))
           .drive(Axis::z, law);
   }
   void run(const char* method, double step, const Registry& registry) {
@@ -73,7 +73,7 @@ struct Slider {
 
 template <class F>
 LawPtr<MotionLaw> function(F f) {
-  return law(f);
+  return laws::law(f);
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ int provoke_them_all(const Registry& registry) {
   const Provoked table[] = {
       {"ModelError",
        [] {
-         System().add_body("feather", rod(-1.0, {0, 0, 0}, {1, 0, 0}));
+         System().add_body("feather", shapes::rod(-1.0, {0, 0, 0}, {1, 0, 0}));
        }},
       {"AssemblyError",  // the start is not on the constraints, and nobody called assemble()
        [&] { Slider({function([](auto t) { return 0.1 + 0.0 * t; })}).run("dopri5", 0, registry); }},

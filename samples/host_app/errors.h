@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 
 /// Runs `work`; "" when all went well, else the type of the error, and into `words` what it says with all its fields.
 std::string handled(const std::function<void()>& work, std::string& words);

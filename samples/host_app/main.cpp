@@ -58,10 +58,10 @@ class Highest final : public Observer {
 // follower has risen by 15 mm, which the closed form knows: 0.01 (1 - cos psi) = 0.015.
 bool cam_in_cpp(const Registry& registry) {
   System sys({.gravity = {0, -9.81, 0}});
-  Body& cam = sys.add_body("cam", cylinder(1.0, 0.05, 0.02));
-  Body& follower = sys.add_body("follower", box(0.3, {0.02, 0.1, 0.02}), {{0, 0.05, 0}, {}});
-  auto& shaft = sys.add<Revolute>("shaft", cam, sys.ground(), at({0, 0, 0}));
-  sys.add<Prismatic>("guide", follower, sys.ground(), at({0, 0.05, 0}, Vec3::UnitY()));
+  Body& cam = sys.add_body("cam", shapes::cylinder(1.0, 0.05, 0.02));
+  Body& follower = sys.add_body("follower", shapes::box(0.3, {0.02, 0.1, 0.02}), {{0, 0.05, 0}, {}});
+  auto& shaft = sys.add<Revolute>("shaft", cam, sys.ground(), pose_at({0, 0, 0}));
+  sys.add<Prismatic>("guide", follower, sys.ground(), pose_at({0, 0.05, 0}, Vec3::UnitY()));
   Marker& tip = sys.add_marker_at("tip", follower, {{0, 0.05, 0}, {}});
   Marker& disc = sys.add_marker_at("disc", cam, {{0, 0, 0}, axis_angle(Vec3::UnitZ(), kPi / 2)});
   sys.add(registry.links.make("cam_follower", Site{"ride", {{&tip, &disc}}}, Params{{"base", 0.05}, {"lift", 0.02}},

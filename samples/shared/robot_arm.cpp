@@ -21,7 +21,7 @@ Arm make_arm(const std::array<double, 6>& q) {
     home = home * Pose{p[k], axis_angle(axis[k], q[k])};
     Body& link = arm.sys.add_body(fmt::format("link_{}", k + 1), {m[k], com[k], J[k].asDiagonal()}, home);
     // P and S have their z along the joint's axis; P turns with the link, so the angle starts at q.
-    const Quat z_to_axis = at({0, 0, 0}, axis[k]).q;
+    const Quat z_to_axis = pose_at({0, 0, 0}, axis[k]).q;
     Marker& P = arm.sys.add_marker(fmt::format("p{}", k + 1), link, {{0, 0, 0}, z_to_axis});
     Marker& S = arm.sys.add_marker(fmt::format("s{}", k + 1), *previous, {p[k], z_to_axis});
     arm.joints.push_back(&arm.sys.add<Revolute>(fmt::format("J{}", k + 1), P, S));

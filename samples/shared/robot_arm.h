@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 
 namespace lockstep::samples {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/mechanism/model/motion_law.h"
+#include <lockstep/law.h>
 
 namespace lockstep::samples {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 
 namespace lockstep::benchmark {
 

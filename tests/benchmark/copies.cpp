@@ -7,8 +7,8 @@
 
 #include "framework/tools/analysis/work_precision.h"
 #include "framework/tools/batch/batch.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 #include "tests/support/copies_of.h"
 
 using namespace lockstep;

@@ -5,13 +5,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/dynamics/simulate/assembly.h"
+#include <lockstep/assembly.h>
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/tools/charts/chart.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/charts.h>
+#include <lockstep/integrators.h>
 #include "samples/shared/output.h"
 #include "tests/support/derivations.h"
 #include "tests/support/lock_checks.h"
@@ -86,11 +85,11 @@ struct FourBar {
     const Vec3 along = (D - B).normalized(), across(-along[1], along[0], 0);
     const double d = (D - B).norm(), x = (0.3 * 0.3 - 0.25 * 0.25 + d * d) / (2 * d);
     const Vec3 C = B + x * along + std::sqrt(0.3 * 0.3 - x * x) * across;
-    Body& crank = sys.add_body("crank", rod(0.5, A, B));
-    Body& coupler = sys.add_body("coupler", rod(1.2, B, C));
-    Body& rocker = sys.add_body("rocker", rod(0.9, D, C));
+    Body& crank = sys.add_body("crank", shapes::rod(0.5, A, B));
+    Body& coupler = sys.add_body("coupler", shapes::rod(1.2, B, C));
+    Body& rocker = sys.add_body("rocker", shapes::rod(0.9, D, C));
     const auto hinge = [&](const std::string& name, Body& p, Body& s, const Vec3& at_x) {
-      Marker &P = sys.add_marker_at(name + ".P", p, at(at_x)), &S = sys.add_marker_at(name + ".S", s, at(at_x));
+      Marker &P = sys.add_marker_at(name + ".P", p, pose_at(at_x)), &S = sys.add_marker_at(name + ".S", s, pose_at(at_x));
       const Mask mask = Mask::xyz | Mask::e1 | Mask::e2;
       if (library)
         sys.add<GenericLock>(name, P, S, mask);

@@ -3,12 +3,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/dynamics/simulate/assembly.h"
+#include <lockstep/assembly.h>
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/evaluate/implicit.h"
-#include "framework/tools/charts/chart.h"
-#include "framework/tools/record/recorder.h"
-#include "integrators/rk4.h"
+#include <lockstep/newton.h>
+#include <lockstep/charts.h>
+#include <lockstep/recorder.h>
+#include <lockstep/integrators.h>
 #include "samples/shared/output.h"
 #include "tests/support/economies.h"
 

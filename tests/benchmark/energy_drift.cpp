@@ -7,8 +7,8 @@
 #include <string>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/lockstep.h"
-#include "framework/tools/record/channel.h"
+#include <lockstep/lockstep.h>
+#include <lockstep/recorder.h>
 #include "samples/shared/output.h"
 #include "tests/support/paths.h"
 

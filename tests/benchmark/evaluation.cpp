@@ -5,10 +5,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "samples/shared/output.h"
 #include "tests/benchmark/articulated.h"
 
@@ -42,11 +41,11 @@ System ladder(int n) {
   std::vector<Body*> uprights;
   for (int i = 0; i <= n; ++i) {
     uprights.push_back(&add_rod(s, "upright" + std::to_string(i), Vec3(i, 0, 0) + 0.5 * up, 1.2));
-    s.add<Revolute>("foot" + std::to_string(i), *uprights.back(), s.ground(), at(Vec3(i, 0, 0)));
+    s.add<Revolute>("foot" + std::to_string(i), *uprights.back(), s.ground(), pose_at(Vec3(i, 0, 0)));
   }
   for (int i = 0; i < n; ++i) {
     Body& bar = add_rod(s, "bar" + std::to_string(i), Vec3(i + 0.5, 0, 0) + up);
-    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], at(Vec3(i, 0, 0) + up));
+    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], pose_at(Vec3(i, 0, 0) + up));
     s.add<Revolute>("right" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
                     at(Vec3(i + 1, 0, 0) + up));
   }
@@ -57,7 +56,7 @@ System ladder(int n) {
 System star(int n) {
   System s({.gravity = Vec3(0, -9.81, 0)});
   Body& plate = s.add_body("plate", MassProperties{10.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
-  s.add<Spherical>("pivot", plate, s.ground(), at(Vec3(0, 0, 0)));
+  s.add<Spherical>("pivot", plate, s.ground(), pose_at(Vec3(0, 0, 0)));
   for (int i = 0; i < n; ++i) {
     const double angle = kTwoPi * i / n;
     const Vec3 out(std::cos(angle), std::sin(angle), 0);

@@ -8,13 +8,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/gears.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/mechanism/links/universal.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/couplings.h>
 #include "samples/shared/output.h"
 #include "tests/support/hand_joints.h"
 

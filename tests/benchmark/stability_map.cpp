@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 #include "samples/shared/output.h"
 #include "tests/support/stability_probe.h"
 

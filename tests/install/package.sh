@@ -61,7 +61,7 @@ env -u LD_LIBRARY_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.
   --record "$place/four_bar.csv"
 test "$(wc -l <"$place/four_bar.csv")" -gt 10
 "$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
-for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/framework/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
+for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
 
 throw_away --purge "${names[@]}" >"$place/dpkg.txt" 2>&1 || {
   cat "$place/dpkg.txt"

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -28,17 +29,6 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// The rooms of layout.txt, in their order.
-std::vector<std::string> read_rooms(const fs::path& file) {
-  std::vector<std::string> rooms;
-  std::ifstream text(file);
-  for (std::string line; std::getline(text, line);) {
-    const bool indented = !line.empty() && line.front() == ' ';
-    if (indented && trimmed(line).front() != '#') rooms.push_back(trimmed(line.substr(0, line.find('|'))));
-  }
-  return rooms;
-}
-
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> parts;
   std::stringstream text(line);
@@ -47,14 +37,33 @@ std::vector<std::string> cells(const std::string& line) {
   return parts;
 }
 
+// The rooms of layout.txt in their order, and the room of each public header.
+struct Layout {
+  std::vector<std::string> rooms;
+  std::map<std::string, std::string> room_of_header;
+};
+
+Layout read_layout(const fs::path& file) {
+  Layout layout;
+  std::ifstream text(file);
+  for (std::string line; std::getline(text, line);) {
+    if (line.empty() || line.front() != ' ' || trimmed(line).front() == '#') continue;
+    const std::vector<std::string> c = cells(line);
+    layout.rooms.push_back(c[0]);
+    std::stringstream headers(c[2]);
+    for (std::string header; headers >> header;) layout.room_of_header["lockstep/" + header] = c[0];
+  }
+  return layout;
+}
+
 // The plan as a table for the tour: a wing in bold, its rooms below it.
 std::string table_of(const fs::path& file) {
-  std::string table = "| | |\n|---|---|\n";
+  std::string table = "| | | public headers |\n|---|---|---|\n";
   std::ifstream text(file);
   for (std::string line; std::getline(text, line);) {
     if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
     const std::vector<std::string> c = cells(line);
-    table += line.front() == ' ' ? "| `" + c[0] + "` | " + c[1] + " |\n" : "| **" + c[0] + "** | **" + c[2] + "** |\n";
+    table += line.front() == ' ' ? "| `" + c[0] + "` | " + c[1] + " | " + c[2] + " |\n" : "| **" + c[0] + "** | **" + c[2] + "** | |\n";
   }
   return table;
 }
@@ -91,7 +100,7 @@ bool is_code(const fs::path& file) {
 
 class Inspection {
  public:
-  explicit Inspection(fs::path root) : root_(std::move(root)), rooms_(read_rooms(root_ / "framework/layout.txt")) {}
+  explicit Inspection(fs::path root) : root_(std::move(root)), layout_(read_layout(root_ / "framework/layout.txt")), rooms_(layout_.rooms) {}
 
   int run() {
     const std::vector<fs::path> files = source_files();
@@ -117,9 +126,17 @@ class Inspection {
     return files;
   }
 
-  // The room of a file: the longest listed folder that holds it. A file beside the wings, such as framework/lockstep.h,
+  // The room of a file: the one that lists a public header, else the longest listed folder that holds it. The umbrella
   // belongs to nobody and may include all; other people's headers are "".
   std::string room_of(const fs::path& path) const {
+    constexpr const char* kPublic = "framework/include/";
+    std::string header = path.generic_string();
+    if (header.rfind(kPublic, 0) == 0) header.erase(0, std::string(kPublic).size());
+    if (header.rfind("lockstep/", 0) == 0) {
+      if (header == "lockstep/lockstep.h" || header == "lockstep/version.h") return "framework";
+      const auto found = layout_.room_of_header.find(header);
+      return found == layout_.room_of_header.end() ? header : found->second;
+    }
     const std::string stem = path.filename().string().substr(0, path.filename().string().find('.'));
     const std::string top = path.begin() == path.end() ? "" : path.begin()->string();
     if (kUsers.count(top) != 0) return top;
@@ -153,8 +170,8 @@ class Inspection {
       const std::string to = room_of(path);
       if (to.empty() && mark == '"') {
         fault(file.generic_string(), number,
-              "\"" + path + "\" does not start at the root of the repository, as in \"framework/version.h\"");
-      } else if (!to.empty() && to != from && path != "framework/version.h") {
+              "\"" + path + "\" does not start at the root of the repository, as in \"framework/mechanism/lock/dispatch.h\"");
+      } else if (!to.empty() && to != from && path != "lockstep/version.h") {
         ++n_arrows_;
         judge(file.generic_string(), number, path, from, to);
       }
@@ -179,6 +196,7 @@ class Inspection {
   }
 
   fs::path root_;
+  Layout layout_;
   std::vector<std::string> rooms_;
   int n_arrows_ = 0, n_faults_ = 0;
 };

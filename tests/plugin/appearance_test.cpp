@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
+#include <lockstep/loader.h>
 #include "framework/description/scene/schema.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

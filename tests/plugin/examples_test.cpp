@@ -1,15 +1,12 @@
 // The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
 #include <cmath>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_force.h"
-#include "framework/tools/check/check_integrator.h"
-#include "framework/tools/check/check_law.h"
-#include "framework/tools/check/check_lock.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

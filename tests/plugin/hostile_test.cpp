@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

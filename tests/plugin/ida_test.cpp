@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <string>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 
@@ -77,8 +77,8 @@ TEST_CASE("the error of ida follows the tolerance with slope one", "[plugin][ida
 // anew there, and the links of the scene are met all the while.
 TEST_CASE("ida goes on from a state that an event has changed", "[plugin][ida]") {
   System system{System::Options{Vec3(0, -9.81, 0)}};
-  Body& bar = system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  system.add<Revolute>("hinge", bar, system.ground(), at({0, 0, 0}));
+  Body& bar = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add<Revolute>("hinge", bar, system.ground(), pose_at({0, 0, 0}));
   const auto kind = GENERATE(Stabilization::Kind::project, Stabilization::Kind::baumgarte);
   Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, {kind}});
   StepLoop run(dynamics, with_ida().integrators.make("ida", {}, nullptr, "integrator"), {.tolerance = {1e-9, 1e-11}});

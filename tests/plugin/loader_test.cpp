@@ -1,5 +1,5 @@
 // Plugins: found, read, checked before their code runs, taken whole or not at all.
-#include "framework/description/registry/loader.h"
+#include <lockstep/loader.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/tools/program/commands.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

@@ -1,9 +1,9 @@
 // The plugin odeint: a foreign explicit method, its order and its error against the tolerance.
 #include <string>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 

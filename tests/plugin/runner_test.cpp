@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

@@ -1,5 +1,5 @@
 // Where plugins may come from: folders, links, who may write there, and what a scene may ask for.
-#include "framework/description/registry/search.h"
+#include <lockstep/loader.h>
 
 #include <unistd.h>
 
@@ -8,11 +8,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
 #include "framework/description/registry/survey.h"
-#include "framework/description/scene/scene.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/scene.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -3,13 +3,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/registry/loader.h"
-#include "framework/description/scene/scene.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/assembly.h>
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/loader.h>
+#include <lockstep/scene.h>
+#include <lockstep/system.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -160,7 +160,7 @@ TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code
     void apply(const Inputs&, WrenchSum&) const override { throw std::length_error("too long"); }
   };
   System system;
-  system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
   system.add(std::make_unique<Wind>("F"));
   Dynamics dynamics(system, std::make_unique<SparseSolver>());
   const State start = system.start();
@@ -197,7 +197,7 @@ TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one g
   };
   const auto set_up_with = [](bool own) {
     System system;
-    system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
     system.add(std::make_unique<Wind>(own));
     system.setup();
   };

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "motionlaws/from.h"
+#include <lockstep/assembly.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/laws.h>
 #include "tests/support/mechanism.h"
 
 namespace lockstep::test {
@@ -68,7 +68,7 @@ inline std::unique_ptr<System> ladder(int bays, int k) {
   };
   for (int i = 0; i <= bays; ++i) {
     Body& up = rod("upright " + std::to_string(i), Vec3(i + 0.5 * s, 0, 0.5 * c));
-    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), at(Vec3(i, 0, 0), axis));
+    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), pose_at(Vec3(i, 0, 0), axis));
     uprights.push_back(&up);
   }
   for (int i = 0; i < bays; ++i) {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/mechanism/lock/marker_lock.h"
-#include "framework/foundation/math/jet.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/relative.h>
+#include <lockstep/lock.h>
+#include <lockstep/jet.h>
+#include <lockstep/system.h>
 #include "tests/support/constraint.h"
 #include "tests/support/counted.h"
 #include "tests/support/paper_lock.h"

@@ -8,13 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/translations.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/counted.h"
 
 namespace lockstep::economies {
@@ -32,8 +30,8 @@ struct Chain {
     Body* last = &from;
     for (int i = 0; i < kRods; ++i) {
       const Vec3 begin(i, 0, 0), end(i + 1, 0, 0);
-      rods.push_back(&sys->add_body("rod" + std::to_string(i), rod(1.0, begin, end, 0.05)));
-      joints.push_back(&sys->add<Joint>("joint" + std::to_string(i), *rods.back(), *last, at(begin, Vec3(0, 1, 0))));
+      rods.push_back(&sys->add_body("rod" + std::to_string(i), shapes::rod(1.0, begin, end, 0.05)));
+      joints.push_back(&sys->add<Joint>("joint" + std::to_string(i), *rods.back(), *last, pose_at(begin, Vec3(0, 1, 0))));
       last = rods.back();
     }
     return *this;
@@ -54,9 +52,9 @@ inline Chain plain() {
 
 inline Chain on_a_plate(bool held) {
   Chain c;
-  const MassProperties plate = box(10.0, {1, 1, 0.1});
+  const MassProperties plate = shapes::box(10.0, {1, 1, 0.1});
   Body& body = held ? c.sys->add_body("plate", plate) : c.sys->add_fixed("plate");
-  if (held) c.sys->add<Fixed>("bolts", body, c.sys->ground(), at({0, 0, 0}));
+  if (held) c.sys->add<Fixed>("bolts", body, c.sys->ground(), pose_at({0, 0, 0}));
   c.hang<Revolute>(body);
   return c;
 }
@@ -72,13 +70,13 @@ inline Chain balls(bool hinges) {
 
 inline Chain driven() {
   Chain c = plain();
-  for (MarkerLock* joint : c.joints) joint->drive(Axis::rz, ramp(1.0));
+  for (MarkerLock* joint : c.joints) joint->drive(Axis::rz, laws::ramp(1.0));
   return c;
 }
 
 inline Chain shaken() {
   Chain c = plain();
-  const LawPtr<TranslationLaw> law = along(Vec3(0, 0, 1), sine({.amplitude = 0.1, .omega = 3.0}));
+  const LawPtr<TranslationLaw> law = laws::along(Vec3(0, 0, 1), laws::sine({.amplitude = 0.1, .omega = 3.0}));
   for (MarkerLock* joint : c.joints) c.sys->marker(joint->s().name).slide = law;
   return c;
 }
@@ -87,8 +85,8 @@ inline Chain stayed(bool active) {
   Chain c = plain();
   for (int i = 0; i < kRods; ++i) {
     const std::string name = "stay" + std::to_string(i);
-    Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[static_cast<std::size_t>(i)], at(Vec3(i + 1, 0, 0)));
-    Marker& S = c.sys->add_marker_at(name + ".S", c.sys->ground(), at(Vec3(i, 0, 1)));
+    Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[static_cast<std::size_t>(i)], pose_at(Vec3(i + 1, 0, 0)));
+    Marker& S = c.sys->add_marker_at(name + ".S", c.sys->ground(), pose_at(Vec3(i, 0, 1)));
     c.sys->add<Distance>(name, P, S, std::sqrt(2.0)).set_active_at_start(active);
   }
   return c;
@@ -101,9 +99,9 @@ inline Chain pearls(bool bodies) {
   for (int i = 0; i < kRods; ++i) {
     const Vec3 x(i + 1, 0, 0);
     const std::string name = "pearl" + std::to_string(i);
-    Body& pearl = bodies ? c.sys->add_body(name, sphere(1.0, 0.05), {x, {}}) : c.sys->add_particle(name, 1.0, x);
-    Marker &P = c.sys->add_marker_at(name + ".P", pearl, at(x)),
-           &S = c.sys->add_marker_at(name + ".S", *last, at(Vec3(i, 0, 0)));
+    Body& pearl = bodies ? c.sys->add_body(name, shapes::sphere(1.0, 0.05), {x, {}}) : c.sys->add_particle(name, 1.0, x);
+    Marker &P = c.sys->add_marker_at(name + ".P", pearl, pose_at(x)),
+           &S = c.sys->add_marker_at(name + ".S", *last, pose_at(Vec3(i, 0, 0)));
     c.sys->add<Distance>("string" + std::to_string(i), P, S, 1.0);
     last = &pearl;
   }
@@ -123,8 +121,8 @@ inline Chain lumps(bool merged) {
   for (int i = 0; i < kRods; ++i) {
     const Vec3 x(i + 0.7, 0, 0.1);
     const std::string name = "lump" + std::to_string(i);
-    Body& lump = c.sys->add_body(name, sphere(0.5, 0.05), {x, {}});
-    c.sys->add<Fixed>("bolt" + std::to_string(i), lump, *c.rods[static_cast<std::size_t>(i)], at(x));
+    Body& lump = c.sys->add_body(name, shapes::sphere(0.5, 0.05), {x, {}});
+    c.sys->add<Fixed>("bolt" + std::to_string(i), lump, *c.rods[static_cast<std::size_t>(i)], pose_at(x));
   }
   c.sys->set_merge(merged);
   return c;

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/mechanism/forces/force.h"
-#include "framework/mechanism/lock/marker_frame.h"
+#include <lockstep/force.h>
+#include <lockstep/relative.h>
 #include "tests/support/configuration.h"
 
 namespace lockstep::oracle {

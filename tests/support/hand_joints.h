@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/lock.h>
 
 namespace lockstep::hand {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
@@ -20,15 +20,18 @@ struct OrderProbe {
 
 /// An integrator and what is expected of it. Empty `adaptive`: fixed steps only; `dense_order` 0: no dense output.
 struct IntegratorCase {
-  const char* name;
-  std::function<std::unique_ptr<Integrator>()> fixed, adaptive;
-  double order;
-  OrderProbe top, pendulum;
+  const char* name = "";
+  std::function<std::unique_ptr<Integrator>()> fixed{}, adaptive{};
+  double order = 1;
+  OrderProbe top{}, pendulum{};
   double dense_order = 0, dense_h = 0, dense_margin = 0;
   double dense_end = 1e-14;  ///< how well dense output meets the end of a step
   double eager_step = 3;     ///< s: a step that is rejected, `eager_rejections` times at least
   int eager_rejections = 2;
-  double next_step = 0.01;  ///< s, made after it
+  double next_step = 0.01;     ///< s, made after it
+  double error_at_most = 20;   ///< tolerances, of a run
+  double violation_v = 1e-10;  ///< m/s: how well velocities meet the constraints
+  double memory_margin = 0;    ///< of a step repeated after restore(); 0: equal to the last bit
 };
 
 /// A force along z on the first slot, given as a function of time and height.
@@ -69,7 +72,7 @@ inline void check_constraints(const IntegratorCase& c) {
   Dynamics dynamics = dynamics_of(pendulum.system);
   const State s = stepped(dynamics, *c.fixed(), 1.0, 40);
   CHECK(dynamics.violation(s) < 1e-10);
-  CHECK(dynamics.violation_v(s) < 1e-10);
+  CHECK(dynamics.violation_v(s) < c.violation_v);
   CHECK(s.q.segment<4>(3).norm() == Approx(1).epsilon(1e-15));
 }
 
@@ -112,7 +115,7 @@ inline void check_tolerance(const IntegratorCase& c) {
     double h = method->first_step(dynamics, s, 1.0);
     REQUIRE(h > 0);
     while (s.t < 2) h = method->step(dynamics, s, std::min(h, 2 - s.t)).h_next;
-    CHECK(top.error(s) < 20 * tolerance);
+    CHECK(top.error(s) < c.error_at_most * tolerance);
     CHECK(top.error(s) < 0.1 * last);
     last = top.error(s);
   }
@@ -142,7 +145,7 @@ inline void check_rejected_steps(const IntegratorCase& c) {
   CHECK(x.q == y.q);
 }
 
-inline void check_memory(Integrator& method, double h) {
+inline void check_memory(Integrator& method, double h, double margin = 0) {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   State s = pendulum.system.start();
@@ -156,8 +159,8 @@ inline void check_memory(Integrator& method, double h) {
   method.restore(memory);
   const StepReport second = method.step(dynamics, again, h);
   CHECK(first.h_next == second.h_next);
-  CHECK(s.q == again.q);
-  CHECK(s.v == again.v);
+  CHECK((s.q - again.q).norm() <= margin);
+  CHECK((s.v - again.v).norm() <= margin);
 }
 
 /// Not a number beyond z = 1: chosen steps stay below, fixed ones throw and leave the state.

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/foundation/math/jet.h"
-#include "framework/mechanism/model/motion_law.h"
+#include <lockstep/jet.h>
+#include <lockstep/law.h>
 #include "tests/support/catch.h"
 
 namespace lockstep::test {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <utility>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 
 namespace lockstep::testing {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/lock/kernel.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/joints.h>
+#include <lockstep/kernel.h>
+#include <lockstep/system.h>
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"
 

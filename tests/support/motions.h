@@ -7,11 +7,11 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/integrate/integrator.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/integrator.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 
 /// A free body of revolution (axis z), thrown: the centre flies a parabola, the body turns about its angular momentum
 /// at a steady rate and about its own axis at another.
@@ -53,7 +53,7 @@ struct RodPendulum {
     using namespace lockstep;
     const Vec3 end(kLength * std::sin(angle), 0, -kLength * std::cos(angle));
     Body& rod = system.add_body("rod", lockstep::rod(1.5, Vec3::Zero(), end));
-    system.add<Revolute>("hinge", rod, system.ground(), at(Vec3::Zero(), Vec3(0, 1, 0)));
+    system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
     system.setup();
     w2_ = 1.5 * kG * 0.5 * kLength / inertia();
   }
@@ -84,13 +84,13 @@ struct SprungLoop {
   SprungLoop() {
     using namespace lockstep;
     const Vec3 B(0.1, 0.03, 0), C(0.3, 0.25, 0), D(0.28, 0, 0), z = Vec3::UnitZ();
-    Body& crank = system.add_body("crank", rod(0.5, Vec3::Zero(), B));
-    Body& coupler = system.add_body("coupler", rod(1.2, B, C));
-    Body& rocker = system.add_body("rocker", rod(0.9, C, D));
-    system.add<Revolute>("A", crank, system.ground(), at(Vec3::Zero(), z));
-    system.add<Revolute>("B", coupler, crank, at(B, z));
-    system.add<Revolute>("C", rocker, coupler, at(C, z));
-    system.add<Revolute>("D", rocker, system.ground(), at(D, z));
+    Body& crank = system.add_body("crank", shapes::rod(0.5, Vec3::Zero(), B));
+    Body& coupler = system.add_body("coupler", shapes::rod(1.2, B, C));
+    Body& rocker = system.add_body("rocker", shapes::rod(0.9, C, D));
+    system.add<Revolute>("A", crank, system.ground(), pose_at(Vec3::Zero(), z));
+    system.add<Revolute>("B", coupler, crank, pose_at(B, z));
+    system.add<Revolute>("C", rocker, coupler, pose_at(C, z));
+    system.add<Revolute>("D", rocker, system.ground(), pose_at(D, z));
     Marker &p = system.add_marker("p", coupler), &s = system.add_marker("s", system.ground(), {{0, 0.3, 0}, {}});
     system.add<SpringDamper>("spring", p, s, {.stiffness = 1e5, .damping = 1e3, .free_length = 0.15});
     system.setup();

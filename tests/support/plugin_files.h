@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "framework/description/registry/abi.h"
-#include "framework/description/registry/registry.h"
+#include <lockstep/plugin.h>
+#include <lockstep/registry.h>
 
 namespace lockstep::testing {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "framework/dynamics/solvers/kkt.h"
+#include <lockstep/solver.h>
 
 namespace lockstep::test {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/record/recorder.h"
-#include "framework/tools/sweep/observe.h"
+#include <lockstep/registry.h>
+#include <lockstep/recorder.h>
+#include <lockstep/sweep.h>
 #include "tests/support/run_with_registry.h"
 
 namespace lockstep {

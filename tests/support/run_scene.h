@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "framework/tools/record/table.h"
-#include "framework/description/scene/scene.h"
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
 
 namespace lockstep {
 

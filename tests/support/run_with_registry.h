@@ -1,7 +1,7 @@
 // Runs a scene with things that do not come with lockstep: plugins of the test's own choice.
 #pragma once
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 #include "tests/support/run_scene.h"
 
 namespace lockstep {

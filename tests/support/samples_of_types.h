@@ -7,7 +7,7 @@
 #include <string>
 
 #include "framework/description/scene/json.h"
-#include "framework/mechanism/params/params.h"
+#include <lockstep/params.h>
 
 namespace lockstep {
 

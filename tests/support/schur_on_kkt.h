@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "framework/dynamics/solvers/schur_solver.h"
+#include <lockstep/solvers.h>
 #include "tests/support/random_kkt.h"
 
 namespace lockstep::test {

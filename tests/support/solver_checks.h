@@ -1,7 +1,7 @@
 #pragma once
 /// @file What every linear solver must hold: the same questions to dense, sparse and those to come.
 
-#include "framework/dynamics/solvers/linear_solver.h"
+#include <lockstep/solver.h>
 #include "tests/support/catch.h"
 #include "tests/support/random_kkt.h"
 

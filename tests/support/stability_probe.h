@@ -7,13 +7,11 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/rk4.h"
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 
 namespace lockstep::stability {
 
@@ -41,7 +39,7 @@ inline DynamicsOptions baumgarte(double gain) {
 inline double violation_ratio(const Limit& limit, double gain_h, int n_steps) {
   constexpr double h = 0.01, kOff = 1e-3;  // s, m
   System sys;
-  Body& bead = sys.add_body("bead", sphere(1.0, 0.1));
+  Body& bead = sys.add_body("bead", shapes::sphere(1.0, 0.1));
   Marker& P = sys.add_marker("P", bead);
   Marker& S = sys.add_marker("S", sys.ground(), {Vec3(kOff, 0, 0), {}});
   sys.add<PointOnLine>("wire", P, S);
@@ -55,8 +53,8 @@ inline double violation_ratio(const Limit& limit, double gain_h, int n_steps) {
 struct Pendulum {
   System sys{System::Options{Vec3(0, -9.81, 0)}};
   Pendulum() {
-    Body& bar = sys.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-    sys.add<Revolute>("hinge", bar, sys.ground(), at({0, 0, 0}));
+    Body& bar = sys.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    sys.add<Revolute>("hinge", bar, sys.ground(), pose_at({0, 0, 0}));
   }
 };
 inline constexpr double kSwing = 2.0;  // s

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep::testing {
 

@@ -1,8 +1,8 @@
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/params.h>
 
 #include <random>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;

@@ -3,7 +3,7 @@
 #include <limits>
 #include <memory>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -15,13 +15,13 @@ namespace {
 /// A spatial four-bar of revolutes about z: 20 rows, 17 of them independent, one freedom.
 System four_bar() {
   System sys;
-  Body& crank = sys.add_body("crank", rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
-  Body& bar = sys.add_body("bar", rod(1.0, {0, 0.2, 0}, {0.5, 0.3, 0}));
-  Body& rocker = sys.add_body("rocker", rod(1.0, {0.5, 0, 0}, {0.5, 0.3, 0}));
-  sys.add<Revolute>("A", crank, sys.ground(), at({0, 0, 0}));
-  sys.add<Revolute>("B", bar, crank, at({0, 0.2, 0}));
-  sys.add<Revolute>("C", bar, rocker, at({0.5, 0.3, 0}));
-  sys.add<Revolute>("D", rocker, sys.ground(), at({0.5, 0, 0}));
+  Body& crank = sys.add_body("crank", shapes::rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
+  Body& bar = sys.add_body("bar", shapes::rod(1.0, {0, 0.2, 0}, {0.5, 0.3, 0}));
+  Body& rocker = sys.add_body("rocker", shapes::rod(1.0, {0.5, 0, 0}, {0.5, 0.3, 0}));
+  sys.add<Revolute>("A", crank, sys.ground(), pose_at({0, 0, 0}));
+  sys.add<Revolute>("B", bar, crank, pose_at({0, 0.2, 0}));
+  sys.add<Revolute>("C", bar, rocker, pose_at({0.5, 0.3, 0}));
+  sys.add<Revolute>("D", rocker, sys.ground(), pose_at({0.5, 0, 0}));
   return sys;
 }
 
@@ -57,8 +57,8 @@ TEST_CASE("a mechanism whose bodies lie about comes together, redundant rows or 
 TEST_CASE("one joint comes home from any error below half a turn", "[unit][analysis]") {
   const double angle = GENERATE(1.0, 2.5, 3.0, 3.1);
   System sys;
-  Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
-  sys.add<Fixed>("hold", body, sys.ground(), at({0, 0, 0}));
+  Body& body = sys.add_body("body", shapes::box(1.0, {0.1, 0.2, 0.3}));
+  sys.add<Fixed>("hold", body, sys.ground(), pose_at({0, 0, 0}));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   State state = sys.start();
   state.q.segment<4>(3) = axis_angle(Vec3(1, 2, -1), angle).coefficients();
@@ -70,8 +70,8 @@ TEST_CASE("one joint comes home from any error below half a turn", "[unit][analy
 TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and the state is left alone",
           "[unit][analysis]") {
   System sys;
-  Body& body = sys.add_body("body", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  sys.add<Spherical>("left", body, sys.ground(), at({0, 0, 0}));
+  Body& body = sys.add_body("body", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  sys.add<Spherical>("left", body, sys.ground(), pose_at({0, 0, 0}));
   Marker& end = sys.add_marker_at("end", body, {{1, 0, 0}, {}});
   sys.add<Spherical>("right", end, sys.add_marker("far", sys.ground(), {{1.5, 0, 0}, {}}));  // the rod is too short
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
@@ -83,10 +83,10 @@ TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and 
 }
 
 TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit][analysis]") {
-  const auto sick = law([](auto t) { return t < 0.5 ? 0.1 * sin(t) : std::numeric_limits<double>::quiet_NaN() * t; });
+  const auto sick = laws::law([](auto t) { return t < 0.5 ? 0.1 * sin(t) : std::numeric_limits<double>::quiet_NaN() * t; });
   System sys;
-  Body& body = sys.add_body("body", box(1.0, {0.1, 0.2, 0.3}));
-  auto& slide = sys.add<Prismatic>("slide", body, sys.ground(), at({0, 0, 0}));
+  Body& body = sys.add_body("body", shapes::box(1.0, {0.1, 0.2, 0.3}));
+  auto& slide = sys.add<Prismatic>("slide", body, sys.ground(), pose_at({0, 0, 0}));
   slide.drive(Axis::z, sick);
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
@@ -144,8 +144,8 @@ TEST_CASE("projection moves the least in the mass metric", "[unit][dynamics]") {
 
 TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
   System sys = four_bar();
-  Body& free = sys.add_body("free", box(1.0, {1, 1, 1}));
-  sys.add<Spherical>("ball", free, sys.ground(), at({3, 0, 0}));
+  Body& free = sys.add_body("free", shapes::box(1.0, {1, 1, 1}));
+  sys.add<Spherical>("ball", free, sys.ground(), pose_at({3, 0, 0}));
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   State state = sys.start();
   assemble(dynamics, state);
@@ -164,7 +164,7 @@ TEST_CASE("a system that grew is set up anew, and a state of before is refused",
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   const State old = sys.start();
   dynamics.evaluate(old);
-  sys.add_body("late", box(1.0, {1, 1, 1}));
+  sys.add_body("late", shapes::box(1.0, {1, 1, 1}));
   CHECK(says(message_of<ModelError>([&] { sys.start(); }), {"not set up", "setup()"}));
   sys.setup();
   CHECK(says(message_of<ModelError>([&] { dynamics.evaluate(old); }),
@@ -174,9 +174,9 @@ TEST_CASE("a system that grew is set up anew, and a state of before is refused",
 
 TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]") {
   System sys;
-  Body& body = sys.add_body("wheel", box(1.0, {0.1, 0.2, 0.3}));
-  sys.add<Revolute>("slow", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(1.0));
-  sys.add<Revolute>("fast", body, sys.ground(), at({0, 0, 0})).drive(Axis::rz, ramp(2.0));
+  Body& body = sys.add_body("wheel", shapes::box(1.0, {0.1, 0.2, 0.3}));
+  sys.add<Revolute>("slow", body, sys.ground(), pose_at({0, 0, 0})).drive(Axis::rz, laws::ramp(1.0));
+  sys.add<Revolute>("fast", body, sys.ground(), pose_at({0, 0, 0})).drive(Axis::rz, laws::ramp(2.0));
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State state = sys.start();
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });

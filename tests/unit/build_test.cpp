@@ -1,9 +1,9 @@
 // Scenes that are right: what the mechanism is made of.
-#include "framework/description/scene/scene.h"
+#include <lockstep/scene.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/mechanism/lock/marker_lock.h"
-#include "framework/tools/sweep/observe.h"
+#include <lockstep/registry.h>
+#include <lockstep/lock.h>
+#include <lockstep/sweep.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

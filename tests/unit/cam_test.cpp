@@ -1,17 +1,17 @@
 // Cams: the distance of a roller and of a flat face, held against a search along the profile; turn after turn; what
 // profiles are refused.
-#include "framework/mechanism/links/cam.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_lock.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/from.h"
-#include "motionlaws/spline.h"
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
@@ -26,11 +26,11 @@ using Vec2 = CamProfile::Vec2;
 
 /// Convex, and not symmetric.
 LawPtr<MotionLaw> egg() {
-  return law([](auto u) { return 0.3 + 0.04 * cos(u) + 0.015 * sin(2.0 * u); });
+  return laws::law([](auto u) { return 0.3 + 0.04 * cos(u) + 0.015 * sin(2.0 * u); });
 }
 /// With hollows of 0.67 m radius.
 LawPtr<MotionLaw> lobes() {
-  return law([](auto u) { return 0.3 + 0.04 * cos(3.0 * u); });
+  return laws::law([](auto u) { return 0.3 + 0.04 * cos(3.0 * u); });
 }
 Vec2 point(const LawPtr<MotionLaw>& radius, double u) {
   u -= kTwoPi * std::floor(u / kTwoPi);
@@ -114,7 +114,7 @@ TEST_CASE("A flat face's row is its distance from the foremost point of the prof
 TEST_CASE("Cams pass the check of links, with splines for profiles as well", "[unit][links]") {
   Spline::Points points;
   for (int i = 0; i <= 12; ++i) points.emplace_back(kTwoPi * i / 12, 0.3 + 0.03 * std::cos(kTwoPi * (i % 12) / 12));
-  const auto quintic = spline(points, {.degree = 5, .ends = SplineEnds::periodic});
+  const auto quintic = laws::spline(points, {.degree = 5, .ends = SplineEnds::periodic});
   for (const auto& radius : {egg(), lobes(), quintic})
     for (const bool flat : {false, true}) {
       for (int i = 0; i < 4; ++i) {
@@ -143,11 +143,11 @@ TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
   };
   CHECK(roller(lobes(), 0.05) == "no error");
   CHECK(flat(egg()) == "no error");
-  check_words(roller(law([](auto u) { return 0.3 + 0.01 * u; }), 0.05),
+  check_words(roller(laws::law([](auto u) { return 0.3 + 0.01 * u; }), 0.05),
               {"link 'cam'", "does not close", "0.3 m", "0.36", "repeat after 2 pi"});
-  check_words(roller(law([](auto u) { return 0.3 + 0.1 * sin(0.5 * u); }), 0.05),
+  check_words(roller(laws::law([](auto u) { return 0.3 + 0.1 * sin(0.5 * u); }), 0.05),
               {"link 'cam'", "does not close", "slope", "m/rad"});
-  check_words(roller(law([](auto u) { return 0.3 + 0.4 * cos(u); }), 0.05),
+  check_words(roller(laws::law([](auto u) { return 0.3 + 0.4 * cos(u); }), 0.05),
               {"link 'cam'", "the radius of its cam is", "deg", "above zero"});
   check_words(roller(lobes(), 3.0), {"link 'cam'", "curvature", "1/m at", "a roller of 3 m does not fit", "hollow"});
   check_words(flat(lobes()), {"link 'cam'", "curvature", "flat face", "convex", "take cam_roller"});

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 
 namespace lockstep {

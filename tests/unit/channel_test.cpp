@@ -1,19 +1,17 @@
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/params.h>
 #include "framework/tools/record/quadrature.h"
-#include "framework/tools/record/recorder.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/from.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -45,18 +43,18 @@ struct Arm {
 
   /// `reversed`: the fixed frame carries P.
   explicit Arm(bool reversed = false) {
-    const Pose hinge = at({0.2, 0.1, 0.1}, Vec3(1, 2, 3));
+    const Pose hinge = pose_at({0.2, 0.1, 0.1}, Vec3(1, 2, 3));
     A = &system.add<Revolute>("A", reversed ? *frame : *arm, reversed ? *arm : *frame, hinge);
-    A->drive(Axis::rz, law([](auto t) { return 0.7 * sin(3.0 * t); }));
+    A->drive(Axis::rz, laws::law([](auto t) { return 0.7 * sin(3.0 * t); }));
     B = &system.add<Spherical>("B", *tip, *arm, Pose{{0.5, 0.3, 0.25}, axis_angle({1, 1, 0}, 0.3)});
-    system.marker("B.S").slide = translation([](auto t) {
+    system.marker("B.S").slide = laws::translation([](auto t) {
       return std::array{0.1 * sin(2.0 * t), 0.05 * t, 0.2 * t * t};
     });
     system.marker("B.S").spin = rotation_law([](auto t) {
       return QuatT<decltype(t)>{cos(t), 0.0 * t, 0.3 * sin(t), sin(t)};
     });
     Marker& end = system.add_marker("end", *tip, {{0.2, -0.1, 0.3}, axis_angle({1, 0, 0}, 0.5)});
-    end.slide = translation([](auto t) { return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)}; });
+    end.slide = laws::translation([](auto t) { return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)}; });
     end.spin = rotation_law([](auto t) { return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t}; });
     Marker& base = system.add_marker("base", system.ground(), {{-0.5, 0, 0}, {}});
     Marker& eye = system.add_marker("eye", *tip, {{0.2, -0.1, 0.3}, {}});
@@ -335,7 +333,7 @@ TEST_CASE("angles run on past full turns", "[unit][record]") {
   System system;
   Body& wheel = system.add_body("wheel", some_mass(1, Vec3::Zero()));
   Revolute& A = system.add<Revolute>("A", wheel, system.ground(), Pose{});
-  A.drive(Axis::rz, ramp(-10));
+  A.drive(Axis::rz, laws::ramp(-10));
   Channel body = make_channel(system, "wheel.angle_z"), link = make_channel(system, "A.angle_z");
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
   State s = system.start();

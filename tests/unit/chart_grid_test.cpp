@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,4 +1,4 @@
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 // A folder for the pictures of one test.
 struct Folder {
-  Folder() : path(fs::temp_directory_path() / ("lockstep_chart_test_" + std::to_string(getpid()))) {
+  Folder() : laws::path(fs::temp_directory_path() / ("lockstep_chart_test_" + std::to_string(getpid()))) {
     fs::remove_all(path);
     fs::create_directory(path);
   }

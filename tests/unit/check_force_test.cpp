@@ -1,10 +1,10 @@
 // check_force: right forces pass, wrong ones are named in words.
-#include "framework/tools/check/check_force.h"
+#include <lockstep/check.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/mechanism/forces/formula_force.h"
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/force.h>
+#include <lockstep/relative.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 

@@ -1,11 +1,11 @@
 // check_integrator: right methods pass, wrong ones are named in words.
-#include "framework/tools/check/check_integrator.h"
+#include <lockstep/check.h>
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/tools/check/closed_motion.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,11 +1,11 @@
 // check_law: right laws pass, wrong ones are named in words.
-#include "framework/tools/check/check_law.h"
+#include <lockstep/check.h>
 
 #include <cmath>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/tools/check/slope.h"
-#include "motionlaws/from.h"
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 

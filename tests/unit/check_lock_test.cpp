@@ -1,10 +1,10 @@
 // check_lock: right links pass, wrong ones are named in words.
-#include "framework/tools/check/check_lock.h"
+#include <lockstep/check.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/lock/phi_lock.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/joints.h>
+#include <lockstep/phi_links.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/samples_of_types.h"
 
@@ -256,7 +256,7 @@ CheckReport joint() {
   System system;
   const MassProperties mass{1.0, Vec3::Zero(), Vec3(0.3, 0.4, 0.5).asDiagonal()};
   Body &nut = system.add_body("nut", mass), &shaft = system.add_body("shaft", mass);
-  return check_lock(system, system.add<Joint<Phi>>("thread", nut, shaft, at({0, 0.1, 0})), {.seed = 4});
+  return check_lock(system, system.add<Joint<Phi>>("thread", nut, shaft, pose_at({0, 0.1, 0})), {.seed = 4});
 }
 
 }  // namespace
@@ -319,7 +319,7 @@ TEST_CASE("check_lock names a memory that adds up", "[unit][check]") {
   System system;
   const MassProperties mass{1.0, Vec3::Zero(), Vec3(0.3, 0.4, 0.5).asDiagonal()};
   Body &nut = system.add_body("nut", mass), &shaft = system.add_body("shaft", mass);
-  const CheckReport r = check_lock(system, system.add<AddsUp>("thread", nut, shaft, at({0, 0.1, 0})));
+  const CheckReport r = check_lock(system, system.add<AddsUp>("thread", nut, shaft, pose_at({0, 0.1, 0})));
   CAPTURE(r.text());
   CHECK(says(r, "called again and again there, adds the same each time"));
 }

@@ -1,9 +1,9 @@
-#include "framework/tools/batch/copies.h"
+#include <lockstep/batch.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/mechanism/forces/torsion_spring_damper.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/stepping.h>
+#include <lockstep/forces.h>
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
@@ -99,7 +99,7 @@ TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]
   SECTION("driven speeds and forces") {
     Family family(5, [&](int k) {
       auto sys = chain(3, k, 0.4);
-      static_cast<MarkerLock&>(*sys->links()[1]).drive_speed(Axis::rz, law([k](auto t) { return 0.1 * k + sin(t); }));
+      static_cast<MarkerLock&>(*sys->links()[1]).drive_speed(Axis::rz, laws::law([k](auto t) { return 0.1 * k + sin(t); }));
       Marker& p = sys->add_marker("p", sys->body("rod 2"), {Vec3(0.5, 0, 0), {}});
       Marker& s = sys->add_marker("s", sys->ground(), {Vec3(0, 1, 2), {}});
       sys->add<SpringDamper>("spring", p, s, {.stiffness = 40.0 + k, .damping = 1.0, .free_length = 0.5});
@@ -234,7 +234,7 @@ TEST_CASE("a copy whose law fails is named, the others go on", "[unit][copies]")
   Family family(8, [](int k) {
     auto sys = chain(2, k, 0.2);
     const double end = k == 3 ? 0.2 : 10.0;
-    static_cast<MarkerLock&>(*sys->links()[0]).drive(Axis::rz, law([end](auto t) {
+    static_cast<MarkerLock&>(*sys->links()[0]).drive(Axis::rz, laws::law([end](auto t) {
                                                        return 0.1 * t + 0.0 * sqrt(end - t);
                                                      }));
     return sys;
@@ -253,7 +253,7 @@ TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
     auto sys = chain(1, k);
     const double t1 = 0.21 + 0.01 * k;
     static_cast<MarkerLock&>(*sys->links()[0])
-        .drive(Axis::rz, law([t1](auto t) { return t < t1 ? 0.0 * t : 5.0 * (t - t1) * (t - t1); }, {t1}));
+        .drive(Axis::rz, laws::law([t1](auto t) { return t < t1 ? 0.0 * t : 5.0 * (t - t1) * (t - t1); }, {t1}));
     return sys;
   };
   Family family(4, kink);
@@ -360,7 +360,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   {
     Family family = Family(2, [](int k) {
       auto sys = chain(2, 0);
-      if (k == 1) static_cast<MarkerLock&>(*sys->links()[1]).drive(Axis::rz, law([](auto t) { return t; }));
+      if (k == 1) static_cast<MarkerLock&>(*sys->links()[1]).drive(Axis::rz, laws::law([](auto t) { return t; }));
       return sys;
     });
     check_words(message([&] { Copies c(family.pointers()); }), {"hinge 1"});

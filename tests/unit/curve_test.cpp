@@ -1,15 +1,15 @@
 // Points on curves and followers of paths: held against a search along the curve; round and round; what is refused.
-#include "framework/mechanism/links/curve.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "framework/tools/check/check_lock.h"
-#include "motionlaws/from.h"
-#include "motionlaws/path.h"
-#include "motionlaws/translations.h"
+#include <lockstep/error.h>
+#include <lockstep/check.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
@@ -21,10 +21,10 @@ using lockstep::testing::check_words, lockstep::testing::least, lockstep::testin
 namespace {
 
 LawPtr<TranslationLaw> helix() {
-  return translation([](auto s) { return std::array{0.5 * cos(s), 0.5 * sin(s), 0.2 * s}; });
+  return laws::translation([](auto s) { return std::array{0.5 * cos(s), 0.5 * sin(s), 0.2 * s}; });
 }
 LawPtr<TranslationLaw> loop() {  // a closed curve in space
-  return translation([](auto s) { return std::array{cos(s), 0.6 * sin(s), 0.2 * sin(2.0 * s)}; });
+  return laws::translation([](auto s) { return std::array{cos(s), 0.6 * sin(s), 0.2 * sin(2.0 * s)}; });
 }
 LawPtr<RotationLaw> turning() {
   return rotation_law([](auto s) { return QuatT{cos(0.5 * s), 0.3 * sin(s), 0.2 * cos(s), sin(0.5 * s)}; });
@@ -113,7 +113,7 @@ TEST_CASE("A follower's rows are zero on its path with its path's axes, and nowh
 TEST_CASE("Points on curves and followers pass the check of links", "[unit][links]") {
   PathLaw::Points points;  // longer than the check goes
   for (int i = -4; i <= 8; ++i) points.emplace_back(i, Vec3(i, 0.3 * std::sin(i), 0.3 * std::cos(2 * i)));
-  const auto splined = path(points, {.degree = 5});
+  const auto splined = laws::path(points, {.degree = 5});
   for (const auto& way : {helix(), loop(), splined})
     for (const bool follower : {false, true})
       for (int i = 0; i < 3; ++i) {
@@ -151,6 +151,6 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   check_words(rail(nullptr, turning()), {"link 'rail'", "no path was given"});
   check_words(rail(helix(), nullptr), {"link 'rail'", "no turn of the axes"});
   // beyond the end of a spline that is not said to go on: the law itself says so
-  const auto splined = path({{0, Vec3(1, 0, 0)}, {1, Vec3(2, 0, 0)}, {2, Vec3(3, 1, 0)}});
+  const auto splined = laws::path({{0, Vec3(1, 0, 0)}, {1, Vec3(2, 0, 0)}, {2, Vec3(3, 1, 0)}});
   check_words(wire(splined, 0.5), {"link 'wire'", "path"});
 }

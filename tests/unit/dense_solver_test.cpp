@@ -1,7 +1,7 @@
-#include "framework/dynamics/solvers/dense_solver.h"
+#include <lockstep/solvers.h>
 
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/params.h>
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/messages.h"
 #include "tests/support/solver_checks.h"

@@ -1,4 +1,4 @@
-#include "integrators/dop853.h"
+#include <lockstep/integrators.h>
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // A feature that a scene does not use costs nothing: unknowns, rows, operations and evaluations, absent and present.
 #include "tests/support/economies.h"
 
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/tools/record/recorder.h"
-#include "integrators/rk4.h"
+#include <lockstep/step_loop.h>
+#include <lockstep/recorder.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 
 namespace lockstep::economies {

@@ -1,12 +1,11 @@
 // Errors as data, and the one way in which an exception gets the name of its culprit.
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 #include <cmath>
 #include <new>
 #include <stdexcept>
 
-#include "framework/foundation/support/error_context.h"
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/body.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

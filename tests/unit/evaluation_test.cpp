@@ -1,10 +1,7 @@
 // Evaluation, Factor, StateEditor: what a caller may hold, and what of it stays true when the state moves on.
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/block_solver.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
@@ -102,7 +99,7 @@ TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster
   Body& arm = system.add_body("arm", MassProperties{2.0, Vec3(0.1, 0.2, 0.3), Mat3::Identity()}, {Vec3(1, 0, 0), {}});
   Body& tool = system.add_body("tool", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()},
                                {Vec3(1, 1, 0), axis_angle(Vec3(1, 0, 0), 0.7)});
-  system.add<Fixed>("weld", tool, arm, at(Vec3(1, 1, 0)));
+  system.add<Fixed>("weld", tool, arm, pose_at(Vec3(1, 1, 0)));
   system.set_merge(true);
   system.setup();
   State s = system.start();

@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "framework/mechanism/forces/applied.h"
+#include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

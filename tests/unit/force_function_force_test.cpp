@@ -1,5 +1,5 @@
-#include "framework/mechanism/forces/function_force.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/force.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

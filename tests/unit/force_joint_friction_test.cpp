@@ -1,8 +1,8 @@
-#include "framework/mechanism/forces/joint_friction.h"
+#include <lockstep/forces.h>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -23,7 +23,7 @@ struct Pair {
     b = &system.add_body("b", MassProperties{2.1, {0, 0.3, 0}, Vec3(0.5, 0.3, 0.4).asDiagonal().toDenseMatrix()});
     a->start = {{0.3, -0.2, 0.5}, {0.4, 0.9, -0.7}};
     b->start = {{-0.1, 0.4, 0.2}, {-0.3, 0.2, 1.1}};
-    link = &system.add<Link>("link", *a, *b, at(Vec3(0.2, 0.1, -0.3), Vec3(1, 2, 2)));
+    link = &system.add<Link>("link", *a, *b, pose_at(Vec3(0.2, 0.1, -0.3), Vec3(1, 2, 2)));
     friction = &static_cast<JointFriction&>(system.add(std::make_unique<JointFriction>("rub", *link, options)));
     system.setup();
   }

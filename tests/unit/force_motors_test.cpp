@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/motor.h"
+#include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

@@ -1,7 +1,7 @@
 #include "framework/mechanism/forces/register.h"
 
-#include "framework/description/registry/registry.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

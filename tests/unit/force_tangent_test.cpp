@@ -1,13 +1,8 @@
-#include "framework/mechanism/forces/formula_force.h"
+#include <lockstep/force.h>
 
 #include <complex>
 
-#include "framework/mechanism/forces/applied.h"
-#include "framework/mechanism/forces/bushing.h"
-#include "framework/mechanism/forces/motor.h"
-#include "framework/mechanism/forces/function_force.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/mechanism/forces/torsion_spring_damper.h"
+#include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

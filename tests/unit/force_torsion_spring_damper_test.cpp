@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "framework/mechanism/forces/torsion_spring_damper.h"
+#include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 

@@ -1,15 +1,14 @@
 // Gears, belts, differentials, racks and screws: which way they turn, from any start; their check; what is refused.
-#include "framework/mechanism/links/gears.h"
+#include <lockstep/couplings.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/links/rack_and_pinion.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/tools/check/check_lock.h"
-#include "motionlaws/from.h"
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
+#include <lockstep/check.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
@@ -31,7 +30,7 @@ struct Wheels {
 
   void wheel(const Vec3& axis, double angle) {
     const std::string name(1, static_cast<char>('a' + bodies.size()));
-    const Pose joint = at(Vec3(0.2 * double(bodies.size()), 0.1, 0), axis);
+    const Pose joint = pose_at(Vec3(0.2 * double(bodies.size()), 0.1, 0), axis);
     axes.push_back(rotation(joint.q).col(2));
     bodies.push_back(&system.add_body(name, kMass, {Vec3(0.1, 0.2, 0), axis_angle(axes.back(), angle)}));
     Marker& p = system.add_marker_at(name + ".p", *bodies.back(), {joint.x, axis_angle(axes.back(), angle) * joint.q});
@@ -138,8 +137,8 @@ TEST_CASE("A pinion rolls along its rack, and a rack slides by its pinion", "[un
     CHECK(report.ok());
   }
   Wheels w = two();
-  Marker& p = w.system.add_marker_at("rack.p", w.system.add_body("rack", kMass), at(Vec3(0, 0, 0.3), Vec3(1, 0, 0.2)));
-  Marker& s = w.system.add_marker_at("rack.s", w.carrier, at(Vec3(0, 0, 0.1), Vec3(1, 0, 0.2)));
+  Marker& p = w.system.add_marker_at("rack.p", w.system.add_body("rack", kMass), pose_at(Vec3(0, 0, 0.3), Vec3(1, 0, 0.2)));
+  Marker& s = w.system.add_marker_at("rack.s", w.carrier, pose_at(Vec3(0, 0, 0.1), Vec3(1, 0, 0.2)));
   CoupledPairs pairs = across("link", {*w.joints[0]});
   pairs.pairs.emplace_back(&p, &s);
   Lock& link = w.system.add(std::make_unique<RackAndPinion>(pairs, 0.3));
@@ -154,7 +153,7 @@ TEST_CASE("A screw advances by its lead, and by its slip", "[unit][links]") {
   for (const double lead : {0.1, -0.1, 0.0}) {
     LinkBench bench({Vec3(0, 0, 0.5), axis_angle(Vec3(0, 0, 1), -2.0)});
     const auto& link =
-        bench.system.add<Screw>("screw", bench.p(), bench.s(), lead, law([](auto t) { return 0.2 * t * t; }));
+        bench.system.add<Screw>("screw", bench.p(), bench.s(), lead, laws::law([](auto t) { return 0.2 * t * t; }));
     bench.begin();
     for (int i = 1; i <= 20; ++i) {
       const double t = 0.1 * i, angle = 3 * t;
@@ -170,7 +169,7 @@ TEST_CASE("A screw advances by its lead, and by its slip", "[unit][links]") {
   }
   LinkBench bench;
   const auto& link =
-      bench.system.add<Screw>("screw", bench.p(), bench.s(), 0.1, law([](auto t) { return log(t - 1.0); }));
+      bench.system.add<Screw>("screw", bench.p(), bench.s(), 0.1, laws::law([](auto t) { return log(t - 1.0); }));
   CHECK(link.diagnose(0.5).rfind("the law of its slip gives ", 0) == 0);
   CHECK(link.diagnose(2.5).empty());
 }

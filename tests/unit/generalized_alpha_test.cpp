@@ -1,9 +1,9 @@
-#include "integrators/generalized_alpha.h"
+#include <lockstep/integrators.h>
 
 #include <cmath>
 
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/forces.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

@@ -1,10 +1,10 @@
-#include "framework/mechanism/lock/geometric_stiffness.h"
+#include <lockstep/phi_function.h>
 
 #include <complex>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
@@ -79,7 +79,7 @@ class EverythingLock final : public PhiLock<Everything> {
 template <class Phi>
 Eigen::Matrix<C, 12, 1> function_force(const Phi& phi, double lambda, double t, const MotionT<C>& O1,
                                        const MotionT<C>& O2, const MarkerMotion& P, const MarkerMotion& S) {
-  const LockPointT<C> L = look<C>(O1, O2, complex_of(P), complex_of(S), 1u);
+  const RelativeKinematicsT<C> L = relative_kinematics<C>(O1, O2, complex_of(P), complex_of(S), 1u);
   using J = Jet<7, C>;
   const auto v = [&](int k) { return J::variable(k, L.y[k], C(0)); };
   LockCoords<J> y{v(0), v(1), v(2), v(3), v(4), v(5), v(6), J(t)};

@@ -1,8 +1,8 @@
-#include "framework/tools/analysis/grid.h"
+#include <lockstep/analysis.h>
 
 #include <set>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,11 +1,10 @@
-#include "framework/dynamics/evaluate/implicit.h"
+#include <lockstep/newton.h>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/mechanism/forces/function_force.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/force.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"

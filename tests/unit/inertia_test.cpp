@@ -1,11 +1,11 @@
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 
 #include <functional>
 #include <limits>
 #include <random>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;
@@ -86,10 +86,10 @@ TEST_CASE("inertia about any point and axes is that of the point masses", "[unit
   const std::vector<Point> points = cloud(1, 7);
   const MassProperties truth = properties(points);
   const Vec3 origin(0.3, -0.8, 1.1);
-  check_equal(about(truth.mass, truth.center, J_about(points, origin), origin), truth);
+  check_equal(shapes::about(truth.mass, truth.center, J_about(points, origin), origin), truth);
 
   const Mat3 A = rotation(some_turn());  // the inertia as written in axes turned by A
-  check_equal(about(truth.mass, truth.center, A.transpose() * J_about(points, origin) * A, origin, some_turn()), truth);
+  check_equal(shapes::about(truth.mass, truth.center, A.transpose() * J_about(points, origin) * A, origin, some_turn()), truth);
 }
 
 TEST_CASE("a body seen from another frame is that of the moved point masses", "[unit][model]") {
@@ -97,8 +97,8 @@ TEST_CASE("a body seen from another frame is that of the moved point masses", "[
   const MassProperties before = properties(points);
   const Pose pose{{0.5, 2, -1}, some_turn()};
   for (Point& p : points) p.x = pose.x + rotation(pose.q) * p.x;
-  check_equal(moved(before, pose), properties(points));
-  check_equal(moved(moved(before, pose), inverse(pose)), before);
+  check_equal(shapes::moved(before, pose), properties(points));
+  check_equal(shapes::moved(shapes::moved(before, pose), inverse(pose)), before);
 }
 
 TEST_CASE("a compound is that of all its point masses", "[unit][model]") {
@@ -106,19 +106,19 @@ TEST_CASE("a compound is that of all its point masses", "[unit][model]") {
   std::vector<Point> all = a;
   all.insert(all.end(), b.begin(), b.end());
   const std::vector<MassProperties> parts{properties(a), properties(b)};
-  check_equal(compound(parts), properties(all));
-  CHECK_THROWS_AS(compound({}), ModelError);
-  CHECK_THROWS_AS(compound(std::vector<MassProperties>{parts[0], {}}), ModelError);
+  check_equal(shapes::compound(parts), properties(all));
+  CHECK_THROWS_AS(shapes::compound({}), ModelError);
+  CHECK_THROWS_AS(shapes::compound(std::vector<MassProperties>{parts[0], {}}), ModelError);
 }
 
 TEST_CASE("shapes have the inertia of their solids", "[unit][model]") {
   const double r = 0.3;
   const auto always = [](const Vec3&) { return true; };
-  check_shape(box(2, {0.2, 0.5, 0.9}), integrated(2, {0.1, 0.25, 0.45}, always), 2e-4);
-  check_shape(cylinder(3, r, 0.8),
+  check_shape(shapes::box(2, {0.2, 0.5, 0.9}), integrated(2, {0.1, 0.25, 0.45}, always), 2e-4);
+  check_shape(shapes::cylinder(3, r, 0.8),
               integrated(3, {r, r, 0.4}, [&](const Vec3& x) { return std::hypot(x[0], x[1]) < r; }), 2e-3);
-  check_shape(sphere(4, r), integrated(4, {r, r, r}, [&](const Vec3& x) { return x.norm() < r; }), 2e-3);
-  const Shape solid = rod(5, {0, 0, 0}, {0.9, 0, 0}, 0.2);
+  check_shape(shapes::sphere(4, r), integrated(4, {r, r, r}, [&](const Vec3& x) { return x.norm() < r; }), 2e-3);
+  const Shape solid = shapes::rod(5, {0, 0, 0}, {0.9, 0, 0}, 0.2);
   check_shape(solid.mass, integrated(5, {0.45, 0.2, 0.2}, [](const Vec3& x) { return std::hypot(x[1], x[2]) < 0.2; }),
               2e-3);
 }
@@ -131,7 +131,7 @@ TEST_CASE("volumes", "[unit][model]") {
 
 TEST_CASE("a rod lies between its ends", "[unit][model]") {
   const Vec3 from(1, 2, 3), to(2, 4, 1);
-  const Shape shape = rod(2, from, to);
+  const Shape shape = shapes::rod(2, from, to);
   const Mat3 A = rotation(shape.home.q);
   CHECK((shape.home.x - Vec3(1.5, 3, 2)).norm() < 1e-15);
   CHECK((A.col(0) - Vec3(1, 2, -2) / 3).norm() < 1e-15);  // x from `from` to `to`
@@ -143,37 +143,37 @@ TEST_CASE("a rod lies between its ends", "[unit][model]") {
 
 TEST_CASE("a rod along the world's z has its z axis along the world's y", "[unit][model]") {
   for (const double way : {1.0, -1.0}) {
-    const Mat3 A = rotation(rod(1, {0, 0, 0}, {0, 0, way}).home.q);
+    const Mat3 A = rotation(shapes::rod(1, {0, 0, 0}, {0, 0, way}).home.q);
     CHECK((A.col(0) - Vec3(0, 0, way)).norm() < 1e-15);
     CHECK((A.col(2) - Vec3::UnitY()).norm() < 1e-15);
   }
 }
 
 TEST_CASE("a slender rod has the axial inertia it is given", "[unit][model]") {
-  const Shape shape = slender_rod(3, {0, 0, 0}, {0, 2, 0}, 1e-6);
+  const Shape shape = shapes::slender_rod(3, {0, 0, 0}, {0, 2, 0}, 1e-6);
   CHECK(shape.mass.J(0, 0) == 1e-6);
   CHECK(shape.mass.J(1, 1) == Approx(1));
   CHECK(shape.mass.J(2, 2) == Approx(1));
   CHECK_NOTHROW(check(shape.mass, "rod"));
-  check_words(message_of<ModelError>([] { slender_rod(3, {0, 0, 0}, {0, 2, 0}, 0); }), {"axial inertia is 0"});
+  check_words(message_of<ModelError>([] { shapes::slender_rod(3, {0, 0, 0}, {0, 2, 0}, 0); }), {"axial inertia is 0"});
 }
 
 TEST_CASE("shapes that cannot be are refused", "[unit][model]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-  check_words(message_of<ModelError>([] { box(1, {1, -2, 1}); }), {"-2", "greater than zero"});
-  CHECK_THROWS_AS(box(0, {1, 1, 1}), ModelError);
-  CHECK_THROWS_AS(cylinder(1, 0, 1), ModelError);
-  CHECK_THROWS_AS(cylinder(1, 1, nan), ModelError);
-  CHECK_THROWS_AS(sphere(infinity, 1), ModelError);
-  CHECK_THROWS_AS(sphere(1, -1), ModelError);
-  check_words(message_of<ModelError>([] { rod(1, {1, 1, 1}, {1, 1, 1}); }), {"length is 0"});
-  CHECK_THROWS_AS(rod(1, {0, 0, 0}, {1, 0, 0}, 0), ModelError);
+  check_words(message_of<ModelError>([] { shapes::box(1, {1, -2, 1}); }), {"-2", "greater than zero"});
+  CHECK_THROWS_AS(shapes::box(0, {1, 1, 1}), ModelError);
+  CHECK_THROWS_AS(shapes::cylinder(1, 0, 1), ModelError);
+  CHECK_THROWS_AS(shapes::cylinder(1, 1, nan), ModelError);
+  CHECK_THROWS_AS(shapes::sphere(infinity, 1), ModelError);
+  CHECK_THROWS_AS(shapes::sphere(1, -1), ModelError);
+  check_words(message_of<ModelError>([] { shapes::rod(1, {1, 1, 1}, {1, 1, 1}); }), {"length is 0"});
+  CHECK_THROWS_AS(shapes::rod(1, {0, 0, 0}, {1, 0, 0}, 0), ModelError);
 }
 
 TEST_CASE("the triangle rule holds with equality", "[unit][model]") {
   CHECK(problem_of(with_J(1, 2, 3)) == "no error");            // a plate
   CHECK(problem_of(with_J(1e-6, 1, 1 + 1e-6)) == "no error");  // a thin one
-  CHECK(problem_of(moved(with_J(1, 2, 3), {Vec3::Zero(), some_turn()})) == "no error");
+  CHECK(problem_of(shapes::moved(with_J(1, 2, 3), {Vec3::Zero(), some_turn()})) == "no error");
   const std::string problem = problem_of(with_J(1, 2, 3.001));
   check_words(problem, {"body 'crank': ", "triangle rule", "1, 2, 3 kg m^2", "matrix entries"});
   CHECK(problem_of(with_J(1, 2, 3 * (1 + 1e-9))) != "no error");

@@ -1,6 +1,6 @@
 // Jets against the oracle's dual numbers: every operator and every function, alone and in one another; value, gradient,
 // first and second derivative along a motion. What the dual numbers lack is made from what they have.
-#include "framework/foundation/math/jet.h"
+#include <lockstep/jet.h>
 
 #include <array>
 #include <cmath>

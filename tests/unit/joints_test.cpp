@@ -8,9 +8,8 @@
 
 #include <Eigen/SVD>
 
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_functions.h"
 #include "tests/support/lock_inputs.h"
@@ -24,7 +23,7 @@ using namespace lockstep::inputs;
 namespace {
 
 const MassProperties kMass{1.0, Vec3::Zero(), Mat3::Identity()};
-const Pose kJoint = at(Vec3(0.3, -0.2, 0.9), axis_angle(Vec3(1, -2, 0.5), 1.2));
+const Pose kJoint = pose_at(Vec3(0.3, -0.2, 0.9), axis_angle(Vec3(1, -2, 0.5), 1.2));
 
 int rank(const MatX& J) {
   Eigen::JacobiSVD<MatX> svd(J);
@@ -264,8 +263,8 @@ TEST_CASE("a distance is the function of the theory, with a law too", "[unit][li
 TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   Pair pair;
   const Vec3 d(0.3, -0.4, 1.2);
-  Marker& P = pair.system.add_marker_at("P", *pair.p, at(kJoint.x + d));
-  Marker& S = pair.system.add_marker_at("S", *pair.s, at(kJoint.x));
+  Marker& P = pair.system.add_marker_at("P", *pair.p, pose_at(kJoint.x + d));
+  Marker& S = pair.system.add_marker_at("S", *pair.s, pose_at(kJoint.x));
   Distance& link = pair.system.add<Distance>("rod", P, S);
   pair.system.setup();
   CHECK(link.type() == "distance");
@@ -284,7 +283,7 @@ TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   CHECK(std::abs((rows.J * v)[0] - 1) < 1e-14);
   v.segment<3>(6 * pair.p->slot) = across;
   CHECK((rows.J * v).norm() < 1e-14);
-  for (int k = 3; k < 6; ++k) CHECK((rows.J * relative_motion(pair, k, at(kJoint.x + d))).norm() < 1e-13);
+  for (int k = 3; k < 6; ++k) CHECK((rows.J * relative_motion(pair, k, pose_at(kJoint.x + d))).norm() < 1e-13);
 }
 
 TEST_CASE("a joint from a function has the rows of the chain rule", "[unit][links]") {
@@ -338,7 +337,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     const Pose start{Vec3(0.3, 0, pitch / kTwoPi * home), axis_angle(Vec3::UnitZ(), home)};
     Body& nut = system.add_body("nut", kMass, start);
     Marker& P = system.add_marker("P", nut);
-    Marker& S = system.add_marker("S", system.ground(), at(Vec3(0.3, 0, 0)));
+    Marker& S = system.add_marker("S", system.ground(), pose_at(Vec3(0.3, 0, 0)));
     const auto none = std::make_shared<Number>(LawValue{0, 0, 0});
     system.add<Test<own::ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), own::ScrewThread{pitch, none});
     system.setup();
@@ -460,7 +459,7 @@ TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
   weld.turn(std::make_shared<Rotation>(RotationValue{{}, Vec3(0, nan, 0)}));
   Fixed& clamp = pair.system.add<Fixed>("clamp", *pair.p, *pair.s, kJoint);
   pair.system.marker("clamp.S").slide = std::make_shared<Translation>(TranslationValue{Vec3(nan, 0, 0)});
-  Marker& far = pair.system.add_marker("far", *pair.p, at(Vec3(9, 0, 0)));
+  Marker& far = pair.system.add_marker("far", *pair.p, pose_at(Vec3(9, 0, 0)));
   Distance& rod = pair.system.add<Distance>("rod", far, pair.system.marker("bolt.S"), good);
   Distance& cord = pair.system.add<Distance>("cord", far, pair.system.marker("bolt.S"), bad);
   pair.system.setup();
@@ -475,7 +474,7 @@ TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
 TEST_CASE("a distance of zero is refused", "[unit][links]") {
   const auto refused = [](const std::function<void(System&, Body&)>& add) {
     System system;
-    Body& b = system.add_body("b", kMass, at(Vec3(1, 0, 0)));
+    Body& b = system.add_body("b", kMass, pose_at(Vec3(1, 0, 0)));
     add(system, b);
     return model_error([&] { system.setup(); });
   };
@@ -485,7 +484,7 @@ TEST_CASE("a distance of zero is refused", "[unit][links]") {
                }),
                {"'rod'", "length", "above zero"}));
   CHECK(says(refused([&](System& s, Body& b) {
-               s.add<Distance>("rod", s.add_marker("P", b), s.add_marker("S", s.ground(), at(Vec3(1, 0, 0))), 0.5);
+               s.add<Distance>("rod", s.add_marker("P", b), s.add_marker("S", s.ground(), pose_at(Vec3(1, 0, 0))), 0.5);
              }),
              {"'rod'", "'P'", "'S'", "one point", "move one"}));
 }

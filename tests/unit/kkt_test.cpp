@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/kkt.h"
+#include <lockstep/solver.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/random_kkt.h"

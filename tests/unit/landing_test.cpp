@@ -3,9 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "framework/lockstep.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/sequence.h"
+#include <lockstep/lockstep.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;
@@ -40,7 +39,7 @@ TEST_CASE("piecewise constant forces are integrated exactly, jumps on and off th
   const std::string method = GENERATE("rk4", "dopri5", "radau5", "generalized_alpha");
   const double first = GENERATE(0.3, 0.25, 0.123456789);
   CAPTURE(method, first);
-  const auto law = sequence({{first, constant(1.0)}, {0.4, constant(3.0)}, {1.0, constant(-2.0)}});
+  const auto law = laws::sequence({{first, laws::constant(1.0)}, {0.4, laws::constant(3.0)}, {1.0, laws::constant(-2.0)}});
   // a = 1 for `first`, 3 for 0.4, -2 for 0.1
   const double v1 = first, x1 = 0.5 * first * first;
   const double v2 = v1 + 1.2, x2 = x1 + 0.4 * v1 + 0.5 * 3 * 0.16;
@@ -52,7 +51,7 @@ TEST_CASE("piecewise constant forces are integrated exactly, jumps on and off th
 
 TEST_CASE("a force that repeats with a jump each period loses nothing over fifty periods", "[unit][simulation]") {
   // y = t in each period of 0.2 s: a saw tooth from 0 to 0.2 N
-  const State end = pushed(repeat(ramp(1.0), 0.2), 10.0, "rk4", 0.05);
+  const State end = pushed(laws::repeat(laws::ramp(1.0), 0.2), 10.0, "rk4", 0.05);
   CHECK(std::abs(end.v[2] - 50 * 0.02) < 1e-10);
 }
 
@@ -62,7 +61,7 @@ TEST_CASE("events are located in the dense output of implicit methods", "[unit][
   CAPTURE(method);
   const double g = 9.81, height = 0.7;
   System sys({.gravity = {0, 0, -g}});
-  Body& stone = sys.add_body("stone", box(1, {0.1, 0.2, 0.3}), {{0, 0, height}, {}});
+  Body& stone = sys.add_body("stone", shapes::box(1, {0.1, 0.2, 0.3}), {{0, 0, height}, {}});
   stone.start.w = {0.4, 3, 0.2};  // tumbling costs nothing
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   StepLoop run(dynamics, method_named(method), {.step = 0.05, .tolerance = {1e-9, 1e-11}});

@@ -1,6 +1,6 @@
-#include "integrators/linearized_motion.h"
+#include <lockstep/integrators.h>
 
-#include "framework/mechanism/forces/spring_damper.h"
+#include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

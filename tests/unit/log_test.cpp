@@ -1,17 +1,17 @@
 // The library's one logger: a host redirects it, sets its level, silences it.
-#include "framework/foundation/support/log.h"
+#include <lockstep/log.h>
 
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <sstream>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/system/system.h"
-#include "integrators/rk4.h"
+#include <lockstep/assembly.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/system.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,9 +1,9 @@
 // Masks and axes in words, both ways, and what is no word.
-#include "framework/mechanism/lock/mask.h"
+#include <lockstep/kernel.h>
 
 #include <string>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

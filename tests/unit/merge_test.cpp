@@ -1,7 +1,7 @@
 // Bodies bolted together move as one slot: equal motion with fewer unknowns, and what must stay a link stays one.
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;
@@ -15,8 +15,8 @@ struct Bent {
                             {Vec3(0.4, 0, 0), axis_angle(Vec3(1, 2, 3), 0.3)});
   Body& b = system.add_body("b", {2.0, Vec3(0, 0.05, 0), Vec3(0.05, 0.06, 0.1).asDiagonal()},
                             {Vec3(1.0, 0.5, 0.1), axis_angle(Vec3(0, 1, -1), 1.1)});
-  Spherical& hinge = system.add<Spherical>("hinge", a, system.ground(), at(Vec3(0, 0, 0)));
-  Fixed& bolt = system.add<Fixed>("bolt", b, a, at(Vec3(0.8, 0.1, 0)));
+  Spherical& hinge = system.add<Spherical>("hinge", a, system.ground(), pose_at(Vec3(0, 0, 0)));
+  Fixed& bolt = system.add<Fixed>("bolt", b, a, pose_at(Vec3(0.8, 0.1, 0)));
 
   Bent() {
     const Vec3 w(0.7, -0.4, 1.3);  // world
@@ -84,8 +84,8 @@ TEST_CASE("a bolt to the ground makes ground of the body", "[unit][system]") {
   System system;
   Body& foot = system.add_body("foot", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(1, 0, 0), {}});
   Body& arm = system.add_body("arm", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(2, 0, 0), {}});
-  system.add<Fixed>("bolt", foot, system.ground(), at(Vec3(0, 0, 0)));
-  system.add<Revolute>("hinge", arm, foot, at(Vec3(1, 0, 0)));
+  system.add<Fixed>("bolt", foot, system.ground(), pose_at(Vec3(0, 0, 0)));
+  system.add<Revolute>("hinge", arm, foot, pose_at(Vec3(1, 0, 0)));
   system.set_merge(true);
   system.setup();
   CHECK(foot.slot == kGround);
@@ -102,7 +102,7 @@ TEST_CASE("what must stay a link stays one", "[unit][system]") {
   }
   {
     Bent m;  // another link works between the two
-    m.system.add<Revolute>("parallel", m.b, m.a, at(Vec3(0.8, 0.2, 0)));
+    m.system.add<Revolute>("parallel", m.b, m.a, pose_at(Vec3(0.8, 0.2, 0)));
     m.system.set_merge(true);
     m.system.setup();
     CHECK(m.system.n_slots() == 2);
@@ -127,8 +127,8 @@ TEST_CASE("bodies bolted to the ground and held there by another link stay links
   System system;
   Body& foot = system.add_body("foot", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(1, 0, 0), {}});
   Body& base = system.add_fixed("base");
-  system.add<Fixed>("bolt", foot, base, at(Vec3(0, 0, 0)));
-  system.add<Spherical>("ball", foot, system.ground(), at(Vec3(0, 1, 0)));
+  system.add<Fixed>("bolt", foot, base, pose_at(Vec3(0, 0, 0)));
+  system.add<Spherical>("ball", foot, system.ground(), pose_at(Vec3(0, 1, 0)));
   system.set_merge(true);
   CHECK_NOTHROW(system.setup());
   CHECK(system.n_slots() == 1);

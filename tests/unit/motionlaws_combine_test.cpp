@@ -1,51 +1,43 @@
 // Sequence, repeat and the combinations: values against formulas, breakpoints found where they are and nowhere else.
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/combine.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/sequence.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;
 using namespace lockstep::test;
 
 namespace {
-const LawPtr<MotionLaw> kStart = trapezoid({.distance = 1, .speed = 1, .acceleration = 5});  // jumps at 0, 0.2, 1, 1.2
+const LawPtr<MotionLaw> kStart = laws::trapezoid({.distance = 1, .speed = 1, .acceleration = 5});  // jumps at 0, 0.2, 1, 1.2
 }
 
 TEST_CASE("sum, product, scale and shift follow their formulas", "[unit][motionlaws]") {
-  const auto a = sine({2.0, 3.0, 0.1, 0.5}), b = polynomial({1.0, 0.3, -0.2}), c = ramp(0.7);
+  const auto a = laws::sine({2.0, 3.0, 0.1, 0.5}), b = laws::polynomial({1.0, 0.3, -0.2}), c = laws::ramp(0.7);
   const auto fa = [](auto t) { return 0.5 + 2.0 * sin(3.0 * t + 0.1); };
   const auto fb = [](auto t) { return 1.0 + 0.3 * t - 0.2 * t * t; };
   check_formula(
-      *sum({a, b, c}), [&](auto t) { return fa(t) + fb(t) + 0.7 * t; }, -2, 2);
+      *laws::sum({a, b, c}), [&](auto t) { return fa(t) + fb(t) + 0.7 * t; }, -2, 2);
   check_formula(
-      *product({a, b, c}), [&](auto t) { return fa(t) * fb(t) * 0.7 * t; }, -2, 2);
+      *laws::product({a, b, c}), [&](auto t) { return fa(t) * fb(t) * 0.7 * t; }, -2, 2);
   check_formula(
-      *scale(a, -3.0, 0.2), [&](auto t) { return 0.2 - 3.0 * fa(t); }, -2, 2);
+      *laws::scale(a, -3.0, 0.2), [&](auto t) { return 0.2 - 3.0 * fa(t); }, -2, 2);
   check_formula(
-      *shift(a, 0.4), [&](auto t) { return fa(t - 0.4); }, -2, 2);
+      *laws::shift(a, 0.4), [&](auto t) { return fa(t - 0.4); }, -2, 2);
 }
 
 TEST_CASE("combinations pass breakpoints on", "[unit][motionlaws]") {
   const auto kick = harmonic_rise({.duration = 0.5, .t0 = 0.1});
-  check_breakpoints(*sum({kStart, kick}), -1, 3, {0, 0.1, 0.2, 0.6, 1, 1.2});
-  check_breakpoints(*product({sum({constant(1), kick}), ramp(1, -5)}), -1, 3, {0.1, 0.6});
-  check_breakpoints(*scale(kStart, 2), -1, 3, {0, 0.2, 1, 1.2});
-  check_breakpoints(*scale(kStart, 0, 2), -1, 3, {});
-  check_breakpoints(*shift(kStart, 0.1), -1, 3, {0.1, 0.3, 1.1, 1.3});
-  check_breakpoints(*shift(kStart, -0.1), 0.05, 1, {0.1, 0.9});
+  check_breakpoints(*laws::sum({kStart, kick}), -1, 3, {0, 0.1, 0.2, 0.6, 1, 1.2});
+  check_breakpoints(*laws::product({laws::sum({laws::constant(1), kick}), laws::ramp(1, -5)}), -1, 3, {0.1, 0.6});
+  check_breakpoints(*laws::scale(kStart, 2), -1, 3, {0, 0.2, 1, 1.2});
+  check_breakpoints(*laws::scale(kStart, 0, 2), -1, 3, {});
+  check_breakpoints(*laws::shift(kStart, 0.1), -1, 3, {0.1, 0.3, 1.1, 1.3});
+  check_breakpoints(*laws::shift(kStart, -0.1), 0.05, 1, {0.1, 0.9});
 }
 
 TEST_CASE("sequence: each law on its own time, values as given or chained, held or running on", "[unit][motionlaws]") {
-  const std::vector<Piece> pieces{{2.0, ramp(1.0)}, {1.0, constant(5.0)}, {0.5, polynomial({1.0, 0.0, 4.0})}};
-  const auto plain = sequence(pieces, {.t0 = 1});
+  const std::vector<Piece> pieces{{2.0, laws::ramp(1.0)}, {1.0, laws::constant(5.0)}, {0.5, laws::polynomial({1.0, 0.0, 4.0})}};
+  const auto plain = laws::sequence(pieces, {.t0 = 1});
   check_formula(
       *plain, [](auto t) { return t - 1.0; }, 1, 2.999);
   check_formula(
@@ -58,7 +50,7 @@ TEST_CASE("sequence: each law on its own time, values as given or chained, held 
       *plain, [](auto t) { return 0.0 * t; }, -3, 0.999);
   check_breakpoints(*plain, 0, 6, {1, 3, 4, 4.5});
 
-  const auto chained = sequence(pieces, {.t0 = 1, .chained = true});
+  const auto chained = laws::sequence(pieces, {.t0 = 1, .chained = true});
   check_formula(
       *chained, [](auto t) { return 2.0 + 0.0 * t; }, 3, 3.999);
   check_formula(
@@ -67,7 +59,7 @@ TEST_CASE("sequence: each law on its own time, values as given or chained, held 
       *chained, [](auto t) { return 3.0 + 0.0 * t; }, 4.5, 9);
   check_breakpoints(*chained, 0, 6, {1, 3, 4, 4.5});
 
-  const auto onward = sequence(pieces, {.t0 = 1, .run_on = true});
+  const auto onward = laws::sequence(pieces, {.t0 = 1, .run_on = true});
   check_formula(
       *onward, [](auto t) { return t - 1.0; }, -5, 2.999);
   check_formula(
@@ -77,20 +69,20 @@ TEST_CASE("sequence: each law on its own time, values as given or chained, held 
 
 TEST_CASE("sequence lists only real jumps where pieces meet", "[unit][motionlaws]") {
   // Rises that start and end at rest with zero acceleration meet smoothly.
-  check_breakpoints(*sequence({{1, poly345({})}, {1, constant(0)}, {2, cycloid({.duration = 2})}}, {.chained = true}),
+  check_breakpoints(*laws::sequence({{1, laws::poly345({})}, {1, laws::constant(0)}, {2, laws::cycloid({.duration = 2})}}, {.chained = true}),
                     -1, 6, {});
   // A trapezoid stops with a jump exactly where it hands over, once, and its inner jumps come along.
-  check_breakpoints(*sequence({{1.2, kStart}, {1.0, constant(1)}}, {}), -1, 6, {0, 0.2, 1, 1.2});
-  check_breakpoints(*sequence({{1.2, kStart}, {1.2, kStart}}, {.t0 = 0.3, .chained = true}), -1, 6,
+  check_breakpoints(*laws::sequence({{1.2, kStart}, {1.0, laws::constant(1)}}, {}), -1, 6, {0, 0.2, 1, 1.2});
+  check_breakpoints(*laws::sequence({{1.2, kStart}, {1.2, kStart}}, {.t0 = 0.3, .chained = true}), -1, 6,
                     {0.3, 0.5, 1.3, 1.5, 1.7, 2.5, 2.7});
   // A piece that is cut short: the jumps after the cut do not happen, the cut is one.
-  check_breakpoints(*sequence({{0.5, kStart}, {1, constant(0)}}, {.chained = true}), -1, 6, {0, 0.2, 0.5});
+  check_breakpoints(*laws::sequence({{0.5, kStart}, {1, laws::constant(0)}}, {.chained = true}), -1, 6, {0, 0.2, 0.5});
   // One law over two pieces in its own continuation: nothing to see.
-  check_breakpoints(*sequence({{1, sine({})}, {1, shift(sine({}), -1)}}, {.run_on = true}), -1, 6, {});
+  check_breakpoints(*laws::sequence({{1, laws::sine({})}, {1, laws::shift(laws::sine({}), -1)}}, {.run_on = true}), -1, 6, {});
 }
 
 TEST_CASE("repeat: periods, drift, and jumps at the seam", "[unit][motionlaws]") {
-  const auto saw = repeat(ramp(2.0), 0.5, {.t0 = 0.1});
+  const auto saw = laws::repeat(laws::ramp(2.0), 0.5, {.t0 = 0.1});
   check_formula(
       *saw, [](auto t) { return 2.0 * (t - 0.1); }, 0.1, 0.599);
   check_formula(
@@ -98,23 +90,23 @@ TEST_CASE("repeat: periods, drift, and jumps at the seam", "[unit][motionlaws]")
   check_formula(
       *saw, [](auto t) { return 2.0 * (t - 100.1); }, 100.1 + 1e-9, 100.599, 1e-12);
   check_breakpoints(*saw, -0.7, 0.7, {-0.4, 0.1, 0.6});
-  check_breakpoints(*repeat(ramp(2.0), 0.5, {.drift = true}), -2, 2, {});
+  check_breakpoints(*laws::repeat(laws::ramp(2.0), 0.5, {.drift = true}), -2, 2, {});
   check_formula(
-      *repeat(ramp(2.0), 0.5, {.drift = true}), [](auto t) { return 2.0 * t; }, -5, 5);
-  check_breakpoints(*repeat(sine({.omega = kTwoPi}), 1), -3, 3, {});
-  check_breakpoints(*repeat(poly345({}), 1, {.drift = true}), -3, 3, {});
-  check_breakpoints(*repeat(poly345({}), 1), -1.5, 1.5, {-1, 0, 1});
-  check_breakpoints(*repeat(kStart, 2, {.drift = true}), -1, 3.1, {-0.8, 0, 0.2, 1, 1.2, 2, 2.2, 3});
-  check_breakpoints(*repeat(kStart, 1.2, {.drift = true}), -0.1, 2, {0, 0.2, 1, 1.2, 1.4});
-  CHECK(repeat(kStart, 2, {.drift = true})->at(7.5).y == Approx(4.0));
+      *laws::repeat(laws::ramp(2.0), 0.5, {.drift = true}), [](auto t) { return 2.0 * t; }, -5, 5);
+  check_breakpoints(*laws::repeat(laws::sine({.omega = kTwoPi}), 1), -3, 3, {});
+  check_breakpoints(*laws::repeat(laws::poly345({}), 1, {.drift = true}), -3, 3, {});
+  check_breakpoints(*laws::repeat(laws::poly345({}), 1), -1.5, 1.5, {-1, 0, 1});
+  check_breakpoints(*laws::repeat(kStart, 2, {.drift = true}), -1, 3.1, {-0.8, 0, 0.2, 1, 1.2, 2, 2.2, 3});
+  check_breakpoints(*laws::repeat(kStart, 1.2, {.drift = true}), -0.1, 2, {0, 0.2, 1, 1.2, 1.4});
+  CHECK(laws::repeat(kStart, 2, {.drift = true})->at(7.5).y == Approx(4.0));
 }
 
 TEST_CASE("at its breakpoint every law has the value that holds afterwards, whatever the delays",
           "[unit][motionlaws]") {
   for (const double delay : {0.0, 0.1, 0.3, 1.7, 33.3}) {
     for (const auto& law :
-         {shift(kStart, delay), sequence({{1.2, kStart}, {0.7, constant(1)}, {1.2, kStart}}, {.t0 = delay}),
-          repeat(shift(kStart, 0.1), 1.7, {.t0 = delay}), shift(harmonic_rise({}), delay)}) {
+         {laws::shift(kStart, delay), laws::sequence({{1.2, kStart}, {0.7, laws::constant(1)}, {1.2, kStart}}, {.t0 = delay}),
+          laws::repeat(laws::shift(kStart, 0.1), 1.7, {.t0 = delay}), laws::shift(harmonic_rise({}), delay)}) {
       const auto listed = breakpoints_of(*law, -1, 40);
       REQUIRE(!listed.empty());
       for (const double t : listed) {
@@ -126,11 +118,11 @@ TEST_CASE("at its breakpoint every law has the value that holds afterwards, what
 }
 
 TEST_CASE("combinations refuse what cannot be", "[unit][motionlaws]") {
-  CHECK_THROWS_WITH(sum({}), says("sum") && says("laws are none"));
-  CHECK_THROWS_WITH(product({nullptr}), says("product") && says("null"));
-  CHECK_THROWS_WITH(scale(nullptr, 1), says("scale") && says("null"));
-  CHECK_THROWS_AS(shift(nullptr, 1), ModelError);
-  CHECK_THROWS_WITH(repeat(ramp(1), 0), says("repeat") && says("period is 0; must be above 0"));
-  CHECK_THROWS_WITH(sequence({}), says("sequence") && says("none"));
-  CHECK_THROWS_WITH(sequence({{-1, ramp(1)}}), says("durations is -1; must be above 0"));
+  CHECK_THROWS_WITH(laws::sum({}), says("sum") && says("laws are none"));
+  CHECK_THROWS_WITH(laws::product({nullptr}), says("product") && says("null"));
+  CHECK_THROWS_WITH(laws::scale(nullptr, 1), says("scale") && says("null"));
+  CHECK_THROWS_AS(laws::shift(nullptr, 1), ModelError);
+  CHECK_THROWS_WITH(laws::repeat(laws::ramp(1), 0), says("repeat") && says("period is 0; must be above 0"));
+  CHECK_THROWS_WITH(laws::sequence({}), says("sequence") && says("none"));
+  CHECK_THROWS_WITH(laws::sequence({{-1, laws::ramp(1)}}), says("durations is -1; must be above 0"));
 }

@@ -3,19 +3,11 @@
 // are known.
 #include <array>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/from.h"
-#include "motionlaws/path.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/rotations.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/spline.h"
-#include "motionlaws/spline_rotation.h"
-#include "motionlaws/translations.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
+#include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;
@@ -86,12 +78,12 @@ const SplineRotation::Points kPoses{
 
 TEST_CASE("translation laws: constant, components, along", "[unit][motionlaws]") {
   const auto kick = harmonic_rise({.duration = 0.5});
-  const auto three = components(sine({}), polynomial({1, 2, 3}), kick);
+  const auto three = laws::components(laws::sine({}), laws::polynomial({1, 2, 3}), kick);
   const TranslationValue v = three->at(0.2);
   CHECK((v.x - Vec3(std::sin(0.2), 1.52, kick->at(0.2).y)).norm() < 1e-15);
   CHECK((v.v - Vec3(std::cos(0.2), 3.2, kick->at(0.2).yd)).norm() < 1e-15);
   CHECK((v.a - Vec3(-std::sin(0.2), 6, kick->at(0.2).ydd)).norm() < 1e-14);
-  const auto way = along(Vec3(0, 3, 4), kick, Vec3(1, 0, 0));
+  const auto way = laws::along(Vec3(0, 3, 4), kick, Vec3(1, 0, 0));
   CHECK((way->at(0.2).x - Vec3(1, 0.6 * kick->at(0.2).y, 0.8 * kick->at(0.2).y)).norm() < 1e-15);
   CHECK((way->at(0.2).v - kick->at(0.2).yd * Vec3(0, 0.6, 0.8)).norm() < 1e-15);
   CHECK((way->at(0.2).a - kick->at(0.2).ydd * Vec3(0, 0.6, 0.8)).norm() < 1e-14);
@@ -108,11 +100,11 @@ TEST_CASE("path: each component is the scalar spline", "[unit][motionlaws]") {
   const PathLaw::Points points{{0, {1, 2, 3}}, {0.4, {-1, 0, 3}}, {1, {2, 2, 0}}, {1.5, {0, 1, 1}}};
   for (const int degree : {3, 5}) {
     const SplineSettings k{degree, SplineEnds::clamped, SplineOutside::hold};
-    const auto curve = path(points, k, {.start_velocity = {1, 2, 3}, .end_acceleration = {4, 5, 6}});
+    const auto curve = laws::path(points, k, {.start_velocity = {1, 2, 3}, .end_acceleration = {4, 5, 6}});
     for (int i = 0; i < 3; ++i) {
       Spline::Points own;
       for (const auto& [t, x] : points) own.emplace_back(t, x[i]);
-      const auto one = spline(own, k, {.start_rate = 1.0 + i, .end_acceleration = 4.0 + i});
+      const auto one = laws::spline(own, k, {.start_rate = 1.0 + i, .end_acceleration = 4.0 + i});
       for (const double t : {-1.0, 0.0, 0.2, 0.4, 0.9, 1.4, 3.0}) {
         CHECK(curve->at(t).x[i] == Approx(one->at(t).y).margin(1e-14));
         CHECK(curve->at(t).v[i] == Approx(one->at(t).yd).margin(1e-13));
@@ -130,8 +122,8 @@ TEST_CASE("rotation laws: constant, about an axis, product, from a function", "[
   const auto y1 = [](auto t) { return 0.4 + 1.3 * sin(2.0 * t); };
   const auto y2 = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t; };
   const auto y3 = [](auto t) { return 5.0 * t; };
-  const auto q1 = axis_rotation(n1, law(y1)), q2 = axis_rotation(n2, polynomial({1, -2, 0.7})),
-             q3 = axis_rotation(n3, ramp(5));
+  const auto q1 = axis_rotation(n1, laws::law(y1)), q2 = axis_rotation(n2, laws::polynomial({1, -2, 0.7})),
+             q3 = axis_rotation(n3, laws::ramp(5));
   check_rotation(*q1, [&](auto t) { return about(n1, y1(t)); });
   check_rotation(*q2, [&](auto t) { return about(n2, y2(t)); });
   check_rotation(*rotation_product(q1, q2), [&](auto t) { return about(n1, y1(t)) * about(n2, y2(t)); });
@@ -149,7 +141,7 @@ TEST_CASE("rotation laws: constant, about an axis, product, from a function", "[
     return decltype(q){s * q.w, s * q.x, s * q.y, s * q.z};
   }),
                  [&](auto t) { return about(n1, y1(t)); });
-  CHECK(axis_rotation(Vec3(0, 0, 2), constant(kPi))->at(0).q.z == Approx(1));
+  CHECK(axis_rotation(Vec3(0, 0, 2), laws::constant(kPi))->at(0).q.z == Approx(1));
 }
 
 TEST_CASE("rotation laws pass breakpoints on", "[unit][motionlaws]") {
@@ -231,13 +223,13 @@ TEST_CASE("spline of orientations does not depend on the axes that are used", "[
 
 TEST_CASE("translation and rotation laws refuse what cannot be", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(constant_translation(Vec3(0, std::nan(""), 0)), says("constant") && says("value is nan"));
-  CHECK_THROWS_WITH(components(ramp(1), nullptr, ramp(1)), says("components") && says("y is null"));
-  CHECK_THROWS_WITH(along(Vec3::Zero(), ramp(1)), says("along") && says("axis is [0, 0, 0]"));
-  CHECK_THROWS_WITH(path({{0, Vec3::Zero()}, {0, Vec3::Zero()}}), says("path") && says("rising"));
-  CHECK_THROWS_WITH(path({{0, Vec3::Zero()}}), says("at least 2"));
-  CHECK_THROWS_WITH(path({{0, Vec3::Zero()}, {1, Vec3::Zero()}})->at(2), says("path") && says("[0, 1] s"));
+  CHECK_THROWS_WITH(laws::components(laws::ramp(1), nullptr, laws::ramp(1)), says("components") && says("y is null"));
+  CHECK_THROWS_WITH(laws::along(Vec3::Zero(), laws::ramp(1)), says("along") && says("axis is [0, 0, 0]"));
+  CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}, {0, Vec3::Zero()}}), says("path") && says("rising"));
+  CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}}), says("at least 2"));
+  CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}, {1, Vec3::Zero()}})->at(2), says("path") && says("[0, 1] s"));
   CHECK_THROWS_WITH(constant_rotation({0, 0, 0, 0}), says("constant") && says("no orientation"));
-  CHECK_THROWS_WITH(axis_rotation(Vec3::Zero(), ramp(1)), says("axis_rotation") && says("axis"));
+  CHECK_THROWS_WITH(axis_rotation(Vec3::Zero(), laws::ramp(1)), says("axis_rotation") && says("axis"));
   CHECK_THROWS_WITH(axis_rotation(Vec3(0, 0, 1), nullptr), says("axis_rotation") && says("null"));
   CHECK_THROWS_WITH(rotation_product(nullptr, constant_rotation({})), says("product") && says("first is null"));
   CHECK_THROWS_WITH(spline_rotation({{0, {}}, {1, {0, 1, 0, 0}}}), says("number 1 and 2 are half a turn apart"));

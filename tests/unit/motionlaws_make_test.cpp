@@ -3,24 +3,13 @@
 #include <fstream>
 #include <functional>
 
-#include "framework/foundation/math/types.h"
-#include "framework/description/registry/registry.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/combine.h"
-#include "motionlaws/fourier.h"
-#include "motionlaws/path.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/math.h>
+#include <lockstep/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/splines.h>
 #include "motionlaws/register.h"
-#include "motionlaws/repeat.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/rotations.h"
-#include "motionlaws/sequence.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/spline.h"
-#include "motionlaws/spline_rotation.h"
-#include "motionlaws/translations.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;
@@ -59,27 +48,27 @@ void check_same(const MotionLaw& a, const MotionLaw& b) {
 }  // namespace
 
 TEST_CASE("every scalar law is made by name like its C++ function", "[unit][motionlaws]") {
-  check_same(*make("constant", {{"value", "12 mm"}}), *ramp(0, 0, 0.012));
-  check_same(*make("ramp", {{"slope", "60 rpm"}, {"t0", 0.2}, {"y0", 1}}), *ramp(kTwoPi, 0.2, 1));
+  check_same(*make("constant", {{"value", "12 mm"}}), *laws::ramp(0, 0, 0.012));
+  check_same(*make("ramp", {{"slope", "60 rpm"}, {"t0", 0.2}, {"y0", 1}}), *laws::ramp(kTwoPi, 0.2, 1));
   check_same(*make("sine", {{"amplitude", 2}, {"frequency", "3 Hz"}, {"phase", "90 deg"}, {"offset", 1}}),
-             *sine({2, 3 * kTwoPi, kPi / 2, 1}));
-  check_same(*make("sine", {{"omega", "120 rpm"}}), *sine({.omega = 2 * kTwoPi}));
+             *laws::sine({2, 3 * kTwoPi, kPi / 2, 1}));
+  check_same(*make("sine", {{"omega", "120 rpm"}}), *laws::sine({.omega = 2 * kTwoPi}));
   check_same(*make("fourier", {{"omega", 2}, {"cosines", Value::list({1, 2})}, {"sines", Value::list({3})}}),
-             *fourier({2, 0, {1, 2}, {3}}));
-  check_same(*make("polynomial", {{"coefficients", Value::list({1, 2, 3})}, {"t0", 0.1}}), *polynomial({1, 2, 3}, 0.1));
+             *laws::fourier({2, 0, {1, 2}, {3}}));
+  check_same(*make("polynomial", {{"coefficients", Value::list({1, 2, 3})}, {"t0", 0.1}}), *laws::polynomial({1, 2, 3}, 0.1));
   const RiseSettings rise{2, 0.5, 0.1, 1};
   const Members given{{"rise", 2}, {"duration", "500 ms"}, {"t0", 0.1}, {"y0", 1}};
-  check_same(*make("poly345", given), *poly345(rise));
-  check_same(*make("cycloid", given), *cycloid(rise));
+  check_same(*make("poly345", given), *laws::poly345(rise));
+  check_same(*make("cycloid", given), *laws::cycloid(rise));
   check_same(*make("harmonic_rise", given), *harmonic_rise(rise));
   check_same(*make("trapezoid", {{"distance", 1}, {"speed", 2}, {"duration", 0.8}}),
-             *trapezoid({.distance = 1, .speed = 2, .duration = 0.8}));
-  const auto inner = ramp(2.0);
+             *laws::trapezoid({.distance = 1, .speed = 2, .duration = 0.8}));
+  const auto inner = laws::ramp(2.0);
   const Value two = law_value("ramp", "slope", 2.0);
-  check_same(*make("sum", {{"laws", Value::List{two, 0.5}}}), *sum({inner, ramp(0, 0, 0.5)}));
-  check_same(*make("product", {{"laws", Value::List{two, two}}}), *product({inner, inner}));
-  check_same(*make("scale", {{"law", two}, {"factor", 3}, {"offset", 1}}), *scale(inner, 3, 1));
-  check_same(*make("shift", {{"law", two}, {"delay", 0.3}}), *shift(inner, 0.3));
+  check_same(*make("sum", {{"laws", Value::List{two, 0.5}}}), *laws::sum({inner, laws::ramp(0, 0, 0.5)}));
+  check_same(*make("product", {{"laws", Value::List{two, two}}}), *laws::product({inner, inner}));
+  check_same(*make("scale", {{"law", two}, {"factor", 3}, {"offset", 1}}), *laws::scale(inner, 3, 1));
+  check_same(*make("shift", {{"law", two}, {"delay", 0.3}}), *laws::shift(inner, 0.3));
   check_same(*make("repeat", {{"law", two}, {"period", 0.3}, {"drift", true}}), *inner);
   const Members pieces{{"durations", Value::list({0.3, 0.4})},
                        {"laws", Value::List{two, two}},
@@ -90,7 +79,7 @@ TEST_CASE("every scalar law is made by name like its C++ function", "[unit][moti
 
 TEST_CASE("spline is made from points and from a file beside the scene", "[unit][motionlaws]") {
   const Spline::Points points{{0, 1}, {0.5, 3}, {1, 2}};
-  const auto expected = spline(points, {5, SplineEnds::clamped, SplineOutside::hold}, {1, 2, 3, 4});
+  const auto expected = laws::spline(points, {5, SplineEnds::clamped, SplineOutside::hold}, {1, 2, 3, 4});
   const Value list(Value::List{Value::list({0, 1}), Value::list({0.5, 3}), Value::list({1, 2})});
   check_same(*make("spline", {{"points", list},
                               {"degree", 5},
@@ -104,7 +93,7 @@ TEST_CASE("spline is made from points and from a file beside the scene", "[unit]
   const std::string file = "motionlaws_make_test.csv";
   std::ofstream(file) << "time [s],lift [m]\n0,1\n0.5,3\n1,2\n";
   check_same(*make("spline", {{"file", file.c_str()}, {"t_column", "time"}, {"y_column", "lift"}, {"outside", "hold"}}),
-             *spline(points, {.outside = SplineOutside::hold}));
+             *laws::spline(points, {.outside = SplineOutside::hold}));
   std::ofstream(file) << "t,y\n0,1\n0.5,x\n";
   CHECK_THROWS_WITH(make("spline", {{"file", file.c_str()}}), says(file + ":3"));
   std::remove(file.c_str());
@@ -157,21 +146,21 @@ TEST_CASE("translation and rotation laws are made by name like their C++ functio
   const Value two = law_value("ramp", "slope", 2.0);
   same_way(*translation_of("constant", {{"value", Value(Value::List{"1 mm", 0, 2})}}),
            *constant_translation(Vec3(1e-3, 0, 2)));
-  same_way(*translation_of("components", {{"y", two}}), *components(ramp(0), ramp(2), ramp(0)));
+  same_way(*translation_of("components", {{"y", two}}), *laws::components(laws::ramp(0), laws::ramp(2), laws::ramp(0)));
   same_way(*translation_of("along", {{"axis", "-z"}, {"law", two}, {"origin", Value::list({1, 2, 3})}}),
-           *along(Vec3(0, 0, -1), ramp(2), Vec3(1, 2, 3)));
+           *laws::along(Vec3(0, 0, -1), laws::ramp(2), Vec3(1, 2, 3)));
   const Value points(Value::List{Value::list({0, 1, 2, 3}), Value::list({0.5, 3, 2, 1}), Value::list({1, 0, 0, 0})});
   same_way(*translation_of("path", {{"points", points}, {"ends", "clamped"}, {"end_velocity", Value::list({1, 2, 3})}}),
-           *path({{0, {1, 2, 3}}, {0.5, {3, 2, 1}}, {1, {0, 0, 0}}}, {.ends = SplineEnds::clamped},
+           *laws::path({{0, {1, 2, 3}}, {0.5, {3, 2, 1}}, {1, {0, 0, 0}}}, {.ends = SplineEnds::clamped},
                  {.end_velocity = {1, 2, 3}}));
 
   const Value turn = Value::object({{"axis", "x"}, {"angle", "90 deg"}});
   same_turn(*rotation_of("constant", {{"orientation", turn}}), *constant_rotation({1, 1, 0, 0}));
-  same_turn(*rotation_of("axis_rotation", {{"axis", "y"}, {"law", two}}), *axis_rotation(Vec3(0, 1, 0), ramp(2)));
+  same_turn(*rotation_of("axis_rotation", {{"axis", "y"}, {"law", two}}), *axis_rotation(Vec3(0, 1, 0), laws::ramp(2)));
   const Value spin = Value::object({{"type", "axis_rotation"}, {"axis", "y"}, {"law", two}});
   const Value fixed = Value::object({{"type", "constant"}, {"orientation", turn}});
   same_turn(*rotation_of("product", {{"first", fixed}, {"second", spin}}),
-            *rotation_product(constant_rotation({1, 1, 0, 0}), axis_rotation(Vec3(0, 1, 0), ramp(2))));
+            *rotation_product(constant_rotation({1, 1, 0, 0}), axis_rotation(Vec3(0, 1, 0), laws::ramp(2))));
   const Value poses(Value::List{Value(Value::List{0, Value::list({1, 0, 0, 0})}), Value(Value::List{"1 s", turn})});
   same_turn(*rotation_of("spline_rotation", {{"points", poses}, {"ends", "clamped"}}),
             *spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}}, {.ends = SplineEnds::clamped}));

@@ -2,10 +2,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/columns.h"
-#include "motionlaws/spline.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/splines.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;
@@ -40,7 +39,7 @@ TEST_CASE("spline goes through its points with continuous value, speed and accel
   for (const int degree : {3, 5})
     for (const SplineEnds ends : kEnds) {
       INFO("degree " << degree << ", ends " << static_cast<int>(ends));
-      const auto law = spline(kRough, {.degree = degree, .ends = ends});
+      const auto law = laws::spline(kRough, {.degree = degree, .ends = ends});
       for (const auto& [t, y] : kRough) CHECK(law->at(t).y == Approx(y).margin(1e-12));
       LawValue size{1, 1, 1};
       for (int i = 0; i <= 100; ++i) {
@@ -57,7 +56,7 @@ TEST_CASE("spline goes through its points with continuous value, speed and accel
 TEST_CASE("spline speed and acceleration are derivatives of its value", "[unit][motionlaws]") {
   // Inside an interval the law is a polynomial of known degree: its own values fix it, and with it the derivatives.
   for (const int degree : {3, 5}) {
-    const auto law = spline(kRough, {.degree = degree});
+    const auto law = laws::spline(kRough, {.degree = degree});
     const double a = 1.0, b = 1.7, h = (b - a) / degree;
     MatX V(degree + 1, degree + 1);
     VecX y(degree + 1);
@@ -89,7 +88,7 @@ TEST_CASE("spline speed and acceleration are derivatives of its value", "[unit][
 
 TEST_CASE("quintic spline: jerk and its rate are continuous, and zero at natural ends", "[unit][motionlaws]") {
   for (const SplineEnds ends : kEnds) {
-    const auto law = spline(kRough, {.degree = 5, .ends = ends});
+    const auto law = laws::spline(kRough, {.degree = 5, .ends = ends});
     // From both sides towards each point, exact but for rounding.
     for (std::size_t i = 1; i + 1 < kTimes.size(); ++i) {
       const double t = kTimes[i], hl = (t - kTimes[i - 1]) / 4, hr = (kTimes[i + 1] - t) / 4;
@@ -114,24 +113,24 @@ TEST_CASE("quintic spline: jerk and its rate are continuous, and zero at natural
 TEST_CASE("spline reproduces the polynomials that its ends admit", "[unit][motionlaws]") {
   const auto line = [](auto t) { return 1.0 - 2.0 * t; };
   check_formula(
-      *spline(points(line)), [](auto t) { return 1.0 - 2.0 * t; }, 0, 2, 1e-12, 101, 1.0);
+      *laws::spline(points(line)), [](auto t) { return 1.0 - 2.0 * t; }, 0, 2, 1e-12, 101, 1.0);
   const auto parabola = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t; };
-  check_formula(*spline(points(parabola), {.degree = 5}), parabola, 0, 2, 1e-11);
+  check_formula(*laws::spline(points(parabola), {.degree = 5}), parabola, 0, 2, 1e-11);
   const auto cubic = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t - 0.4 * t * t * t; };
-  check_formula(*spline(points(cubic), {.ends = SplineEnds::clamped}, {.start_rate = -2, .end_rate = -4}), cubic, 0, 2,
+  check_formula(*laws::spline(points(cubic), {.ends = SplineEnds::clamped}, {.start_rate = -2, .end_rate = -4}), cubic, 0, 2,
                 1e-12);
   const auto quintic = [&](auto t) { return cubic(t) + t * t * t * t * (0.3 - 0.1 * t); };
   const Time end = quintic(Time(2, 1, 0));
-  check_formula(*spline(points(quintic), {.degree = 5, .ends = SplineEnds::clamped}, {-2, end.d, 1.4, end.h}), quintic,
+  check_formula(*laws::spline(points(quintic), {.degree = 5, .ends = SplineEnds::clamped}, {-2, end.d, 1.4, end.h}), quintic,
                 0, 2, 1e-11);
   // Two points, clamped: one polynomial, at rest at both ends. For the quintic that is the 3-4-5 rise.
   const auto u345 = [](auto t) { return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t); };
-  check_formula(*spline({{0, 0}, {1, 1}}, {.degree = 5, .ends = SplineEnds::clamped}), u345, 0, 1, 1e-14);
+  check_formula(*laws::spline({{0, 0}, {1, 1}}, {.degree = 5, .ends = SplineEnds::clamped}), u345, 0, 1, 1e-14);
 }
 
 TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
   for (const int degree : {3, 5}) {
-    const auto law = spline(kRough, {.degree = degree, .ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+    const auto law = laws::spline(kRough, {.degree = degree, .ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
     check_breakpoints(*law, -3.3, 5.1, {});
     for (const double t : {0.05, 0.9, 1.9}) {
       CHECK(law->at(t + 4).ydd == Approx(law->at(t).ydd));
@@ -140,21 +139,21 @@ TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
   }
   // Three points only: one row beside the border.
   const auto three =
-      spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+      laws::spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
   check_breakpoints(*three, -3, 3, {});
   CHECK(three->at(0.5).y == Approx(0).margin(1e-14));
 }
 
 TEST_CASE("spline outside of its points: refused, or held with its jumps", "[unit][motionlaws]") {
-  CHECK_THROWS_AS(spline(kRough)->at(2.1), ModelError);
-  CHECK_THROWS_WITH(spline(kRough)->at(-0.5), says("spline") && says("t = -0.5 s") && says("[0, 2] s") && says("hold"));
-  CHECK(spline(kRough)->at(2.0 + 1e-12).y == Approx(0.3));
-  const auto held = spline(kRough, {.outside = SplineOutside::hold});
+  CHECK_THROWS_AS(laws::spline(kRough)->at(2.1), ModelError);
+  CHECK_THROWS_WITH(laws::spline(kRough)->at(-0.5), says("spline") && says("t = -0.5 s") && says("[0, 2] s") && says("hold"));
+  CHECK(laws::spline(kRough)->at(2.0 + 1e-12).y == Approx(0.3));
+  const auto held = laws::spline(kRough, {.outside = SplineOutside::hold});
   CHECK(held->at(7).y == Approx(0.3));
   CHECK(held->at(7).yd == 0);
   CHECK(held->at(-7).ydd == 0);
   check_breakpoints(*held, -1, 3, {0, 2});
-  check_breakpoints(*spline(kRough, {.degree = 5, .ends = SplineEnds::clamped, .outside = SplineOutside::hold}), -1, 3,
+  check_breakpoints(*laws::spline(kRough, {.degree = 5, .ends = SplineEnds::clamped, .outside = SplineOutside::hold}), -1, 3,
                     {});
 }
 
@@ -162,20 +161,20 @@ TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
   Spline::Points p;
   for (int i = 0; i <= 4000; ++i) p.emplace_back(0.001 * i, std::sin(0.001 * i));
   const SplineEndValues ends{1.0, std::cos(4.0), 0.0, -std::sin(4.0)};
-  const auto law = spline(p, {.degree = 5, .ends = SplineEnds::clamped}, ends);
+  const auto law = laws::spline(p, {.degree = 5, .ends = SplineEnds::clamped}, ends);
   check_formula(
       *law, [](auto t) { return sin(t); }, 0, 4, 1e-9, 333);
 }
 
 TEST_CASE("spline refuses what cannot be", "[unit][motionlaws]") {
-  CHECK_THROWS_WITH(spline({{0, 1}}), says("spline") && says("1; at least 2"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {1, 2}}, {.degree = 5}), says("at least 3"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {1, 2}}, {.degree = 4}), says("degree is 4; must be 3 or 5"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {1, 2}, {0.5, 2}}), says("number 3 of points is at 0.5 s, the one before at 1 s"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {0, 2}}), says("rising"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {1, std::nan("")}}), says("not finite") && says("number 2"));
-  CHECK_THROWS_WITH(spline({{0, 1}, {1, 2}, {2, 3}}, {.ends = SplineEnds::periodic}), says("end 2 away"));
-  CHECK_THROWS_WITH(spline(kRough, {.outside = SplineOutside::repeat}), says("outside is \"repeat\""));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}}), says("spline") && says("1; at least 2"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 5}), says("at least 3"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 4}), says("degree is 4; must be 3 or 5"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {0.5, 2}}), says("number 3 of points is at 0.5 s, the one before at 1 s"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {0, 2}}), says("rising"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, std::nan("")}}), says("not finite") && says("number 2"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {2, 3}}, {.ends = SplineEnds::periodic}), says("end 2 away"));
+  CHECK_THROWS_WITH(laws::spline(kRough, {.outside = SplineOutside::repeat}), says("outside is \"repeat\""));
 }
 
 TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motionlaws]") {

@@ -2,16 +2,9 @@
 #include <array>
 #include <limits>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/error.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/fourier.h"
-#include "motionlaws/from.h"
-#include "motionlaws/polynomial.h"
-#include "motionlaws/ramp.h"
-#include "motionlaws/rise.h"
-#include "motionlaws/sine.h"
-#include "motionlaws/trapezoid.h"
+#include <lockstep/math.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
 using namespace lockstep;
@@ -19,23 +12,23 @@ using namespace lockstep::test;
 
 TEST_CASE("constant, ramp, sine, fourier and polynomial follow their formulas", "[unit][motionlaws]") {
   check_formula(
-      *constant(0.7), [](auto t) { return 0.7 + 0.0 * t; }, -1, 1);
+      *laws::constant(0.7), [](auto t) { return 0.7 + 0.0 * t; }, -1, 1);
   check_formula(
-      *ramp(2.0, 0.5, -3.0), [](auto t) { return -3.0 + 2.0 * (t - 0.5); }, -4, 4);
+      *laws::ramp(2.0, 0.5, -3.0), [](auto t) { return -3.0 + 2.0 * (t - 0.5); }, -4, 4);
   check_formula(
-      *sine({0.2, 5.0, 0.3, 1.0}), [](auto t) { return 1.0 + 0.2 * sin(5.0 * t + 0.3); }, -4, 4);
+      *laws::sine({0.2, 5.0, 0.3, 1.0}), [](auto t) { return 1.0 + 0.2 * sin(5.0 * t + 0.3); }, -4, 4);
   check_formula(
-      *fourier({2.0, 0.1, {0.3, -0.2, 0.05}, {0.4}}),
+      *laws::fourier({2.0, 0.1, {0.3, -0.2, 0.05}, {0.4}}),
       [](auto t) { return 0.1 + 0.3 * cos(2.0 * t) + 0.4 * sin(2.0 * t) - 0.2 * cos(4.0 * t) + 0.05 * cos(6.0 * t); },
       -4, 4);
   check_formula(
-      *polynomial({1.0, -2.0, 0.5, 0.25}, 0.4),
+      *laws::polynomial({1.0, -2.0, 0.5, 0.25}, 0.4),
       [](auto t) {
         const auto u = t - 0.4;
         return 1.0 - 2.0 * u + 0.5 * u * u + 0.25 * u * u * u;
       },
       -2, 2);
-  for (const auto& smooth : {constant(0.7), ramp(2.0), sine({.amplitude = 2, .omega = 3}), polynomial({1, 2, 3})})
+  for (const auto& smooth : {laws::constant(0.7), laws::ramp(2.0), laws::sine({.amplitude = 2, .omega = 3}), laws::polynomial({1, 2, 3})})
     check_breakpoints(*smooth, -2, 2, {});
 }
 
@@ -43,20 +36,20 @@ TEST_CASE("rises follow their formulas inside and rest outside", "[unit][motionl
   const RiseSettings k{.rise = -0.3, .duration = 2.0, .t0 = 0.5, .y0 = 1.0};
   const auto u = [](auto t) { return (t - 0.5) / 2.0; };
   check_formula(
-      *poly345(k), [&](auto t) { return 1.0 - 0.3 * (10.0 * pow(u(t), 3) - 15.0 * pow(u(t), 4) + 6.0 * pow(u(t), 5)); },
+      *laws::poly345(k), [&](auto t) { return 1.0 - 0.3 * (10.0 * pow(u(t), 3) - 15.0 * pow(u(t), 4) + 6.0 * pow(u(t), 5)); },
       0.6, 2.4);
   check_formula(
-      *cycloid(k), [&](auto t) { return 1.0 - 0.3 * (u(t) - sin(kTwoPi * u(t)) / kTwoPi); }, 0.5, 2.499);
+      *laws::cycloid(k), [&](auto t) { return 1.0 - 0.3 * (u(t) - sin(kTwoPi * u(t)) / kTwoPi); }, 0.5, 2.499);
   check_formula(
       *harmonic_rise(k), [&](auto t) { return 1.0 - 0.15 * (1.0 - cos(kPi * u(t))); }, 0.5, 2.499);
-  for (const auto& law : {poly345(k), cycloid(k), harmonic_rise(k)}) {
+  for (const auto& law : {laws::poly345(k), laws::cycloid(k), harmonic_rise(k)}) {
     check_formula(
         *law, [](auto t) { return 1.0 + 0.0 * t; }, -3, 0.499);
     check_formula(
         *law, [](auto t) { return 0.7 + 0.0 * t; }, 2.5, 9);
   }
-  check_breakpoints(*poly345(k), -1, 4, {});
-  check_breakpoints(*cycloid(k), -1, 4, {});
+  check_breakpoints(*laws::poly345(k), -1, 4, {});
+  check_breakpoints(*laws::cycloid(k), -1, 4, {});
   check_breakpoints(*harmonic_rise(k), -1, 4, {0.5, 2.5});
   CHECK(breakpoints_of(*harmonic_rise(k), 0.5, 2.5).empty());  // the interval is open
 }
@@ -67,7 +60,7 @@ TEST_CASE("trapezoid: three ways to give the same motion", "[unit][motionlaws]")
        {TrapezoidSettings{.distance = 1, .speed = 1, .acceleration = 5, .t0 = 0.3, .y0 = 2},
         TrapezoidSettings{.distance = 1, .acceleration = 5, .duration = 1.2, .t0 = 0.3, .y0 = 2},
         TrapezoidSettings{.distance = 1, .speed = 1, .duration = 1.2, .t0 = 0.3, .y0 = 2}}) {
-    const auto law = trapezoid(k);
+    const auto law = laws::trapezoid(k);
     check_formula(
         *law, [](auto t) { return 2.0 + 0.0 * t; }, -1, 0.299);
     check_formula(
@@ -84,25 +77,25 @@ TEST_CASE("trapezoid: three ways to give the same motion", "[unit][motionlaws]")
 
 TEST_CASE("trapezoid: a short way is a triangle, a way back is negative, no way is no motion", "[unit][motionlaws]") {
   // 2 sqrt(d/a) = 0.4 s
-  check_breakpoints(*trapezoid({.distance = -0.2, .speed = 100, .acceleration = 5}), -1, 1, {0, 0.2, 0.4});
-  check_breakpoints(*trapezoid({.distance = 0.2, .acceleration = 5, .duration = 0.4}), -1, 1, {0, 0.2, 0.4});
-  CHECK(trapezoid({.distance = -0.2, .speed = 100, .acceleration = 5})->at(5).y == -0.2);
-  check_breakpoints(*trapezoid({.distance = 0, .speed = 100, .acceleration = 5, .y0 = 3}), -1, 1, {});
-  CHECK(trapezoid({.distance = 0, .speed = 100, .acceleration = 5, .y0 = 3})->at(0.5).y == 3);
+  check_breakpoints(*laws::trapezoid({.distance = -0.2, .speed = 100, .acceleration = 5}), -1, 1, {0, 0.2, 0.4});
+  check_breakpoints(*laws::trapezoid({.distance = 0.2, .acceleration = 5, .duration = 0.4}), -1, 1, {0, 0.2, 0.4});
+  CHECK(laws::trapezoid({.distance = -0.2, .speed = 100, .acceleration = 5})->at(5).y == -0.2);
+  check_breakpoints(*laws::trapezoid({.distance = 0, .speed = 100, .acceleration = 5, .y0 = 3}), -1, 1, {});
+  CHECK(laws::trapezoid({.distance = 0, .speed = 100, .acceleration = 5, .y0 = 3})->at(0.5).y == 3);
 }
 
 TEST_CASE("laws from a function have exact derivatives and the breakpoints that are said", "[unit][motionlaws]") {
-  const auto swing = law([](auto t) { return 0.1 * sin(3.0 * t); });
+  const auto swing = laws::law([](auto t) { return 0.1 * sin(3.0 * t); });
   for (const double t : {-0.4, 0.0, 1.7}) {
     CHECK(swing->at(t).y == Approx(0.1 * std::sin(3 * t)).margin(1e-15));
     CHECK(swing->at(t).yd == Approx(0.3 * std::cos(3 * t)).margin(1e-15));
     CHECK(swing->at(t).ydd == Approx(-0.9 * std::sin(3 * t)).margin(1e-15));
   }
   check_breakpoints(*swing, -1, 1, {});
-  const auto kink = law([](auto t) { return t < 0.25 ? 0.0 * t : (t - 0.25) * (t - 0.25); }, {0.25});
+  const auto kink = laws::law([](auto t) { return t < 0.25 ? 0.0 * t : (t - 0.25) * (t - 0.25); }, {0.25});
   check_breakpoints(*kink, -1, 1, {0.25});
 
-  const auto circle = translation(
+  const auto circle = laws::translation(
       [](auto t) {
         return std::array{0.2 * cos(2.0 * t), 0.2 * sin(2.0 * t), 0.1 * t};
       },
@@ -120,18 +113,18 @@ TEST_CASE("laws from a function have exact derivatives and the breakpoints that 
 
 TEST_CASE("laws refuse what cannot be, by name, value and limit", "[unit][motionlaws]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_AS(constant(nan), ModelError);
-  CHECK_THROWS_WITH(ramp(inf), says("ramp") && says("slope is inf"));
-  CHECK_THROWS_WITH(sine({.phase = nan}), says("sine") && says("phase is nan"));
-  CHECK_THROWS_WITH(fourier({.cosines = {1, nan}}), says("fourier") && says("cosines"));
-  CHECK_THROWS_WITH(polynomial({}), says("polynomial") && says("coefficients is empty"));
-  CHECK_THROWS_WITH(poly345({.duration = 0}), says("poly345") && says("duration is 0; must be above 0"));
-  CHECK_THROWS_WITH(cycloid({.duration = -1}), says("cycloid") && says("duration is -1"));
+  CHECK_THROWS_AS(laws::constant(nan), ModelError);
+  CHECK_THROWS_WITH(laws::ramp(inf), says("ramp") && says("slope is inf"));
+  CHECK_THROWS_WITH(laws::sine({.phase = nan}), says("sine") && says("phase is nan"));
+  CHECK_THROWS_WITH(laws::fourier({.cosines = {1, nan}}), says("fourier") && says("cosines"));
+  CHECK_THROWS_WITH(laws::polynomial({}), says("polynomial") && says("coefficients is empty"));
+  CHECK_THROWS_WITH(laws::poly345({.duration = 0}), says("poly345") && says("duration is 0; must be above 0"));
+  CHECK_THROWS_WITH(laws::cycloid({.duration = -1}), says("cycloid") && says("duration is -1"));
   CHECK_THROWS_WITH(harmonic_rise({.rise = nan}), says("harmonic_rise") && says("rise is nan"));
-  CHECK_THROWS_WITH(trapezoid({.speed = 1}), says("1 are given; give two"));
-  CHECK_THROWS_WITH(trapezoid({.speed = 1, .acceleration = 1, .duration = 1}), says("3 are given"));
-  CHECK_THROWS_WITH(trapezoid({.acceleration = 4, .duration = 0.9}), says("duration is 0.9 s") && says("at least 1 s"));
-  CHECK_THROWS_WITH(trapezoid({.speed = 0.9, .duration = 1}), says("speed is 0.9") && says("above 1 and at most 2"));
-  CHECK_THROWS_WITH(trapezoid({.speed = 2.1, .duration = 1}), says("speed is 2.1"));
-  CHECK_THROWS_WITH(trapezoid({.speed = -1, .acceleration = 1}), says("speed is -1; must be above 0"));
+  CHECK_THROWS_WITH(laws::trapezoid({.speed = 1}), says("1 are given; give two"));
+  CHECK_THROWS_WITH(laws::trapezoid({.speed = 1, .acceleration = 1, .duration = 1}), says("3 are given"));
+  CHECK_THROWS_WITH(laws::trapezoid({.acceleration = 4, .duration = 0.9}), says("duration is 0.9 s") && says("at least 1 s"));
+  CHECK_THROWS_WITH(laws::trapezoid({.speed = 0.9, .duration = 1}), says("speed is 0.9") && says("above 1 and at most 2"));
+  CHECK_THROWS_WITH(laws::trapezoid({.speed = 2.1, .duration = 1}), says("speed is 2.1"));
+  CHECK_THROWS_WITH(laws::trapezoid({.speed = -1, .acceleration = 1}), says("speed is -1; must be above 0"));
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/look.h"
+#include <lockstep/relative.h>
 #include "tests/support/catch.h"
 #include "tests/support/counted.h"
 #include "tests/support/lock_inputs.h"
@@ -151,10 +151,10 @@ TEST_CASE("a drive costs its law and no more", "[unit][lock]") {
   CHECK(cost(Mask::e123, with::p | with::uP | with::uS).total() == cost(Mask::e123, 0).total());
 }
 
-TEST_CASE("look leaves out the half that is not needed", "[unit][lock]") {
+TEST_CASE("relative_kinematics leaves out the half that is not needed", "[unit][lock]") {
   const Counting in = inputs_of(0, false);
   const auto price = [&](Reads reads) {
-    return oracle::operations_of([&] { look(in.O1, in.O2, in.P, in.S, 0u, reads); }).total();
+    return oracle::operations_of([&] { relative_kinematics(in.O1, in.O2, in.P, in.S, 0u, reads); }).total();
   };
   CHECK(price(Reads::translation) > 0);
   CHECK(price(Reads::translation) + price(Reads::rotation) == price(Reads::both));

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/scene/scene.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,11 +1,11 @@
-#include "framework/mechanism/params/params.h"
+#include <lockstep/params.h>
 
 #include <cmath>
 #include <limits>
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"
 #include "tests/support/messages.h"
 

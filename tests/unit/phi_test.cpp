@@ -5,14 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/check_lock.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/gears.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/mechanism/links/universal.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/check.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/couplings.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/hand_joints.h"
 #include "tests/support/lock_inputs.h"
@@ -250,7 +248,7 @@ TEST_CASE("A screw counts its turns, by steps of more than half a turn as well, 
   System system;
   Body& nut = system.add_body("nut", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
   const double lead = 0.02, speed = 50;
-  Screw& screw = system.add<Screw>("screw", nut, system.ground(), at(Vec3::Zero()), lead);
+  Screw& screw = system.add<Screw>("screw", nut, system.ground(), pose_at(Vec3::Zero()), lead);
   system.setup();
   CHECK(screw.n_memory() == 3);
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
@@ -287,8 +285,8 @@ TEST_CASE("A gear counts both its turns on a carrier that turns", "[unit][phi]")
   Body& carrier = system.add_body("carrier", mass);
   Body& one = system.add_body("one", mass, {Vec3::Zero(), axis_angle(Vec3(0, 0, 1), 2.5)});
   Body& two = system.add_body("two", mass, {Vec3::Zero(), axis_angle(Vec3(0, 0, 1), -3.0)});
-  auto& a = system.add<Revolute>("a", one, carrier, at(Vec3::Zero()));
-  auto& b = system.add<Revolute>("b", two, carrier, at(Vec3::Zero()));
+  auto& a = system.add<Revolute>("a", one, carrier, pose_at(Vec3::Zero()));
+  auto& b = system.add<Revolute>("b", two, carrier, pose_at(Vec3::Zero()));
   auto& gear = system.add(std::make_unique<Gear>(across("mesh", {a, b}), 3.0));
   system.setup();
   CHECK(gear.n_memory() == 6);

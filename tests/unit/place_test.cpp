@@ -1,8 +1,8 @@
 #include "framework/description/scene/place.h"
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

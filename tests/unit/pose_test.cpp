@@ -1,5 +1,5 @@
 // Poses: composition and inverse, against points carried one by one.
-#include "framework/foundation/math/pose.h"
+#include <lockstep/math.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "framework/foundation/math/quaternion.h"
+#include <lockstep/math.h>
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"

@@ -1,6 +1,6 @@
-#include "integrators/rattle.h"
+#include <lockstep/integrators.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
@@ -68,8 +68,8 @@ TEST_CASE("rattle refuses a damper by its name", "[unit][integrators]") {
 TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrators]") {
   RodPendulum pendulum;
   Body& disc = pendulum.system.add_body("disc", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
-  pendulum.system.add<Revolute>("motor", disc, pendulum.system.ground(), at(Vec3::Zero(), Vec3(0, 0, 1)))
-      .drive_speed(Axis::rz, constant(2.0));
+  pendulum.system.add<Revolute>("motor", disc, pendulum.system.ground(), pose_at(Vec3::Zero(), Vec3(0, 0, 1)))
+      .drive_speed(Axis::rz, laws::constant(2.0));
   Dynamics dynamics = dynamics_of(pendulum.system);
   testing::check_words(testing::message_of<ModelError>([&] { Rattle(2).begin(dynamics, pendulum.system.start()); }),
                        {"rattle2", "link 'motor'", "dopri5"});

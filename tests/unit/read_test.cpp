@@ -12,7 +12,7 @@
 #include <random>
 
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;
@@ -52,7 +52,7 @@ std::string nested(std::size_t depth) { return std::string(depth, '[') + std::st
 // A file that goes away with the test.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& content)
-      : path((std::filesystem::temp_directory_path() /
+      : laws::path((std::filesystem::temp_directory_path() /
               ("lockstep_read_test_" + std::to_string(std::random_device{}()) + ".json"))
                  .string()) {
     std::ofstream(path, std::ios::binary) << content;

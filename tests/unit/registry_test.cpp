@@ -1,7 +1,7 @@
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;

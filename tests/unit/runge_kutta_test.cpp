@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/runge_kutta.h"
+#include <lockstep/stepping.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/sweep.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,11 +1,9 @@
-#include "framework/dynamics/solvers/schur_solver.h"
+#include <lockstep/solvers.h>
 
-#include "framework/dynamics/evaluate/dynamics.h"
+#include <lockstep/dynamics.h>
 
-#include "framework/dynamics/solvers/dense_solver.h"
 #include "framework/dynamics/solvers/schur_plan.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/params/params.h"
+#include <lockstep/params.h>
 #include "tests/support/allocations.h"
 #include "tests/support/mechanism.h"
 #include "tests/support/schur_on_kkt.h"

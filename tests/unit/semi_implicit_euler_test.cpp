@@ -1,4 +1,4 @@
-#include "integrators/semi_implicit_euler.h"
+#include <lockstep/integrators.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"

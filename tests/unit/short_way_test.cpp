@@ -1,10 +1,10 @@
 // Simulation, the facade: what it resolves by name is what the layers below it are made of.
-#include "framework/tools/simulation/simulation.h"
+#include <lockstep/simulation.h>
 
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/links/joints.h"
-#include "integrators/dopri5.h"
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
+#include <lockstep/integrators.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;
@@ -15,8 +15,8 @@ namespace {
 
 System pendulum() {
   System system({.gravity = {0, -9.81, 0}});
-  Body& bar = system.add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  system.add<Revolute>("hinge", bar, system.ground(), at({0, 0, 0}));
+  Body& bar = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add<Revolute>("hinge", bar, system.ground(), pose_at({0, 0, 0}));
   return system;
 }
 

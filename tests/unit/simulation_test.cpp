@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/step_loop.h>
 
 #include <cmath>
 #include <functional>
@@ -6,10 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/rk4.h"
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -235,7 +233,7 @@ TEST_CASE("an event at an instant switches a link off, the body flies on freely"
 TEST_CASE("a link that is put in force takes up the velocity, far from its place it is refused by name",
           "[unit][dynamics]") {
   Stone stone;
-  Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), at({0, 0, 2}));
+  Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), pose_at({0, 0, 2}));
   hook.set_active_at_start(false);
   Dynamics dynamics = dynamics_of(stone.system);
   Event event;

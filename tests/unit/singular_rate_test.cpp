@@ -1,8 +1,8 @@
-#include "framework/dynamics/integrate/singular_rate.h"
+#include <lockstep/stepping.h>
 
 #include <cmath>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -20,16 +20,16 @@ struct Bays {
     std::vector<Body*> uprights;
     for (int k = 0; k <= n; ++k) {
       const std::string number = std::to_string(k);
-      Body& b = system.add_body("upright " + number, slender_rod(1, k * x, k * x + d, 0.01));
+      Body& b = system.add_body("upright " + number, shapes::slender_rod(1, k * x, k * x + d, 0.01));
       b.start = {cross(Vec3(w * z), Vec3(0.5 * d)), w * z};
-      system.add<Revolute>("A" + number, b, system.ground(), at(k * x, z));
+      system.add<Revolute>("A" + number, b, system.ground(), pose_at(k * x, z));
       uprights.push_back(&b);
     }
     for (int k = 0; k < n; ++k) {
       const std::string number = std::to_string(k);
-      Body& b = system.add_body("bar " + number, slender_rod(1, k * x + d, (k + 1) * x + d, 0.01));
+      Body& b = system.add_body("bar " + number, shapes::slender_rod(1, k * x + d, (k + 1) * x + d, 0.01));
       b.start = {cross(Vec3(w * z), d), Vec3::Zero()};
-      system.add<Revolute>("B" + number, b, *uprights[static_cast<std::size_t>(k)], at(k * x + d, z));
+      system.add<Revolute>("B" + number, b, *uprights[static_cast<std::size_t>(k)], pose_at(k * x + d, z));
       system.add<Revolute>("C" + number, b, *uprights[static_cast<std::size_t>(k + 1)], at((k + 1) * x + d, z));
     }
     system.setup();

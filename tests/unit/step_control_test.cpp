@@ -1,8 +1,7 @@
-#include "framework/dynamics/integrate/step_control.h"
+#include <lockstep/stepping.h>
 
 #include <cmath>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

@@ -3,7 +3,7 @@
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/root_finder.h"
 #include "framework/dynamics/simulate/step_rules.h"
-#include "integrators/rk4.h"
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

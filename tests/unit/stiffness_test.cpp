@@ -1,8 +1,8 @@
-#include "integrators/stiffness.h"
+#include <lockstep/integrators.h>
 
 #include <cmath>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;

@@ -1,7 +1,7 @@
 // One-sided links, stops and friction as scenes say them.
-#include "framework/mechanism/links/stop.h"
+#include <lockstep/joints.h>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

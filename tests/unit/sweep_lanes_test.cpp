@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

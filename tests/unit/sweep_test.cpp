@@ -1,10 +1,10 @@
 // A sweep of pendulums against their closed forms.
-#include "framework/tools/sweep/sweep.h"
+#include <lockstep/sweep.h>
 
 #include <cmath>
 
-#include "framework/tools/analysis/grid.h"
-#include "framework/description/registry/builtins.h"
+#include <lockstep/analysis.h>
+#include <lockstep/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,14 +1,13 @@
 // The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
@@ -72,7 +71,7 @@ TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
   CHECK(says(refused([&] { system.add_particle("crank", 1, Vec3::Zero()); }), {"body 'crank'", "taken"}));
   CHECK(says(refused([&] { system.add_fixed("ground"); }), {"body 'ground'", "taken"}));
   CHECK(says(refused([&] { system.add_marker("crank", b); }), {"marker 'crank'", "taken by a body"}));
-  system.add<Revolute>("hinge", b, system.ground(), at(Vec3::Zero()));
+  system.add<Revolute>("hinge", b, system.ground(), pose_at(Vec3::Zero()));
   CHECK(says(refused([&] { system.add_marker("hinge.P", b); }), {"marker 'hinge.P'", "taken by a marker"}));
   CHECK(says(refused([&] { system.add_body("hinge", kMass); }), {"body 'hinge'", "taken by a link"}));
   CHECK(says(refused([&] { system.add_body("", kMass); }), {"without a name", "give it one"}));
@@ -83,7 +82,7 @@ TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
 TEST_CASE("names that are none are refused with the nearest", "[unit][system]") {
   System system;
   Body& b = system.add_body("crank", kMass);
-  system.add<Revolute>("hinge", b, system.ground(), at(Vec3::Zero()));
+  system.add<Revolute>("hinge", b, system.ground(), pose_at(Vec3::Zero()));
   CHECK(says(message_of<ModelError>([&] { system.body("crnk"); }), {"unknown body \"crnk\"", "\"crank\""}));
   CHECK(says(message_of<ModelError>([&] { system.link("hing"); }), {"unknown link \"hing\"", "\"hinge\""}));
   CHECK(says(message_of<ModelError>([&] { system.marker("hinge.Q"); }), {"unknown marker", "hinge."}));
@@ -108,12 +107,12 @@ TEST_CASE("poses that are none are refused", "[unit][system]") {
 
 TEST_CASE("at puts z where it is told, right-handed", "[unit][system]") {
   for (const Vec3& z : {Vec3(0, 0, 1), Vec3(0, 0, -2), Vec3(1, 0, 0), Vec3(-3, 1e-9, 0), Vec3(0.3, -0.5, 0.1)}) {
-    const Pose p = at(Vec3(1, 2, 3), z);
+    const Pose p = pose_at(Vec3(1, 2, 3), z);
     CHECK((rotation(p.q).col(2) - z.normalized()).norm() < 1e-14);
     CHECK(p.x == Vec3(1, 2, 3));
     CHECK(std::abs(norm2(p.q) - 1) < 1e-14);
   }
-  CHECK((rotation(at(Vec3::Zero(), Vec3(0, 0, 5)).q) - Mat3::Identity()).norm() < 1e-14);
+  CHECK((rotation(pose_at(Vec3::Zero(), Vec3(0, 0, 5)).q) - Mat3::Identity()).norm() < 1e-14);
 }
 
 TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]") {
@@ -155,13 +154,13 @@ TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]"
 
 TEST_CASE("the length of a system is its longest arm, radius of gyration or span of a link", "[unit][system]") {
   System system;
-  system.add_marker("wall", system.ground(), at(Vec3(100, 0, 0)));
+  system.add_marker("wall", system.ground(), pose_at(Vec3(100, 0, 0)));
   Body& a = system.add_body("a", kMass);
   system.setup();
   const double gyration = std::sqrt(kMass.J.trace() / (2 * kMass.mass));
   CHECK(std::abs(system.length() - gyration) < 1e-15);
-  system.add_marker("near", a, at(kMass.center + Vec3(0, 0.5, 0)));
-  system.add_marker("far", a, at(kMass.center + Vec3(3, 4, 0)));
+  system.add_marker("near", a, pose_at(kMass.center + Vec3(0, 0.5, 0)));
+  system.add_marker("far", a, pose_at(kMass.center + Vec3(3, 4, 0)));
   system.setup();
   CHECK(std::abs(system.length() - 5) < 1e-14);
 }
@@ -220,8 +219,8 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
 TEST_CASE("a link that starts out of force has no rows", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass);
-  system.add<Revolute>("hinge", a, system.ground(), at(Vec3::Zero())).set_active_at_start(false);
-  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero()));
+  system.add<Revolute>("hinge", a, system.ground(), pose_at(Vec3::Zero())).set_active_at_start(false);
+  system.add<Spherical>("ball", a, system.ground(), pose_at(Vec3::Zero()));
   system.setup();
   State state = system.start();
   CHECK(state.modes == std::vector<bool>{false, true});
@@ -234,9 +233,9 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   oracle::Configuration c = oracle::random_configuration(3);
   TwoBodies two(c, 63);
   two.lock(c, Mask::all, 63);
-  two.system.add<Revolute>("hinge", *two.body1, two.system.ground(), at(Vec3::Zero()))
+  two.system.add<Revolute>("hinge", *two.body1, two.system.ground(), pose_at(Vec3::Zero()))
       .drive(Axis::rz, std::make_shared<Number>(LawValue{1, 2, 3}));
-  two.system.add<Distance>("rod", *two.body2, two.system.ground(), at(Vec3(5, 5, 5)),
+  two.system.add<Distance>("rod", *two.body2, two.system.ground(), pose_at(Vec3(5, 5, 5)),
                            std::make_shared<Number>(LawValue{1, 2, 3}));
   two.system.set_gravity(Vec3(0, 0, -9.81));
   // the rod's markers stand at one point at home, which it refuses: give it a length by moving one

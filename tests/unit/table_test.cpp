@@ -1,4 +1,4 @@
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 #include <locale>
 #include <sstream>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,4 +1,4 @@
-#include "framework/mechanism/rows/tangent.h"
+#include <lockstep/rows.h>
 
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

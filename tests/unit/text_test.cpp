@@ -1,4 +1,4 @@
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 #include <charconv>
 #include <cmath>

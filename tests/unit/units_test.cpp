@@ -1,6 +1,6 @@
 #include "framework/mechanism/params/units.h"
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 #include "tests/support/messages.h"
 
 using namespace lockstep;

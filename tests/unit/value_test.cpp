@@ -1,4 +1,4 @@
-#include "framework/mechanism/params/value.h"
+#include <lockstep/params.h>
 
 #include "tests/support/catch.h"
 

@@ -1,7 +1,7 @@
-#include "framework/description/scene/vary.h"
+#include <lockstep/scene.h>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

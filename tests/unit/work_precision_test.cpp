@@ -5,12 +5,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
-#include "integrators/dop853.h"
-#include "integrators/dopri5.h"
-#include "integrators/rk4.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
@@ -21,14 +19,14 @@ namespace {
 /// hinge.
 Subject falling() {
   auto sys = std::make_shared<System>(System::Options{Vec3(0, 0, -10)});
-  sys->add_body("stone", sphere(1.0, 0.1));
+  sys->add_body("stone", shapes::sphere(1.0, 0.1));
   sys->setup();
   return {sys, sys.get(), sys->start()};
 }
 Subject swinging() {
   auto sys = std::make_shared<System>(System::Options{Vec3(0, -9.81, 0)});
-  Body& bar = sys->add_body("rod", rod(1.0, {0, 0, 0}, {1, 0, 0}));
-  sys->add<Revolute>("hinge", bar, sys->ground(), at({0, 0, 0}));
+  Body& bar = sys->add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  sys->add<Revolute>("hinge", bar, sys->ground(), pose_at({0, 0, 0}));
   sys->setup();
   return {sys, sys.get(), sys->start()};
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;
@@ -28,7 +28,7 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
   // m z'' = -m g - k z - c z' - i s,  s' = z: a linear system of order 3, compared with its own matrix exponential.
   const double m = 2, g = 9.81, k = 50, c = 6, i = 40;
   System sys({.gravity = {0, 0, -g}});
-  Body& slider = sys.add_body("slider", box(m, {0.1, 0.1, 0.1}));
+  Body& slider = sys.add_body("slider", shapes::box(m, {0.1, 0.1, 0.1}));
   Marker& P = sys.add_marker("P", slider);
   sys.add<Prismatic>("guide", P, sys.add_marker("S", sys.ground()));
   Auxiliary& controller = sys.add(std::make_unique<IntegralOfHeight>(slider));

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/scene/scene.h"
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include "tests/benchmark/peers/scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

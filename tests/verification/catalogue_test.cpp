@@ -7,16 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/cam.h"
-#include "framework/mechanism/links/curve.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "motionlaws/from.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/couplings.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/paths.h"
@@ -189,7 +187,7 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
   const bool planar = GENERATE(false, true);
   const double R = 0.7, J = 0.01, m = 1.0, start = 2.9;
   System system({.gravity = Vec3(0, -g, 0)});
-  const auto path = translation([=](auto s) { return std::array{R * sin(s), -R * cos(s), 0.0 * s}; });
+  const auto path = laws::translation([=](auto s) { return std::array{R * sin(s), -R * cos(s), 0.0 * s}; });
   const auto turn = rotation_law([](auto s) { return QuatT{cos(0.5 * s), 0.0 * s, 0.0 * s, sin(0.5 * s)}; });
   Body& body = system.add_body("bob", kBody, {path->at(start).x, turn->at(start).q});
   system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()),
@@ -215,8 +213,8 @@ TEST_CASE("a bead on a wire in a plane moves as its one equation says", "[verifi
     LawPtr<TranslationLaw> path;
     double start, speed;
   };
-  const auto parabola = translation([](auto s) { return std::array{1.0 * s, 0.5 * s * s, 0.0 * s}; });
-  const auto ellipse = translation([](auto s) { return std::array{1.2 * cos(s), 0.5 * sin(s), 0.3 * cos(s)}; });
+  const auto parabola = laws::translation([](auto s) { return std::array{1.0 * s, 0.5 * s * s, 0.0 * s}; });
+  const auto ellipse = laws::translation([](auto s) { return std::array{1.2 * cos(s), 0.5 * sin(s), 0.3 * cos(s)}; });
   const auto wire = GENERATE_COPY(Wire{"parabola", parabola, 1.3, 0}, Wire{"ellipse, swinging", ellipse, 0.4, 0},
                                   Wire{"ellipse, going round", ellipse, 0.0, 4});
   CAPTURE(wire.name);
@@ -253,7 +251,7 @@ struct Camshaft {
   Marker *P, *S;
   Camshaft(double speed, const Pose& start) : follower(system.add_body("follower", kBody, start)) {
     auto& bearing = system.add<Revolute>("bearing", shaft, system.ground(), at(Vec3::Zero()));
-    bearing.drive(Axis::rz, ramp(speed));
+    bearing.drive(Axis::rz, laws::ramp(speed));
     system.add<Prismatic>("guide", follower, system.ground(), at(start.x, Vec3(0, 1, 0)));
     P = &system.add_marker("P", follower), S = &system.add_marker("S", shaft);
   }
@@ -261,7 +259,7 @@ struct Camshaft {
 
 /// A circle of radius R with its centre e from the axis, at psi = 0.
 LawPtr<MotionLaw> eccentric(double R, double e) {
-  return law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); });
+  return laws::law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); });
 }
 
 }  // namespace
@@ -269,7 +267,7 @@ LawPtr<MotionLaw> eccentric(double R, double e) {
 // The roller's centre is R + r from the circle's centre: y = e sin(wt) + sqrt((R + r)^2 - (x - e cos(wt))^2).
 TEST_CASE("a roller on an eccentric circle is a slider-crank", "[verification][joints]") {
   const double R = 0.05, e = 0.02, r = 0.015, w = 7, x = 0.012, l = R + r;
-  const auto height = law([=](auto t) {
+  const auto height = laws::law([=](auto t) {
     const auto c = x - e * cos(w * t);
     return e * sin(w * t) + sqrt(l * l - c * c);
   });

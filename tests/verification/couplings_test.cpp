@@ -4,20 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/mechanism/forces/motor.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/mechanism/links/cam.h"
-#include "framework/mechanism/links/gears.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/tools/record/recorder.h"
-#include "framework/description/scene/scene.h"
-#include "motionlaws/constant.h"
-#include "motionlaws/from.h"
-#include "motionlaws/ramp.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/forces.h>
+#include <lockstep/solvers.h>
+#include <lockstep/couplings.h>
+#include <lockstep/joints.h>
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
+#include <lockstep/laws.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -58,9 +54,9 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
   Body& sun = system.add_body("sun", wheel(0.5, merged ? 0.7 * Js : Js));
   Body& planet = system.add_body("planet", wheel(m, Jp), {Vec3(R, 0, 0), Quat{}});
   Body& arm = system.add_body("arm", wheel(0.6, Ja));
-  auto& of_sun = system.add<Revolute>("sun on arm", sun, arm, at(Vec3::Zero()));
-  auto& of_planet = system.add<Revolute>("planet on arm", planet, arm, at(Vec3(R, 0, 0)));
-  system.add<Revolute>("bearing", arm, system.ground(), at(Vec3::Zero()));
+  auto& of_sun = system.add<Revolute>("sun on arm", sun, arm, pose_at(Vec3::Zero()));
+  auto& of_planet = system.add<Revolute>("planet on arm", planet, arm, pose_at(Vec3(R, 0, 0)));
+  system.add<Revolute>("bearing", arm, system.ground(), pose_at(Vec3::Zero()));
   Marker& ring = system.add_marker("ring", system.ground());
   Marker& of_arm = system.add_marker("ring on arm", arm);
   system.add(std::make_unique<Gear>(across("outside", {of_sun, of_planet}), zp / zs));
@@ -69,11 +65,11 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
   system.add(std::make_unique<Gear>(inside, zr / zp, Gear::Mesh::internal));
   if (merged) {  // the sun's inertia in two bodies that are bolted together
     Body& shaft = system.add_body("shaft", wheel(0.5, 0.3 * Js), {Vec3(0, 0, planar ? 0.0 : 0.2), Quat{}});
-    system.add<Fixed>("bolt", shaft, sun, at(Vec3::Zero()));
+    system.add<Fixed>("bolt", shaft, sun, pose_at(Vec3::Zero()));
     system.set_merge(true);
   }
   system.add<TorqueMotor>("motor", system.add_marker("on sun", sun), system.add_marker("on ground", system.ground()),
-                          {constant(T)});
+                          {laws::constant(T)});
   if (planar) system.set_planar(Plane{2});
   Recorder recorder(system, {"sun.angle_z", "planet.angle_z", "arm.angle_z", "sun.omega_world_z", "energy.balance"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -95,10 +91,10 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
 // Events are looked for inside of steps and the state is taken back to them; a jerk makes steps be rejected.
 TEST_CASE("turns are counted once through events and rejected steps", "[verification][joints]") {
   const double lead = 0.05, J = 1e-3, m = 0.5;
-  const auto torque = law([](auto t) { return 0.2 * sin(4.0 * t) + 0.5 * exp(-400.0 * (t - 1.0) * (t - 1.0)); });
+  const auto torque = laws::law([](auto t) { return 0.2 * sin(4.0 * t) + 0.5 * exp(-400.0 * (t - 1.0) * (t - 1.0)); });
   System system;
   Body& nut = system.add_body("nut", wheel(m, J));
-  auto& thread = system.add<Screw>("thread", nut, system.ground(), at(Vec3::Zero()), lead);
+  auto& thread = system.add<Screw>("thread", nut, system.ground(), pose_at(Vec3::Zero()), lead);
   system.add<TorqueMotor>("motor", system.add_marker("on nut", nut), system.add_marker("on ground", system.ground()),
                           {torque});
   Recorder recorder(system, {"thread.angle", "nut.z", "thread.violation"});
@@ -139,7 +135,7 @@ TEST_CASE("turns are counted from the first step on, however long", "[verificati
   System system;
   Body& nut = system.add_body("nut", wheel(1, 1e-3));
   nut.start = {Vec3(0, 0, lead / kTwoPi * w), Vec3(0, 0, w)};
-  system.add<Screw>("thread", nut, system.ground(), at(Vec3::Zero()), lead);
+  system.add<Screw>("thread", nut, system.ground(), pose_at(Vec3::Zero()), lead);
   Recorder recorder(system, {"thread.angle", "nut.z"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, method, 1e-9, 0.01, 0.1);
@@ -154,8 +150,8 @@ TEST_CASE("a driven screw lifts", "[verification][joints]") {
   const double lead = -0.02, c = lead / kTwoPi, m = 3, J = 2e-3, a = 40;
   System system({.gravity = Vec3(0, 0, -g)});
   Body& nut = system.add_body("nut", wheel(m, J));
-  auto& thread = system.add<Screw>("thread", nut, system.ground(), at(Vec3::Zero()), lead);
-  thread.drive(Axis::rz, law([=](auto t) { return a * t * t; }));
+  auto& thread = system.add<Screw>("thread", nut, system.ground(), pose_at(Vec3::Zero()), lead);
+  thread.drive(Axis::rz, laws::law([=](auto t) { return a * t * t; }));
   Recorder recorder(
       system, {"nut.z", "thread.angle", "thread.rate", "thread.lambda_thread", "thread.drive.torque_on_p_link_z"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -177,11 +173,11 @@ TEST_CASE("a tappet leaves its cam when it would have to be pulled", "[verificat
   System system({.gravity = Vec3(0, -g, 0)});
   Body& shaft = system.add_body("shaft", wheel(1, 1e-3));
   Body& tappet = system.add_body("tappet", wheel(0.2, 1e-4), {Vec3(0, R, 0), Quat{}});
-  system.add<Revolute>("bearing", shaft, system.ground(), at(Vec3::Zero())).drive(Axis::rz, ramp(w));
-  system.add<Prismatic>("guide", tappet, system.ground(), at(Vec3(0, R, 0), Vec3(0, 1, 0)));
+  system.add<Revolute>("bearing", shaft, system.ground(), pose_at(Vec3::Zero())).drive(Axis::rz, laws::ramp(w));
+  system.add<Prismatic>("guide", tappet, system.ground(), pose_at(Vec3(0, R, 0), Vec3(0, 1, 0)));
   tappet.start.v = Vec3(0, e * w, 0);
   auto& contact = system.add<CamFlat>("contact", system.add_marker("face", tappet), system.add_marker("cam", shaft),
-                                      law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); }));
+                                      laws::law([=](auto u) { return e * cos(u) + sqrt(R * R - e * e * sin(u) * sin(u)); }));
   contact.set_unilateral({});
   Recorder recorder(system, {"tappet.y", "contact.in_contact"});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());

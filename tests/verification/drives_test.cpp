@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
 using namespace lockstep;
@@ -37,8 +37,8 @@ MassProperties flywheel() { return {2.0, Vec3::Zero(), Vec3(0.2, 0.2, 0.3).asDia
 TEST_CASE("a speed law is integrated: angle, speed and torque in closed form", "[verification][drives]") {
   System sys;
   Body& wheel = sys.add_body("wheel", flywheel());
-  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), at({0, 0, 0}));
-  hinge.drive_speed(Axis::rz, law([](auto t) { return 3.0 + 2.0 * sin(4.0 * t); }));
+  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), pose_at({0, 0, 0}));
+  hinge.drive_speed(Axis::rz, laws::law([](auto t) { return 3.0 + 2.0 * sin(4.0 * t); }));
   const Table t = run(sys, {"hinge.angle_z", "hinge.angle_z_d", "hinge.drive.torque_on_p_link_z", "hinge.drive.work"});
   CHECK(worst(t, "hinge.angle_z", [](double s) { return 3.0 * s + 0.5 * (1 - std::cos(4 * s)); }) < 1e-9);
   CHECK(worst(t, "hinge.angle_z_d", [](double s) { return 3.0 + 2.0 * std::sin(4 * s); }) < 1e-9);
@@ -55,7 +55,7 @@ TEST_CASE("a driven speed begins where the mechanism is", "[verification][drives
   Body& wheel = sys.add_body("wheel", flywheel(), Pose{{0, 0, 0}, axis_angle(Vec3::UnitZ(), 0.7)});
   Marker& P = sys.add_marker("P", wheel);
   Marker& S = sys.add_marker("S", sys.ground());
-  sys.add<Revolute>("hinge", P, S).drive_speed(Axis::rz, ramp(1.0));
+  sys.add<Revolute>("hinge", P, S).drive_speed(Axis::rz, laws::ramp(1.0));
   const Table t = run(sys, {"hinge.angle_z"});
   CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.7 + 0.5 * s * s; }) < 1e-9);
 }
@@ -63,7 +63,7 @@ TEST_CASE("a driven speed begins where the mechanism is", "[verification][drives
 TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verification][drives]") {
   System sys({.gravity = {0, 0, -9.81}});
   Body& slider = sys.add_body("slider", flywheel());
-  sys.add<Prismatic>("guide", slider, sys.ground(), at({0, 0, 0})).drive(Axis::z, sine({.amplitude = 0.2, .omega = 5}));
+  sys.add<Prismatic>("guide", slider, sys.ground(), pose_at({0, 0, 0})).drive(Axis::z, laws::sine({.amplitude = 0.2, .omega = 5}));
   const Table t = run(sys, {"guide.z", "guide.drive.force_on_p_link_z", "guide.force_on_p_link_z"});
   CHECK(worst(t, "guide.z", [](double s) { return 0.2 * std::sin(5 * s); }) < 1e-10);
   CHECK(worst(t, "guide.drive.force_on_p_link_z", [](double s) { return 2.0 * (9.81 - 5.0 * std::sin(5 * s)); }) <
@@ -74,12 +74,12 @@ TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verificati
 
 TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion leads both",
           "[verification][drives]") {
-  const auto path = translation([](auto t) { return std::array{0.3 * sin(2.0 * t), 0.2 * t * t, 0.1 * cos(t) - 0.1}; });
+  const auto path = laws::translation([](auto t) { return std::array{0.3 * sin(2.0 * t), 0.2 * t * t, 0.1 * cos(t) - 0.1}; });
   SECTION("trajectory") {
     System sys;
     Body& body = sys.add_body("body", flywheel());
     body.start.w = {0, 0, 5};
-    sys.add<Spherical>("lead", body, sys.ground(), at({0, 0, 0})).move(path);
+    sys.add<Spherical>("lead", body, sys.ground(), pose_at({0, 0, 0})).move(path);
     const Table t = run(sys, {"body.x", "body.y", "body.z", "body.omega_body_z", "lead.force_on_p_world_y"});
     CHECK(worst(t, "body.x", [](double s) { return 0.3 * std::sin(2 * s); }) < 1e-10);
     CHECK(worst(t, "body.y", [](double s) { return 0.2 * s * s; }) < 1e-10);
@@ -89,9 +89,9 @@ TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion
   SECTION("full motion") {
     System sys;
     Body& body = sys.add_body("body", flywheel());
-    auto& lead = sys.add<Fixed>("lead", body, sys.ground(), at({0, 0, 0}));
+    auto& lead = sys.add<Fixed>("lead", body, sys.ground(), pose_at({0, 0, 0}));
     lead.move(path);
-    lead.turn(axis_rotation({0, 0, 1}, sine({.amplitude = 0.8, .omega = 3})));
+    lead.turn(axis_rotation({0, 0, 1}, laws::sine({.amplitude = 0.8, .omega = 3})));
     const Table t = run(sys, {"body.z", "body.angle_z", "lead.torque_on_p_world_z"});
     CHECK(worst(t, "body.z", [](double s) { return 0.1 * std::cos(s) - 0.1; }) < 1e-10);
     CHECK(worst(t, "body.angle_z", [](double s) { return 0.8 * std::sin(3 * s); }) < 1e-10);
@@ -103,11 +103,11 @@ TEST_CASE("torque and force motors push without holding", "[verification][drives
   System sys;
   Body& wheel = sys.add_body("wheel", flywheel());
   Body& slider = sys.add_body("slider", flywheel(), Pose{{1, 0, 0}, {}});
-  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), at({0, 0, 0}));
-  auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), at({1, 0, 0}));
-  sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = constant(0.6)});
+  auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), pose_at({0, 0, 0}));
+  auto& guide = sys.add<Prismatic>("guide", slider, sys.ground(), pose_at({1, 0, 0}));
+  sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = laws::constant(0.6)});
   sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"),
-                      {.force = sine({.amplitude = 4, .omega = 2})});
+                      {.force = laws::sine({.amplitude = 4, .omega = 2})});
   const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
   CHECK(hinge.row_count() == 5);
   CHECK(guide.row_count() == 5);
@@ -119,13 +119,13 @@ TEST_CASE("torque and force motors push without holding", "[verification][drives
 
 TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verification][drives]") {
   System sys;
-  Body& crank = sys.add_body("crank", rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
-  Body& bar = sys.add_body("bar", rod(1.0, {0, 0.2, 0}, {0.5, 0.2, 0}));
-  Body& rocker = sys.add_body("rocker", rod(1.0, {0.5, 0, 0}, {0.5, 0.2, 0}));
-  sys.add<Revolute>("A", crank, sys.ground(), at({0, 0, 0}));
-  sys.add<Revolute>("B", bar, crank, at({0, 0.2, 0}));
-  sys.add<Revolute>("C", bar, rocker, at({0.5, 0.2, 0}));
-  sys.add<Revolute>("D", rocker, sys.ground(), at({0.5, 0, 0}));
+  Body& crank = sys.add_body("crank", shapes::rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
+  Body& bar = sys.add_body("bar", shapes::rod(1.0, {0, 0.2, 0}, {0.5, 0.2, 0}));
+  Body& rocker = sys.add_body("rocker", shapes::rod(1.0, {0.5, 0, 0}, {0.5, 0.2, 0}));
+  sys.add<Revolute>("A", crank, sys.ground(), pose_at({0, 0, 0}));
+  sys.add<Revolute>("B", bar, crank, pose_at({0, 0.2, 0}));
+  sys.add<Revolute>("C", bar, rocker, pose_at({0.5, 0.2, 0}));
+  sys.add<Revolute>("D", rocker, sys.ground(), pose_at({0.5, 0, 0}));
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start, {{"A", Axis::rz, 3.0}});
@@ -147,7 +147,7 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
       sys.add<AngularAlignment>("brake", P, S);  // never in force: only shows that others may share the markers
   clutch.set_active_at_start(false);
   auto& motor = sys.add<Revolute>("motor", P, S);
-  motor.drive_speed(Axis::rz, ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
+  motor.drive_speed(Axis::rz, laws::ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
   motor.set_active_at_start(false);
   Recorder recorder(sys, {"bearing.angle_z"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
@@ -170,12 +170,12 @@ TEST_CASE("a mechanism held at rest by its drives carries its weight, with every
   const bool dense = GENERATE(false, true);
   const auto formulation = GENERATE(Formulation::omega, Formulation::quaternion);
   System sys({.gravity = {0, -9.81, 0}});
-  Body& arm = sys.add_body("arm", rod(2.0, {0, 0, 0}, {1, 0, 0}));
-  Body& fore = sys.add_body("fore", rod(1.0, {1, 0, 0}, {1.5, 0, 0}));
-  auto& shoulder = sys.add<Revolute>("shoulder", arm, sys.ground(), at({0, 0, 0}));
-  auto& elbow = sys.add<Revolute>("elbow", fore, arm, at({1, 0, 0}));
-  shoulder.drive(Axis::rz, ramp(0.0));
-  elbow.drive(Axis::rz, constant(0.0));
+  Body& arm = sys.add_body("arm", shapes::rod(2.0, {0, 0, 0}, {1, 0, 0}));
+  Body& fore = sys.add_body("fore", shapes::rod(1.0, {1, 0, 0}, {1.5, 0, 0}));
+  auto& shoulder = sys.add<Revolute>("shoulder", arm, sys.ground(), pose_at({0, 0, 0}));
+  auto& elbow = sys.add<Revolute>("elbow", fore, arm, pose_at({1, 0, 0}));
+  shoulder.drive(Axis::rz, laws::ramp(0.0));
+  elbow.drive(Axis::rz, laws::constant(0.0));
   Channel torque = make_channel(sys, "shoulder.drive.torque_on_p_link_z");
   std::unique_ptr<LinearSolver> solver;
   if (dense)

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 

@@ -7,9 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/evaluate/kkt_assembler.h"
-#include "framework/dynamics/solvers/dense_solver.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/mechanism.h"
@@ -224,11 +223,11 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
 TEST_CASE("redundant rows: both formulations share one set of multipliers", "[verification][dynamics]") {
   // a plane four-bar of four revolutes at rest: 20 rows, rank 17
   Mechanism m(91);
-  const Pose p0 = at(Vec3(0, 0, 0)), p1 = at(Vec3(0, 1, 0)), p2 = at(Vec3(1.5, 1.6, 0)), p3 = at(Vec3(2, 0, 0));
+  const Pose p0 = pose_at(Vec3(0, 0, 0)), p1 = pose_at(Vec3(0, 1, 0)), p2 = pose_at(Vec3(1.5, 1.6, 0)), p3 = pose_at(Vec3(2, 0, 0));
   System& s = m.system;
-  Body& crank = s.add_body("crank", rod(1.0, p0.x, p1.x));
-  Body& coupler = s.add_body("coupler", rod(2.0, p1.x, p2.x));
-  Body& rocker = s.add_body("rocker", rod(1.5, p2.x, p3.x));
+  Body& crank = s.add_body("crank", shapes::rod(1.0, p0.x, p1.x));
+  Body& coupler = s.add_body("coupler", shapes::rod(2.0, p1.x, p2.x));
+  Body& rocker = s.add_body("rocker", shapes::rod(1.5, p2.x, p3.x));
   s.add<Revolute>("A", crank, s.ground(), p0);
   s.add<Revolute>("B", coupler, crank, p1);
   s.add<Revolute>("C", rocker, coupler, p2);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -26,7 +26,7 @@ struct Block {
     body = &system.add_body("block",
                             MassProperties{2.0, {0, 0, height}, Vec3(0.02, 0.03, 0.04).asDiagonal().toDenseMatrix()});
     body->start.v = {speed, 0, 0};
-    auto& guide = system.add<Prismatic>("guide", *body, system.ground(), at(Vec3::Zero(), Vec3::UnitX()));
+    auto& guide = system.add<Prismatic>("guide", *body, system.ground(), pose_at(Vec3::Zero(), Vec3::UnitX()));
     friction =
         &static_cast<JointFriction&>(system.add(std::make_unique<JointFriction>("guide.friction", guide, options)));
   }
@@ -41,7 +41,7 @@ struct Wheel {
     body = &system.add_body("wheel",
                             MassProperties{3.0, {offset, 0, 0}, Vec3(0.015, 0.015, 0.02).asDiagonal().toDenseMatrix()});
     body->start.w = {0, 0, rate};
-    auto& bearing = system.add<Revolute>("bearing", *body, system.ground(), at(Vec3::Zero()));
+    auto& bearing = system.add<Revolute>("bearing", *body, system.ground(), pose_at(Vec3::Zero()));
     system.add(std::make_unique<JointFriction>("bearing.friction", bearing, options));
   }
 };
@@ -275,8 +275,8 @@ TEST_CASE("a fixed link that a force reads is not merged into a body", "[verific
   System system({{0, 0, -kG}});
   Body& foot = system.add_body("foot", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
   Body& load = system.add_body("load", MassProperties{3.0, Vec3::Zero(), Mat3::Identity()});
-  system.add<Prismatic>("guide", foot, system.ground(), at(Vec3::Zero(), Vec3::UnitX()));
-  auto& bolt = system.add<Fixed>("bolt", load, foot, at(Vec3::Zero()));
+  system.add<Prismatic>("guide", foot, system.ground(), pose_at(Vec3::Zero(), Vec3::UnitX()));
+  auto& bolt = system.add<Fixed>("bolt", load, foot, pose_at(Vec3::Zero()));
   const bool read = GENERATE(false, true);
   if (read) system.add(std::make_unique<LoadCell>("cell", bolt));
   system.set_merge(true);
@@ -294,8 +294,8 @@ TEST_CASE("friction: links and parameters that cannot be are named", "[verificat
   o.mu = 0.3;
   System system;
   Body& a = system.add_body("a", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
-  auto& ball = system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero()));
-  auto& rod = system.add<Revolute>("rod", a, system.ground(), at(Vec3::Zero()));
+  auto& ball = system.add<Spherical>("ball", a, system.ground(), pose_at(Vec3::Zero()));
+  auto& rod = system.add<Revolute>("rod", a, system.ground(), pose_at(Vec3::Zero()));
   testing::check_words(testing::message_of<ModelError>([&] { JointFriction("f", ball, o); }),
                        {"'f'", "ball", "spherical", "revolute"});
   testing::check_words(testing::message_of<ModelError>([&] { JointFriction("f", rod, o); }), {"'f'", "radius"});

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -112,7 +112,7 @@ TEST_CASE("a pendulum on a stop keeps e^2 of its energy a bounce, at the instant
                  m,
                  {l / 2, 0, 0},
                  Vec3(1e-4, 1, 1).cwiseProduct(Vec3(1, m * l * l / 12, m * l * l / 12)).asDiagonal().toDenseMatrix()});
-  auto& hinge = system.add<Revolute>("hinge", rod, system.ground(), at(Vec3::Zero()));
+  auto& hinge = system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3::Zero()));
   auto& stop = system.add<TurnStop>("stop", system.marker("hinge.P"), system.marker("hinge.S"),
                                     {.limit = -kPi / 2, .low = true});
   stop.set_unilateral({e, 1e-3});
@@ -216,7 +216,7 @@ TEST_CASE("a slider rattles between two stops", "[verification][impacts]") {
   System system;
   Body& slider = system.add_body("slider", MassProperties{2.0, Vec3::Zero(), Mat3::Identity()});
   slider.start.v = {0, 0, V};
-  system.add<Prismatic>("guide", slider, system.ground(), at(Vec3::Zero()));
+  system.add<Prismatic>("guide", slider, system.ground(), pose_at(Vec3::Zero()));
   Marker &P = system.marker("guide.P"), &S = system.marker("guide.S");
   system.add<SlideStop>("low", P, S, {.axis = 2, .limit = low, .low = true}).set_unilateral({e, 1e-3});
   system.add<SlideStop>("high", P, S, {.axis = 2, .limit = high, .low = false}).set_unilateral({e, 1e-3});
@@ -473,7 +473,7 @@ TEST_CASE("one-sided links that cannot be are named", "[verification][impacts]")
   testing::check_words(refusal({0.5, 0.0}), {"'floor'", "rest_speed", "never end"});
   System system;
   Body& a = system.add_body("a", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
-  system.add<Spherical>("ball", a, system.ground(), at(Vec3::Zero())).set_unilateral({});
+  system.add<Spherical>("ball", a, system.ground(), pose_at(Vec3::Zero())).set_unilateral({});
   testing::check_words(testing::message_of<ModelError>([&] { system.setup(); }), {"'ball'", "3 rows", "exactly one"});
   Ball below(-0.1, {});
   Dynamics dynamics(below.system, std::make_unique<SchurSolver>());

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "framework/mechanism/lock/look.h"
+#include <lockstep/relative.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/lock_checks.h"
@@ -178,13 +178,13 @@ TEST_CASE("a masked row leaves its jacobian untouched and the others as they are
   }
 }
 
-TEST_CASE("look gives the relative coordinates without the imposed laws", "[verification][lock]") {
+TEST_CASE("relative_kinematics gives the relative coordinates without the imposed laws", "[verification][lock]") {
   for (unsigned laws : {0u, unsigned(oracle::kUP), unsigned(oracle::kQS), 15u}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       CAPTURE(laws, seed);
       const Configuration c = oracle::without_imposed_laws(oracle::random_configuration(seed, {laws}));
       const KernelInputs in(c);
-      const LockPoint L = look(in.O1, in.O2, in.P, in.S, laws);
+      const RelativeKinematics L = relative_kinematics(in.O1, in.O2, in.P, in.S, laws);
       const VecX y = oracle::exact_C(c) + oracle::Vector7::Unit(3);
       MatX J(7, 12);
       J << L.Jv1, L.Jw1, -L.Jv1, L.Jw2;
@@ -193,10 +193,10 @@ TEST_CASE("look gives the relative coordinates without the imposed laws", "[veri
       CHECK(difference(L.Ct, oracle::exact_Ct(c)) < 1e-11);
       CHECK(difference(L.Qhat, oracle::exact_Qhat(c)) < 1e-11);
       CHECK(difference(J, oracle::exact_Jh(c)) < 1e-11);
-      const LockPoint half = look(in.O1, in.O2, in.P, in.S, laws, Reads::translation);
+      const RelativeKinematics half = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Reads::translation);
       CHECK(half.y.head<3>() == L.y.head<3>());
       CHECK(half.y.tail<4>().isZero(0));
-      const LockPoint other = look(in.O1, in.O2, in.P, in.S, laws, Reads::rotation);
+      const RelativeKinematics other = relative_kinematics(in.O1, in.O2, in.P, in.S, laws, Reads::rotation);
       CHECK(other.Jw1.bottomRows<4>() == L.Jw1.bottomRows<4>());
       CHECK(other.y.head<3>().isZero(0));
     }

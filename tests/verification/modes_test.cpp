@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/evaluate/implicit.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/lock/phi_lock.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/newton.h>
+#include <lockstep/solvers.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/phi_links.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
@@ -134,9 +134,9 @@ TEST_CASE("modes of a pendulum: hanging, standing, on a ball joint", "[verificat
     const double y = name == "pendulum_standing" ? 0.7 : -0.7;
     Body& bob = sys.add_body("bob", plain(2, Vec3(0.2, 0.25, 0.3)), {Vec3(0, y, 0), {}});
     if (name == "pendulum_spherical")
-      sys.add<Spherical>("pivot", bob, sys.ground(), at(Vec3::Zero()));
+      sys.add<Spherical>("pivot", bob, sys.ground(), pose_at(Vec3::Zero()));
     else
-      sys.add<Revolute>("pivot", bob, sys.ground(), at(Vec3::Zero()));
+      sys.add<Revolute>("pivot", bob, sys.ground(), pose_at(Vec3::Zero()));
     check(name, sys);
   }
 }
@@ -145,8 +145,8 @@ TEST_CASE("modes of a double pendulum", "[verification][modes]") {
   System sys({.gravity = {0, -9.81, 0}});
   Body& one = rod(sys, "one", 1, Vec3::Zero(), -kPi / 2, 1, 0.01);
   Body& two = rod(sys, "two", 1, Vec3(0, -1, 0), -kPi / 2, 1, 0.01);
-  sys.add<Revolute>("A", one, sys.ground(), at(Vec3::Zero()));
-  sys.add<Revolute>("B", two, one, at(Vec3(0, -1, 0)));
+  sys.add<Revolute>("A", one, sys.ground(), pose_at(Vec3::Zero()));
+  sys.add<Revolute>("B", two, one, pose_at(Vec3(0, -1, 0)));
   check("double_pendulum", sys);
 }
 
@@ -165,10 +165,10 @@ TEST_CASE("modes of a damped four-bar in space, three rows too many", "[verifica
     Body& coupler =
         sys.add_body("coupler", plain(1.2, Vec3(0.006, 0.008, 0.011), Vec3(0.12, 0.04, 0)), {B, turned(p.coupler)});
     Body& rocker = rod(sys, "rocker", 0.9, Dg, p.rocker, 0.25, 0.0001);
-    sys.add<Revolute>("A", crank, sys.ground(), at(A));
-    sys.add<Revolute>("B", coupler, crank, at(B));
-    sys.add<Revolute>("C", coupler, rocker, at(C));
-    sys.add<Revolute>("D", rocker, sys.ground(), at(Dg));
+    sys.add<Revolute>("A", crank, sys.ground(), pose_at(A));
+    sys.add<Revolute>("B", coupler, crank, pose_at(B));
+    sys.add<Revolute>("C", coupler, rocker, pose_at(C));
+    sys.add<Revolute>("D", rocker, sys.ground(), pose_at(Dg));
     Marker& P = sys.add_marker_at("spring.P", rocker, {Dg + along(p.rocker, 0.2), {}});
     Marker& S = sys.add_marker_at("spring.S", sys.ground(), {Vec3(0.5, 0.1, 0), {}});
     sys.add<SpringDamper>("spring", P, S, {.stiffness = 300, .damping = 4, .free_length = 0.2});
@@ -185,9 +185,9 @@ TEST_CASE("modes of a hanging chain: prestress alone", "[verification][modes]") 
     Body* before = &sys.ground();
     const auto join = [&](const std::string& name, Body& p, Body& s) {
       if (spherical)
-        sys.add<Spherical>(name, p, s, at(x));
+        sys.add<Spherical>(name, p, s, pose_at(x));
       else
-        sys.add<Revolute>(name, p, s, at(x));
+        sys.add<Revolute>(name, p, s, pose_at(x));
     };
     for (std::size_t k = 0; k < 3; ++k) {
       Body& body = rod(sys, "rod " + std::to_string(k), mass[k], x, angle[k], length[k], 0.001);
@@ -232,9 +232,9 @@ void build_governor(System& sys, bool universal, bool driven, double damping) {
   Body& shaft = sys.add_body("shaft", plain(0.3, Vec3::Constant(0.02)));
   Body& slider = sys.add_body("slider", plain(3, Vec3::Constant(0.005)), {Vec3(0, 0, s), {}});
   turning(shaft), turning(slider);
-  Revolute& bearing = sys.add<Revolute>("bearing", shaft, sys.ground(), at(Vec3::Zero()));
+  Revolute& bearing = sys.add<Revolute>("bearing", shaft, sys.ground(), pose_at(Vec3::Zero()));
   if (driven) bearing.drive(Axis::rz, std::make_shared<Steady>());
-  sys.add<Prismatic>("guide", slider, shaft, at(Vec3(0, 0, s)));
+  sys.add<Prismatic>("guide", slider, shaft, pose_at(Vec3(0, 0, s)));
   for (const double side : {1.0, -1.0}) {
     const std::string name = side > 0 ? "right" : "left";
     const Vec3 hinge(0.05 * side, 0, 1), x(side * std::cos(alpha), 0, -std::sin(alpha)), y(0, side, 0);
@@ -245,7 +245,7 @@ void build_governor(System& sys, bool universal, bool driven, double damping) {
     if (universal)  // markers in the arm's axes, at home: y of S along the shaft's, z of P along the arm's
       sys.add<UniversalJoint>(name + " joint", arm, shaft, Pose{hinge, quaternion_of(A)});
     else
-      sys.add<Revolute>(name + " joint", arm, shaft, at(hinge, Vec3(y)));
+      sys.add<Revolute>(name + " joint", arm, shaft, pose_at(hinge, Vec3(y)));
     Marker& P = sys.add_marker_at(name + ".P", arm, {hinge + 0.5 * x, {}});
     Marker& S = sys.add_marker_at(name + ".S", slider, {Vec3(0.05 * side, 0, s), {}});
     sys.add<SpringDamper>(name + " spring", P, S, {.stiffness = 2000, .damping = damping, .free_length = 0.5});

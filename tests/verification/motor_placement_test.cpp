@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
@@ -69,9 +69,9 @@ struct Machine {
     arm = &system.add_body("arm", {1.2, Vec3(0.1, 0, 0.05), Vec3(0.05, 0.06, 0.04).asDiagonal()},
                            {Vec3(0.7, -0.6, 0.2), axis_angle(Vec3(-1, 0.4, 0.2), 1.9)});
     base->start.w = Vec3(0.3, -0.8, 0.5);
-    system.add<Spherical>("pivot", *base, system.ground(), at(Vec3::Zero()));
-    Marker& P = system.add_marker_at("P", *arm, at(hinge, Vec3(0.5, 0.6, -0.7)));
-    Marker& S = system.add_marker_at("S", *base, at(hinge, Vec3(0.5, 0.6, -0.7)));
+    system.add<Spherical>("pivot", *base, system.ground(), pose_at(Vec3::Zero()));
+    Marker& P = system.add_marker_at("P", *arm, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
+    Marker& S = system.add_marker_at("S", *base, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
     if (place == Place::on_S)
       turns ? void(S.spin = std::make_shared<AboutZ>(1)) : void(S.slide = std::make_shared<AlongZ>(1));
     if (place == Place::on_P)

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/joints.h"
-#include "integrators/dop853.h"
-#include "integrators/generalized_alpha.h"
-#include "integrators/radau5.h"
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
@@ -37,13 +35,13 @@ System four_bar() {
   System system({.gravity = {0, -9.81, 0}});
   const Vec3 B(0.09553364891256061, 0.029552020666133955, 0), C(0.2998630855218144, 0.24920966641274792, 0),
       D(0.28, 0, 0), z = Vec3::UnitZ();
-  Body& crank = system.add_body("crank", rod(0.5, Vec3::Zero(), B));
-  Body& coupler = system.add_body("coupler", rod(1.2, B, C));
-  Body& rocker = system.add_body("rocker", rod(0.9, C, D));
-  system.add<Revolute>("A", crank, system.ground(), at(Vec3::Zero(), z));
-  system.add<Revolute>("B", coupler, crank, at(B, z));
-  system.add<Revolute>("C", rocker, coupler, at(C, z));
-  system.add<Revolute>("D", rocker, system.ground(), at(D, z));
+  Body& crank = system.add_body("crank", shapes::rod(0.5, Vec3::Zero(), B));
+  Body& coupler = system.add_body("coupler", shapes::rod(1.2, B, C));
+  Body& rocker = system.add_body("rocker", shapes::rod(0.9, C, D));
+  system.add<Revolute>("A", crank, system.ground(), pose_at(Vec3::Zero(), z));
+  system.add<Revolute>("B", coupler, crank, pose_at(B, z));
+  system.add<Revolute>("C", rocker, coupler, pose_at(C, z));
+  system.add<Revolute>("D", rocker, system.ground(), pose_at(D, z));
   system.setup();
   return system;
 }
@@ -55,8 +53,8 @@ System chain() {
   for (int i = 0; i < 4; ++i) {
     const Vec3 from(0.4 * i, 0, 0), to(0.4 * (i + 1), 0, 0);
     const std::string n = std::to_string(i);
-    Body& b = system.add_body("rod " + n, rod(1 + 0.2 * i, from, to));
-    system.add<Revolute>("hinge " + n, b, *last, at(from, i % 2 == 0 ? Vec3::UnitZ() : Vec3::UnitY()));
+    Body& b = system.add_body("rod " + n, shapes::rod(1 + 0.2 * i, from, to));
+    system.add<Revolute>("hinge " + n, b, *last, pose_at(from, i % 2 == 0 ? Vec3::UnitZ() : Vec3::UnitY()));
     last = &b;
   }
   last->start = {Vec3(0, 0, -0.2), Vec3(0, 1, 0)};  // about the fourth hinge

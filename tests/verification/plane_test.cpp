@@ -1,15 +1,12 @@
 // Planar mechanisms: the same motion as in space, half the unknowns; and who leaves the plane is told by name.
 #include <algorithm>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -28,7 +25,7 @@ void in_plane(Scene& scene) { scene.root.object()->push_back({"planar", Value("a
 struct Rod {
   System system{{.gravity = Vec3(0, -9.81, 0)}};
   Body& rod = system.add_body("rod", {1.0, Vec3::Zero(), Vec3(0.01, 0.1, 0.1).asDiagonal()}, {Vec3(0.5, 0, 0), {}});
-  Revolute& joint = system.add<Revolute>("hinge", rod, system.ground(), at(Vec3(0, 0, 0)));
+  Revolute& joint = system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3(0, 0, 0)));
 };
 
 /// Along x; from t = 5 s along z as well.
@@ -110,7 +107,7 @@ TEST_CASE("every axis can be the normal", "[verification][plane]") {
     Body& rod = system.add_body("rod", {1.0, Vec3::Zero(), J.asDiagonal()}, {0.5 * along, {}});
     rod.start.w = 2.0 * axis;
     rod.start.v = cross(Vec3(2.0 * axis), Vec3(0.5 * along));
-    system.add<Revolute>("hinge", rod, system.ground(), at(Vec3(0, 0, 0), axis));
+    system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3(0, 0, 0), axis));
     CHECK(find_plane(system) == Plane{n});
     system.set_planar(Plane{n});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -143,7 +140,7 @@ TEST_CASE("whoever leaves the plane is named", "[verification][plane]") {
     Rod r;
     Body& other =
         r.system.add_body("other", {1.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.1).asDiagonal()}, {Vec3(1, 0, 0), {}});
-    r.system.add<Revolute>("tilted", other, r.rod, at(Vec3(1, 0, 0), Vec3(0, 1, 1)));
+    r.system.add<Revolute>("tilted", other, r.rod, pose_at(Vec3(1, 0, 0), Vec3(0, 1, 1)));
     const std::string text = refusal(r.system);
     CHECK(text.find("link 'tilted', row") != std::string::npos);
     CHECK(text.find("normal z") != std::string::npos);
@@ -158,7 +155,7 @@ TEST_CASE("whoever leaves the plane is named", "[verification][plane]") {
 TEST_CASE("a law that leaves the plane later stops the run by name", "[verification][plane]") {
   Rod r;
   Body& slider = r.system.add_body("slider", {1.0, Vec3::Zero(), Vec3(0.1, 0.1, 0.1).asDiagonal()}, {});
-  Fixed& drive = r.system.add<Fixed>("drive", slider, r.system.ground(), at(Vec3(0, 0, 0)));
+  Fixed& drive = r.system.add<Fixed>("drive", slider, r.system.ground(), pose_at(Vec3(0, 0, 0)));
   drive.move(std::make_shared<LeavesLater>());
   r.system.set_planar(Plane{2});
   Dynamics dynamics(r.system, std::make_unique<SchurSolver>());

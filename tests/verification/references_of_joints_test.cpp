@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/dynamics/simulate/step_loop.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/description/scene/scene.h"
-#include "motionlaws/from.h"
+#include <lockstep/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/solvers.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
@@ -130,7 +129,7 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
   platform.start = {three("vx", "vy", "vz", 0), rotation(quaternion(0)).transpose() * three("wx", "wy", "wz", 0)};
   for (int k = 0; k < 6; ++k) {
     const Vec3 a = ring(1, kBase[k], 0), b = ring(0.5, kPlatform[k], -0.05);
-    const auto length = law([a, b](auto t) {
+    const auto length = laws::law([a, b](auto t) {
       const auto p = point(t, b);
       const auto x = p[0] - a[0], y = p[1] - a[1], z = p[2] - a[2];
       return sqrt(x * x + y * y + z * z);

@@ -1,11 +1,11 @@
-#include "framework/description/registry/abi.h"
+#include <lockstep/plugin.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "framework/description/registry/loader.h"
+#include <lockstep/loader.h>
 #include "framework/description/registry/plugin_file.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -1,5 +1,5 @@
 // The one file that knows every room's register function.
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 
 #include "framework/mechanism/forces/register.h"
 #include "framework/dynamics/solvers/register.h"
@@ -8,8 +8,8 @@
 #include "integrators/register.h"
 #include "motionlaws/register.h"
 #else
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
 #endif
 
 namespace lockstep {

@@ -1,4 +1,4 @@
-#include "framework/description/registry/loader.h"
+#include <lockstep/loader.h>
 
 #include <boost/dll/shared_library.hpp>
 #include <cfenv>
@@ -7,8 +7,8 @@
 #include <map>
 #include <mutex>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/log.h"
+#include <lockstep/error.h>
+#include <lockstep/log.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

@@ -1,10 +1,10 @@
-#include "framework/description/registry/method_spec.h"
+#include <lockstep/registry.h>
 
 #include <algorithm>
 #include <charconv>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {

@@ -9,7 +9,7 @@
 #include <bit>
 #include <cerrno>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

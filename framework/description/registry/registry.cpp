@@ -1,10 +1,10 @@
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 
 #include <algorithm>
 
 #include "framework/mechanism/params/read.h"
-#include "framework/foundation/support/error_context.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <map>
 
-#include "framework/description/registry/loader.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/log.h"
+#include <lockstep/loader.h>
+#include <lockstep/error.h>
+#include <lockstep/log.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "framework/description/scene/builder.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 

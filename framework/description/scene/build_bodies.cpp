@@ -1,9 +1,9 @@
 // Bodies and markers of a scene.
 #include <algorithm>
 
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 #include "framework/description/scene/builder.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -39,7 +39,7 @@ Shape read_rod(const Params& rod) {
   const double mass = shape_mass(rod, cylinder_volume(radius, length));
   if (!rod.has("axial_inertia")) return lockstep::rod(mass, from, to, radius);
   refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
-  return slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"));
+  return shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"));
 }
 
 MassProperties read_solid(const Params& solid, const std::string& kind) {
@@ -47,12 +47,12 @@ MassProperties read_solid(const Params& solid, const std::string& kind) {
     const Vec3 size = solid.vector3("size");
     if (!(size.minCoeff() > 0))
       solid.refuse("size", "an edge is " + number(size.minCoeff()) + " m; all three must be greater than 0");
-    return box(shape_mass(solid, box_volume(size)), size);
+    return shapes::box(shape_mass(solid, box_volume(size)), size);
   }
   const double radius = positive(solid, "radius", "radius");
-  if (kind == "sphere") return sphere(shape_mass(solid, sphere_volume(radius)), radius);
+  if (kind == "sphere") return shapes::sphere(shape_mass(solid, sphere_volume(radius)), radius);
   const double length = positive(solid, "length", "length");
-  return cylinder(shape_mass(solid, cylinder_volume(radius, length)), radius, length);
+  return shapes::cylinder(shape_mass(solid, cylinder_volume(radius, length)), radius, length);
 }
 
 // [a, b, c], an object of entries, or three rows.
@@ -99,7 +99,7 @@ MassProperties read_mass(const Params& body) {
     origin = read_vector3(at, Unit::length, part_of(body.owner(), "inertia_at"));
   }
   return placed(body.value("inertia").where, [&] {
-    const MassProperties m = about(mass, center, read_inertia(body), origin, body.orientation("inertia_axes"));
+    const MassProperties m = shapes::about(mass, center, read_inertia(body), origin, body.orientation("inertia_axes"));
     check(m, body.owner());
     return m;
   });
@@ -135,7 +135,7 @@ MassProperties read_part(const Value& v, const std::string& owner) {
   const Shape shape = read_matter(part, kind);
   if (kind == "rod") refuse_beside(part, "\"rod\" says itself where the part is", {"position", "orientation"});
   const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
-  return moved(shape.mass, pose);
+  return shapes::moved(shape.mass, pose);
 }
 
 MassProperties read_compound(const Params& body) {
@@ -146,7 +146,7 @@ MassProperties read_compound(const Params& body) {
   std::vector<MassProperties> parts;
   for (std::size_t i = 0; i < items.size(); ++i)
     parts.push_back(read_part(items[i], part_of(body.owner(), "compound") + "[" + std::to_string(i) + "]"));
-  return compound(parts);
+  return shapes::compound(parts);
 }
 
 // v of the frame's origin (world), w in body axes.

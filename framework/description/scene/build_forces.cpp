@@ -3,7 +3,7 @@
 
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/lock.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

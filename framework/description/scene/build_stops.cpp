@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "framework/description/scene/builder.h"
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/forces/joint_friction.h"
+#include <lockstep/text.h>
+#include <lockstep/forces.h>
 
 namespace lockstep {
 namespace {

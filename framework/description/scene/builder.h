@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "framework/mechanism/params/read.h"
-#include "framework/description/scene/scene.h"
+#include <lockstep/scene.h>
 #include "framework/description/scene/tables.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -9,7 +9,7 @@
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

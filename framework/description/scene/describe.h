@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 #include "framework/description/scene/tables.h"
 
 namespace lockstep {

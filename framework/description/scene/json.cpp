@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {

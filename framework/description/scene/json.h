@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include "framework/mechanism/params/value.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/params.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 

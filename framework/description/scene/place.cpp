@@ -7,8 +7,8 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

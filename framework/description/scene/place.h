@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "framework/mechanism/params/params.h"
-#include "framework/description/registry/registry.h"
+#include <lockstep/params.h>
+#include <lockstep/registry.h>
 
 namespace lockstep {
 

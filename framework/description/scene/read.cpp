@@ -5,7 +5,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

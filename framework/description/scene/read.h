@@ -4,7 +4,7 @@
 #include <string>
 
 #include "framework/description/scene/json.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // The object "run" of a scene.
 #pragma once
 
-#include "framework/description/scene/scene.h"
+#include <lockstep/scene.h>
 
 namespace lockstep {
 

@@ -1,9 +1,9 @@
-#include "framework/description/scene/scene.h"
+#include <lockstep/scene.h>
 
 #include <algorithm>
 
 #include "framework/description/scene/json.h"
-#include "framework/description/registry/search.h"
+#include <lockstep/loader.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/run_settings.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 
 namespace lockstep {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 #include "framework/description/scene/tables.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <utility>
 
-#include "framework/mechanism/forces/joint_friction.h"
+#include <lockstep/forces.h>
 
 namespace lockstep {
 namespace {

@@ -1,4 +1,4 @@
-#include "framework/description/scene/vary.h"
+#include <lockstep/scene.h>
 
 #include <charconv>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/place.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

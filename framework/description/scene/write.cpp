@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "framework/mechanism/params/read.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "framework/mechanism/params/value.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/params.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
-#include "framework/dynamics/evaluate/dynamics.h"
+#include <lockstep/dynamics.h>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {

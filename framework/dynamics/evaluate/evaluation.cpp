@@ -1,4 +1,4 @@
-#include "framework/dynamics/evaluate/evaluation.h"
+#include <lockstep/dynamics.h>
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/evaluate/implicit.h"
+#include <lockstep/newton.h>
 
 #include <algorithm>
 #include <array>

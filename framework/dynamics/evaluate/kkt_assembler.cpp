@@ -1,6 +1,6 @@
-#include "framework/dynamics/evaluate/kkt_assembler.h"
+#include <lockstep/dynamics.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

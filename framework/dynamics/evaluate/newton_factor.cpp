@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "framework/dynamics/solvers/block_kernels.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "framework/dynamics/solvers/block_factor.h"
-#include "framework/dynamics/solvers/linear_solver.h"
-#include "framework/mechanism/model/body_mass.h"
-#include "framework/mechanism/rows/tangent.h"
+#include <lockstep/solver.h>
+#include <lockstep/body.h>
+#include <lockstep/rows.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/evaluate/projection.h"
+#include <lockstep/dynamics.h>
 
 #include <algorithm>
 

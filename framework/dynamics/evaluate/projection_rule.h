@@ -1,5 +1,5 @@
-// The rule by which the rounds of a projection end (framework/docs/solvers.md, section 6): one for single states and for copies
-// in lanes.
+// The rule by which the rounds of a projection end (framework/docs/solvers.md, section 6): one for single states and
+// for copies in lanes.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@ namespace lockstep {
 class PositionRounds {
  public:
   PositionRounds() = default;
-  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max; what is
-  /// left at most is still the tolerance.
+  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max;
+  /// what is left at most is still the tolerance.
   PositionRounds(double goal, double tolerance, double length, double x_max)
       : goal_(std::max(goal, 1e-14 * length + 4 * kUlp * x_max)), tolerance_(tolerance) {}
 

@@ -1,10 +1,10 @@
-#include "framework/dynamics/evaluate/reaction_iteration.h"
+#include <lockstep/dynamics.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -79,9 +79,9 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   for (const Force* force : u.e.reacting()) {
     first.push_back(share(*force));
     if (!first.back().allFinite())
-      throw NonFiniteError("t = " + number(in.t) + " s: force '" + force->name() + "' (" + std::string(force->type()) +
-                               ") is not finite at the present reactions; look at its parameters",
-                           in.t);
+      throw NonFiniteError(at_time(in.t) + thing_of(*force).label() +
+                               " is not finite at the present reactions; look at its parameters",
+                           {.thing = thing_of(*force), .t = in.t});
   }
   loaded_ = u.e.force() + added_ + change_;
   u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
@@ -91,15 +91,16 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
     if (const double size = size_of(share(*u.e.reacting()[i]) - first[i], u.e.system().length()); !(size <= most))
       most = size, worst = i;
   const Force& force = *u.e.reacting()[worst];
+  const Thing culprit = thing_of(force);
   std::string links;
   for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
   throw SolveError(
-      "t = " + number(in.t) + " s: force '" + force.name() + "' (" + std::string(force.type()) +
-      ") and the reactions of " + links + "' that it reads do not settle (after " + std::to_string(kMostSolutions) +
-      " solutions " + brief(100 * left) +
-      " % of the friction still changes): its coefficient lets the friction raise the reaction by more than "
-      "it needs itself, so the joint would jam; make the coefficient smaller, or the arm on which the load "
-      "presses shorter");
+      at_time(in.t) + culprit.label() + " and the reactions of " + links + "' that it reads do not settle (after " +
+          std::to_string(kMostSolutions) + " solutions " + brief(100 * left) +
+          " % of the friction still changes): its coefficient lets the friction raise the reaction by more than "
+          "it needs itself, so the joint would jam; make the coefficient smaller, or the arm on which the load "
+          "presses shorter",
+      {.thing = culprit, .t = in.t});
 }
 
 }  // namespace lockstep

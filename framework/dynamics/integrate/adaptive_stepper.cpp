@@ -1,8 +1,8 @@
-#include "framework/dynamics/integrate/adaptive_stepper.h"
+#include <lockstep/stepping.h>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/integrator.h"
+#include <lockstep/integrator.h>
 
 namespace lockstep {
 

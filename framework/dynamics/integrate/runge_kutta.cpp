@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/runge_kutta.h"
+#include <lockstep/stepping.h>
 
 #include <spdlog/fmt/fmt.h>
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/singular_passage.h"
+#include <lockstep/stepping.h>
 
 #include <spdlog/fmt/fmt.h>
 

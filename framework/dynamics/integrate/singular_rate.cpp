@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/singular_rate.h"
+#include <lockstep/stepping.h>
 
 #include <algorithm>
 #include <cmath>

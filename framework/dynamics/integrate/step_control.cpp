@@ -1,9 +1,8 @@
-#include "framework/dynamics/integrate/step_control.h"
+#include <lockstep/stepping.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/tableau.h"
+#include <lockstep/stepping.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/assembly.h"
+#include <lockstep/assembly.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanism/lock/look.h"
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/log.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/relative.h>
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -139,32 +138,32 @@ class Assembler {
                         ". Check the start poses of these links' bodies, their markers and masks");
   }
 
-  /// Row of the rate of one coordinate (on 6 a slot), and its present value.
+  /// Row of the rate of one coordinate (on 6 a slot), and its present value: a velocity of P along an axis of S, or its
+  /// angular velocity against S about one.
   VecX target_row(const VelocityTarget& target, double& rate) {
     const Lock& link = dynamics_.system().link(target.link);
     const auto [p, s] = link.pairs().front();
     const MarkerFrame P(*p), S(*s);
     const Inputs& in = dynamics_.inputs(state_);
-    const LockPoint L = look(in.slot(P.slot), in.slot(S.slot), P.at(in.t), S.at(in.t), 1u);
+    const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
+    const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
+    const auto axis = vec::vector(Vec3(Vec3::Unit(index(target.axis) % 3)));
+    const auto n2 = mS.A * axis, n = O2.A * n2;
     VecX row = VecX::Zero(6 * n_);
-    const auto put = [&](int slot, const Vec3& v, const Vec3& w) {
+    const auto put = [&](int slot, double sign, const auto& v, const auto& w) {
       if (slot == kGround) return;
-      row.segment<3>(6 * slot) += v;
-      row.segment<3>(6 * slot + 3) += w;
+      row.segment<3>(6 * slot) += sign * vec::as<Vec3>(v);
+      row.segment<3>(6 * slot + 3) += vec::as<Vec3>(w);
     };
-    const int k = index(target.axis);
-    if (!is_rotation(target.axis)) {
-      put(P.slot, L.Jv1.row(k), L.Jw1.row(k));
-      put(S.slot, -L.Jv1.row(k), L.Jw2.row(k));
-      rate = L.yd[k];
-      return row;
+    const auto put_both = [&](const auto& r) { put(P.slot, 1, r.v, r.w1), put(S.slot, -1, r.v, r.w2); };
+    if (is_rotation(target.axis)) {
+      put_both(kernel::angular_velocity_row(O1.A, n, n2));
+      rate = dot(axis, kernel::relative_angular_velocity(O1, O2, mP, mS));
+    } else {
+      const auto at = kernel::position(O1, O2, mP, mS);
+      put_both(kernel::translation_row(O1.A, mP.u, at.s, n, n2));
+      rate = dot(axis, kernel::position_rate(mS, at, kernel::velocity(O1, O2, mP, at)));
     }
-    // omega of P against S, in S axes: A_S^T (A2^T A1 w1 - w2) plus the laws' share
-    const Motion &O1 = in.slot(P.slot), &O2 = in.slot(S.slot);
-    const Vec3 n = O2.A * S.at(in.t).A.col(k - 3);
-    put(P.slot, Vec3::Zero(), O1.A.transpose() * n);
-    put(S.slot, Vec3::Zero(), -(O2.A.transpose() * n));
-    rate = n.dot(in_world(P, in).w - in_world(S, in).w);
     return row;
   }
 

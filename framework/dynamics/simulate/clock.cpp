@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/dynamics/simulate/step_rules.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/step_loop.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {

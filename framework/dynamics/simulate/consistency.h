@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

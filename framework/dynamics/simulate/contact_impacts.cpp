@@ -14,7 +14,7 @@
 #include <cmath>
 
 #include "framework/dynamics/simulate/contact_manager.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/root_finder.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "framework/dynamics/evaluate/dynamics.h"
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

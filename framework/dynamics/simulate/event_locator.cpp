@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/dynamics/simulate/root_finder.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

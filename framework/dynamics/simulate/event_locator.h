@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "framework/dynamics/simulate/event.h"
+#include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/step_interval.h"
 
 namespace lockstep {

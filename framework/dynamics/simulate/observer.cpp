@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/observer.h"
+#include <lockstep/step_loop.h>
 
 namespace lockstep {
 

@@ -2,7 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -57,7 +57,7 @@ void StepInterval::restore_method() {
 }
 
 void StepInterval::cut(double t, State& state) {
-  state = at(t);
+  state = pose_at(t);
   report_.h = t - from_.t;
 }
 

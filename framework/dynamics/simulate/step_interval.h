@@ -1,7 +1,7 @@
 // StepInterval: the step that was made last, the states inside it, and the place to cut it. Internal to the step loop.
 #pragma once
 
-#include "framework/dynamics/integrate/integrator.h"
+#include <lockstep/integrator.h>
 
 namespace lockstep {
 

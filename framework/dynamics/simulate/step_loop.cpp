@@ -1,4 +1,4 @@
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/step_loop.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,8 +11,8 @@
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/log.h"
+#include <lockstep/error.h>
+#include <lockstep/log.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 #include "framework/dynamics/solvers/block_factor.h"
 
 #include "framework/dynamics/solvers/block_kernels.h"
-#include "framework/foundation/support/clones.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 namespace block_detail {

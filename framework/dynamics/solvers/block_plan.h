@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

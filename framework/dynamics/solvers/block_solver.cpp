@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/block_solver.h"
+#include <lockstep/solvers.h>
 
 #include <algorithm>
 #include <limits>
@@ -6,8 +6,8 @@
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -37,14 +37,14 @@ class BlockFactorization final : public Factorization {
   void complete(SolveReport&) override;
 
  private:
-  BlockPlan plan;
-  BlockFactor<double> factor;
-  std::vector<BlockPlan::Place> mass, jacobian, proximal;  // of slots; of links and their slots; of links
-  VecX rhs, pivots;
-  std::vector<double> relative, scratch;  // pivots of the rows against their scales
-  StopRule rule;
-  PivotWatch watch;
-  double smallest_pivot = 0.0;
+  BlockPlan plan_;
+  BlockFactor<double> factor_;
+  std::vector<BlockPlan::Place> mass_, jacobian_, proximal_;  // of slots; of links and their slots; of links
+  VecX rhs_, pivots_;
+  std::vector<double> relative_, scratch_;  // pivots of the rows against their scales
+  StopRule rule_;
+  PivotWatch watch_;
+  double smallest_pivot_ = 0.0;
 
   void fill(const Kkt&);
   void measure_pivots(const Kkt&);
@@ -52,15 +52,15 @@ class BlockFactorization final : public Factorization {
 
 void BlockFactorization::fill(const Kkt& kkt) {
   const KktPattern& pattern = kkt.pattern;
-  factor.clear();
-  const BlockPlan::Place* place = mass.data();
+  factor_.clear();
+  const BlockPlan::Place* place = mass_.data();
   for_each_mass(pattern, [&](int, int width, std::size_t at) {
-    std::copy_n(kkt.M.data() + at, width * width, factor.at(place++->at));
+    std::copy_n(kkt.M.data() + at, width * width, factor_.at(place++->at));
   });
-  place = jacobian.data();
+  place = jacobian_.data();
   for_each_jacobian(pattern, [&](const KktLink& link, int, int width, std::size_t at) {
     const double* J = kkt.J.data() + at;
-    double* out = factor.at(place->at);
+    double* out = factor_.at(place->at);
     if (!place++->transposed) {
       std::copy_n(J, link.m * width, out);
       return;
@@ -68,22 +68,22 @@ void BlockFactorization::fill(const Kkt& kkt) {
     for (int j = 0; j < link.m; ++j)
       for (int k = 0; k < width; ++k) out[k * link.m + j] = J[j * width + k];
   });
-  place = proximal.data();
+  place = proximal_.data();
   for (const KktLink& link : pattern.links) {
-    double* out = factor.at(place++->at);
-    for (int j = 0; j < link.m; ++j) out[j * (link.m + 1)] = -plan.proximal() * kkt.E[link.first_row + j];
+    double* out = factor_.at(place++->at);
+    for (int j = 0; j < link.m; ++j) out[j * (link.m + 1)] = -plan_.proximal() * kkt.E[link.first_row + j];
   }
 }
 
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
-  smallest_pivot = std::numeric_limits<double>::infinity();
+  smallest_pivot_ = std::numeric_limits<double>::infinity();
   int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = relative[j] = pivots[kkt.pattern.n + j] / kkt.E[j];
-    smallest_pivot = std::min(smallest_pivot, pivot);
+    const double pivot = relative_[j] = pivots_[kkt.pattern.n + j] / kkt.E[j];
+    smallest_pivot_ = std::min(smallest_pivot_, pivot);
     if (pivot < kSmallPivot) ++n_small;
   }
-  watch.count(n_small);
+  watch_.count(n_small);
 }
 
 TypeInfo BlockSolver::info() {
@@ -93,27 +93,26 @@ TypeInfo BlockSolver::info() {
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 
 BlockFactorization::BlockFactorization(const KktPattern& pattern) {
-  plan.lay_out(graph_of(pattern), true);
-  factor.lay_out(plan);
+  plan_.lay_out(graph_of(pattern), true);
+  factor_.lay_out(plan_);
   const int n_slots = static_cast<int>(pattern.width.size());
-  for (int k = 0; k < n_slots; ++k) mass.push_back(plan.find(k, k));
+  for (int k = 0; k < n_slots; ++k) mass_.push_back(plan_.find(k, k));
   int node = n_slots;
   for (const KktLink& link : pattern.links) {
-    for (int i = 0; i < link.n_slots; ++i)
-      jacobian.push_back(plan.find(node, link.slot[i]));
-    proximal.push_back(plan.find(node, node));
+    for (int i = 0; i < link.n_slots; ++i) jacobian_.push_back(plan_.find(node, link.slot[i]));
+    proximal_.push_back(plan_.find(node, node));
     ++node;
   }
-  for (VecX* v : {&rhs, &pivots}) v->setZero(pattern.n + pattern.m);
-  relative.assign(static_cast<std::size_t>(pattern.m), 0.0);
-  scratch = relative;
-  rule.analyse(pattern);
-  watch.begin(pattern.m);
+  for (VecX* v : {&rhs_, &pivots_}) v->setZero(pattern.n + pattern.m);
+  relative_.assign(static_cast<std::size_t>(pattern.m), 0.0);
+  scratch_ = relative_;
+  rule_.analyse(pattern);
+  watch_.begin(pattern.m);
 }
 
 void BlockFactorization::compute(const Kkt& kkt) {
   fill(kkt);
-  if (!factor.factor_symmetric(plan, pivots.data()))
+  if (!factor_.factor_symmetric(plan_, pivots_.data()))
     throw SolveError("solver block: a pivot is zero; give every body a mass and an inertia above zero");
   measure_pivots(kkt);
 }
@@ -121,21 +120,21 @@ void BlockFactorization::compute(const Kkt& kkt) {
 SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    rhs.head(n) = rule.force_residual();
-    rhs.tail(m) = rule.row_residual();
-    factor.solve(plan, rhs.data());
-    x += rhs.head(n);
-    l += rhs.tail(m);
+  rule_.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
+    rhs_.head(n) = rule_.force_residual();
+    rhs_.tail(m) = rule_.row_residual();
+    factor_.solve(plan_, rhs_.data());
+    x += rhs_.head(n);
+    l += rhs_.tail(m);
   });
-  report.smallest_pivot = smallest_pivot;
-  report.contradictory = watch.contradictory(rule.largest(), rule.largest_before());
+  report.smallest_pivot = smallest_pivot_;
+  report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
 }
 
 void BlockFactorization::complete(SolveReport& report) {
-  scratch = relative;
-  report.detector = watch.singularity_indicator(scratch);
+  scratch_ = relative_;
+  report.detector = watch_.singularity_indicator(scratch_);
 }
 
 long BlockSolver::multiplications(const KktPattern& pattern) {

@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/dense_solver.h"
+#include <lockstep/solvers.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,8 +9,8 @@
 
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -74,15 +74,15 @@ class DenseFactorization final : public Factorization {
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
 
  private:
-  std::vector<double> L;  // blocks as in Kkt::M
-  MatX Bt, Rt;            // B^T (n x m); R1^T (m x min(n, m)), columns from the rank on are zero
-  Qr outer, inner;        // B^T P1 = Q1 R1;  R1^T P2 = Q2 R2
-  VecX root_E, square;    // square root of E; squares of the rows of B
-  VecX y, z, t;           // n, m, m
-  VecX da, dl, a_before, l_before;
-  StopRule rule;
-  int rank = 0, usual_rank = 0;
-  double smallest_pivot = 0.0;
+  std::vector<double> L_;  // blocks as in Kkt::M
+  MatX Bt_, Rt_;           // B^T (n x m); R1^T (m x min(n, m)), columns from the rank on are zero
+  Qr outer_, inner_;       // B^T P1 = Q1 R1;  R1^T P2 = Q2 R2
+  VecX root_E_, square_;   // square root of E; squares of the rows of B
+  VecX y_, z_, t_;         // n, m, m
+  VecX da_, dl_, a_before_, l_before_;
+  StopRule rule_;
+  int rank_ = 0, usual_rank_ = 0;
+  double smallest_pivot_ = 0.0;
 
   void invert_L(const KktPattern&, VecX& x) const;
   void invert_Lt(const KktPattern&, VecX& x) const;
@@ -92,37 +92,37 @@ class DenseFactorization final : public Factorization {
 };
 
 void DenseFactorization::invert_L(const KktPattern& pattern, VecX& x) const {
-  for_each_mass(pattern, [&](int first, int width, std::size_t at) { solve_lower(&L[at], width, x.data() + first); });
+  for_each_mass(pattern, [&](int first, int width, std::size_t at) { solve_lower(&L_[at], width, x.data() + first); });
 }
 
 void DenseFactorization::invert_Lt(const KktPattern& pattern, VecX& x) const {
-  for_each_mass(pattern,
-                [&](int first, int width, std::size_t at) { solve_lower_transposed(&L[at], width, x.data() + first); });
+  for_each_mass(
+      pattern, [&](int first, int width, std::size_t at) { solve_lower_transposed(&L_[at], width, x.data() + first); });
 }
 
 // B^T = L^-1 J^T E^-1/2, column by column.
 void DenseFactorization::fill_B(const Kkt& kkt) {
-  Bt.setZero();
-  root_E = kkt.E.cwiseSqrt();
+  Bt_.setZero();
+  root_E_ = kkt.E.cwiseSqrt();
   for_each_jacobian(kkt.pattern, [&](const KktLink& link, int first, int width, std::size_t at) {
     for (int j = link.first_row; j < link.first_row + link.m; ++j)
-      for (int k = 0; k < width; ++k) Bt(first + k, j) = kkt.J[at++] / root_E[j];
+      for (int k = 0; k < width; ++k) Bt_(first + k, j) = kkt.J[at++] / root_E_[j];
   });
   for (const KktLink& link : kkt.pattern.links)
     for (int i = 0; i < link.n_slots; ++i) {
       const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
       for (int j = link.first_row; j < link.first_row + link.m; ++j)
-        solve_lower(&L[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt(kkt.pattern.first[slot], j));
+        solve_lower(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt_(kkt.pattern.first[slot], j));
     }
 }
 
 // R_kk^2 / |b_k|^2: the part of a row that the rows before it do not span. Rows beyond the n-th have none.
 void DenseFactorization::measure_pivots() {
-  smallest_pivot = Bt.cols() > Bt.rows() ? 0.0 : 1.0;
-  square = Bt.colwise().squaredNorm();
-  for (Eigen::Index k = 0; k < Rt.cols(); ++k) {
-    const double own = square[outer.colsPermutation().indices()[k]], pivot = outer.matrixQR()(k, k);
-    smallest_pivot = std::min(smallest_pivot, own > 0.0 ? pivot * pivot / own : 0.0);
+  smallest_pivot_ = Bt_.cols() > Bt_.rows() ? 0.0 : 1.0;
+  square_ = Bt_.colwise().squaredNorm();
+  for (Eigen::Index k = 0; k < Rt_.cols(); ++k) {
+    const double own = square_[outer_.colsPermutation().indices()[k]], pivot = outer_.matrixQR()(k, k);
+    smallest_pivot_ = std::min(smallest_pivot_, own > 0.0 ? pivot * pivot / own : 0.0);
   }
 }
 
@@ -132,30 +132,30 @@ void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c
   a = f;
   invert_L(kkt.pattern, a);
   invert_Lt(kkt.pattern, a);
-  if (Rt.cols() == 0) {
+  if (Rt_.cols() == 0) {
     lambda.setZero();
     return;
   }
-  z.setZero();
-  add_rows_times(kkt, a, z);
-  const auto& P1 = outer.colsPermutation().indices();
-  const auto& P2 = inner.colsPermutation().indices();
-  for (Eigen::Index j = 0; j < t.size(); ++j) t[j] = (c[P1[j]] - z[P1[j]]) / root_E[P1[j]];
+  z_.setZero();
+  add_rows_times(kkt, a, z_);
+  const auto& P1 = outer_.colsPermutation().indices();
+  const auto& P2 = inner_.colsPermutation().indices();
+  for (Eigen::Index j = 0; j < t_.size(); ++j) t_[j] = (c[P1[j]] - z_[P1[j]]) / root_E_[P1[j]];
 
-  apply_Qt(inner, t);
-  const auto R2 = inner.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
-  R2.solveInPlace(t.head(rank));
-  y.setZero();
-  for (int k = 0; k < rank; ++k) y[P2[k]] = t[k];
-  apply_Q(outer, y);
-  invert_Lt(kkt.pattern, y);
-  a += y;
+  apply_Qt(inner_, t_);
+  const auto R2 = inner_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
+  R2.solveInPlace(t_.head(rank_));
+  y_.setZero();
+  for (int k = 0; k < rank_; ++k) y_[P2[k]] = t_[k];
+  apply_Q(outer_, y_);
+  invert_Lt(kkt.pattern, y_);
+  a += y_;
 
-  t.tail(t.size() - rank).setZero();
-  t = -t;
-  R2.transpose().solveInPlace(t.head(rank));
-  apply_Q(inner, t);
-  for (Eigen::Index j = 0; j < t.size(); ++j) lambda[P1[j]] = t[j] / root_E[P1[j]];
+  t_.tail(t_.size() - rank_).setZero();
+  t_ = -t_;
+  R2.transpose().solveInPlace(t_.head(rank_));
+  apply_Q(inner_, t_);
+  for (Eigen::Index j = 0; j < t_.size(); ++j) lambda[P1[j]] = t_[j] / root_E_[P1[j]];
 }
 
 TypeInfo DenseSolver::info() {
@@ -167,64 +167,64 @@ std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::mak
 
 DenseFactorization::DenseFactorization(const KktPattern& pattern) {
   const int n = pattern.n, m = pattern.m, k = std::min(n, m);
-  L.assign(pattern.size_M, 0.0);
-  Bt.setZero(n, m);
-  Rt.setZero(m, k);
-  outer = Qr(n, m);
-  inner = Qr(m, k);
-  outer.setThreshold(kRankTolerance);
-  for (VecX* v : {&y, &da, &a_before}) v->setZero(n);
-  for (VecX* v : {&root_E, &square, &z, &t, &dl, &l_before}) v->setZero(m);
-  rule.analyse(pattern);
-  usual_rank = 0;
+  L_.assign(pattern.size_M, 0.0);
+  Bt_.setZero(n, m);
+  Rt_.setZero(m, k);
+  outer_ = Qr(n, m);
+  inner_ = Qr(m, k);
+  outer_.setThreshold(kRankTolerance);
+  for (VecX* v : {&y_, &da_, &a_before_}) v->setZero(n);
+  for (VecX* v : {&root_E_, &square_, &z_, &t_, &dl_, &l_before_}) v->setZero(m);
+  rule_.analyse(pattern);
+  usual_rank_ = 0;
 }
 
 void DenseFactorization::compute(const Kkt& kkt) {
-  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L.begin());
+  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L_.begin());
   for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
-    if (!cholesky(&L[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
+    if (!cholesky(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
       throw SolveError(
           fmt::format("solver dense: the mass block of slot {} is not positive definite; "
                       "give its body a mass and an inertia above zero",
                       slot));
-  rank = 0, smallest_pivot = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
-  if (Rt.cols() == 0) return;
+  rank_ = 0, smallest_pivot_ = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (Rt_.cols() == 0) return;
   fill_B(kkt);
-  outer.compute(Bt);
-  rank = static_cast<int>(outer.rank());
-  usual_rank = std::max(usual_rank, rank);
+  outer_.compute(Bt_);
+  rank_ = static_cast<int>(outer_.rank());
+  usual_rank_ = std::max(usual_rank_, rank_);
   measure_pivots();
-  Rt.setZero();
-  for (int i = 0; i < rank; ++i)
-    for (Eigen::Index j = i; j < Rt.rows(); ++j) Rt(j, i) = outer.matrixQR()(i, j);
-  inner.compute(Rt);
+  Rt_.setZero();
+  for (int i = 0; i < rank_; ++i)
+    for (Eigen::Index j = i; j < Rt_.rows(); ++j) Rt_(j, i) = outer_.matrixQR()(i, j);
+  inner_.compute(Rt_);
 }
 
 SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   a.resize(kkt.pattern.n);
   lambda.resize(kkt.pattern.m);
   SolveReport report;
-  rule.start(kkt, f, c);
+  rule_.start(kkt, f, c);
   solve_once(kkt, f, c, a, lambda);
-  bool met = rule.met(kkt, f, c, a, lambda);
+  bool met = rule_.met(kkt, f, c, a, lambda);
   while (!met && report.corrections < kMaxRefinements) {
-    const double before = rule.largest();
-    a_before = a, l_before = lambda;
-    solve_once(kkt, rule.force_residual(), rule.row_residual(), da, dl);
-    a += da, lambda += dl;
+    const double before = rule_.largest();
+    a_before_ = a, l_before_ = lambda;
+    solve_once(kkt, rule_.force_residual(), rule_.row_residual(), da_, dl_);
+    a += da_, lambda += dl_;
     ++report.corrections;
-    met = rule.met(kkt, f, c, a, lambda);
-    if (rule.largest() <= before) continue;
-    a = a_before, lambda = l_before;  // rounding only: the last but one is kept
-    rule.met(kkt, f, c, a, lambda);
+    met = rule_.met(kkt, f, c, a, lambda);
+    if (rule_.largest() <= before) continue;
+    a = a_before_, lambda = l_before_;  // rounding only: the last but one is kept
+    rule_.met(kkt, f, c, a, lambda);
     break;
   }
-  report.residual = rule.largest();
-  report.worst_row = rule.worst_row();
-  report.rank = rank;
-  report.smallest_pivot = smallest_pivot;
+  report.residual = rule_.largest();
+  report.worst_row = rule_.worst_row();
+  report.rank = rank_;
+  report.smallest_pivot = smallest_pivot_;
   // Rows short of their usual rank are at a singular place: no contradiction, but a passage.
-  report.contradictory = rule.largest() > kContradiction && rank < kkt.pattern.m && rank >= usual_rank;
+  report.contradictory = rule_.largest() > kContradiction && rank_ < kkt.pattern.m && rank_ >= usual_rank_;
   return report;
 }
 

@@ -1,10 +1,10 @@
-// The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections 2 and 5): the
-// numeric half, one text for one matrix and for several matrices at once, one per vector lane. Letters:
+// The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections
+// 2 and 5): the numeric half, one text for one matrix and for several matrices at once, one per vector lane. Letters:
 //
 //   Y = J M^-1,   D the inverse of a pivot's block,   L = A D below it
 //
-// A loop of four moving bodies, joints j1 .. j4. A node of S is a joint, and each is coupled with the next by the body that
-// they share:
+// A loop of four moving bodies, joints j1 .. j4. A node of S is a joint, and each is coupled with the next by the body
+// that they share:
 //
 //   j1 -- b1 -- j2          S   j1  j2  j3  j4          factor   j1  j2  j3  j4
 //   |           |           j1   x                      j1        D
@@ -12,8 +12,8 @@
 //   |           |           j3       x   x              j3            L   D
 //   j4 -- b3 -- j3          j4   x       x   x          j4        L  fill L   D
 //
-// j1 goes first, and its later neighbours j2 and j4 become coupled. A loop of n joints makes n - 3 such blocks; a tree, and a
-// loop that the ground closes, make none.
+// j1 goes first, and its later neighbours j2 and j4 become coupled. A loop of n joints makes n - 3 such blocks; a tree,
+// and a loop that the ground closes, make none.
 //
 // Pivot k, later neighbours s >= t:   L_s = A_s D_k,   A_st -= A_s L_t^T   (target (s, t) of the plan; s = t: D_s)
 // Solution:   forward  x_s -= L_s x_k,   backward  x_k <- D_k x_k - sum_s L_s^T x_s
@@ -21,12 +21,13 @@
 // With hubs the matrix is [[-M, -J^T], [-J, S]] over (a of the hubs, lambda), quasi-definite in any order
 // (Vanderbei 1995). No allocation, no search.
 //
-// K is the storage (schur_plan.h): PackedBlocks (schur_blocks.h), or the blocks of the lanes (tools/batch/lane_blocks.h):
+// K is the storage (schur_plan.h): PackedBlocks (schur_blocks.h), or the blocks of the lanes
+// (tools/batch/lane_blocks.h):
 //   K::Number             a double, or a pack of them, one per lane
 //   K::Slab<m>            rows of a column of m that one register holds, K::slabs(m) of them: all rows, or one per lane
 //   K::at(p, i)           address of number i; K::number, K::put, K::load<Slab>, K::store: read and write there
 //   K::stride(m)          numbers from one column of J, Y to the next
-//   K::below(i, k, m, n)  place of row i, column k in a block of m x n below a pivot; K::square(i, k, m): in a diagonal one
+//   K::below(i, k, m, n)  place of row i, column k in a block of m x n below a pivot; K::square: in a diagonal one
 //   K::columns(i, m)      columns that a diagonal block keeps of slab i
 //   K::row, set_row, add_row   row k of a column in slabs
 //   K::Square<M>          a diagonal block in registers
@@ -123,8 +124,8 @@ LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::templat
       double* T = K::at(z.A, target[t]);
       const auto subtract = [&](int mt) __attribute__((always_inline)) {
         for (int j = 0; j < (t == s ? K::columns(i, mt) : mt); ++j) {
-          double* at = K::at(T, t == s ? K::square(i, j, K::template rows<Slab>(ms))
-                                       : K::below(i, j, K::template rows<Slab>(ms), mt));
+          double* at = K::at(
+              T, t == s ? K::square(i, j, K::template rows<Slab>(ms)) : K::below(i, j, K::template rows<Slab>(ms), mt));
           Slab v = K::template load<Slab>(at);
           for (int k = 0; k < M; ++k) v -= A[k] * K::number(Lt, K::below(j, k, mt, M));
           K::store(at, v);
@@ -153,9 +154,10 @@ LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers
   const Later* later = plan.later.data() + node.first_later;
   const std::size_t* target = plan.targets.data() + node.first_target;
   for (int s = 0; s < node.n_later; target += ++s)
-    K::with_slab(later[s].m, [&]<class Slab>() __attribute__((always_inline)) {
-      eliminate_below<K, M, kSolve, Slab>(node, D, later, s, target, z);
-    });
+    K::with_slab(
+        later[s].m, [&]<class Slab>() __attribute__((always_inline)) {
+          eliminate_below<K, M, kSolve, Slab>(node, D, later, s, target, z);
+        });
 }
 
 /// x_later -= L x
@@ -163,16 +165,18 @@ template <class K, int M>
 LOCKSTEP_KERNEL void forward(const Plan& plan, const Node& node, const Numbers& z) {
   const double* x = K::at(z.x, node.x);
   for (const Later& later : plan.later_of(node))
-    K::with_slab(later.m, [&]<class Slab>() __attribute__((always_inline)) {
-      const double* L = K::at(z.A, later.block);
-      for (int i = 0; i < K::slabs(later.m); ++i) {
-        double* at = K::at(z.x, later.x + i);
-        Slab b = K::template load<Slab>(at);
-        for (int k = 0; k < M; ++k)
-          b -= K::template load<Slab>(K::at(L, K::below(i, k, K::template rows<Slab>(later.m), M))) * K::number(x, k);
-        K::store(at, b);
-      }
-    });
+    K::with_slab(
+        later.m, [&]<class Slab>() __attribute__((always_inline)) {
+          const double* L = K::at(z.A, later.block);
+          for (int i = 0; i < K::slabs(later.m); ++i) {
+            double* at = K::at(z.x, later.x + i);
+            Slab b = K::template load<Slab>(at);
+            for (int k = 0; k < M; ++k)
+              b -= K::template load<Slab>(K::at(L, K::below(i, k, K::template rows<Slab>(later.m), M))) *
+                   K::number(x, k);
+            K::store(at, b);
+          }
+        });
 }
 /// x <- D x - sum L^T x_later
 template <class K, int M>

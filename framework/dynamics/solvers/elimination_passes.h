@@ -1,4 +1,5 @@
-// The passes of the elimination over all nodes of a plan (elimination.h, elimination_rows.h), for any storage K and geometry X.
+// The passes of the elimination over all nodes of a plan (elimination.h, elimination_rows.h), for any storage K and
+// geometry X.
 #pragma once
 
 #include "framework/dynamics/solvers/elimination_rows.h"
@@ -11,13 +12,11 @@ namespace lockstep::schur {
 template <class K, class X, class F>
 LOCKSTEP_KERNEL void with_rows(const Node& node, F&& f) {
   if (node.turned)
-    for_size<X::nv, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) {
-      f.template operator()<m, true>(node);
-    });
+    for_size<X::nv, K::kMostTurned>(
+        node.m, [&](auto m) __attribute__((always_inline)) { f.template operator()<m, true>(node); });
   else
-    for_size<1, K::kMostDense>(node.m, [&](auto m) __attribute__((always_inline)) {
-      f.template operator()<m, false>(node);
-    });
+    for_size<1, K::kMostDense>(
+        node.m, [&](auto m) __attribute__((always_inline)) { f.template operator()<m, false>(node); });
 }
 template <class K, class X, class F>
 LOCKSTEP_KERNEL void for_each_link(const Plan& plan, F&& f) {
@@ -36,8 +35,7 @@ void fill_hub(const Node& node, const Numbers& z) {
     for (int k = 0; k < K::stride(node.m); ++k) K::put(d, K::square(k, i, node.m), 0.0);
   for (int i = 0; i < X::nv; ++i) K::put(d, K::square(i, i, node.m), -K::number(M, 0));
   for (int i = 0; i < X::nw; ++i)
-    for (int k = 0; k < X::nw; ++k)
-      K::put(d, K::square(X::nv + k, X::nv + i, node.m), -K::number(M, X::I[i][k]));
+    for (int k = 0; k < X::nw; ++k) K::put(d, K::square(X::nv + k, X::nv + i, node.m), -K::number(M, X::I[i][k]));
   for (int i = 0; i < node.m; ++i) {
     K::put(z.diagonal, node.x + i, -K::number(d, K::square(i, i, node.m)));
     K::put(z.E, node.x + i, 0.0);
@@ -65,9 +63,9 @@ void fill_hub_term(const Plan& plan, const Node& pivot, const Later& later, cons
 
 template <class K, class X>
 LOCKSTEP_KERNEL void fill_links(const Plan& plan, const Numbers& z) {
-  for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
-    fill_own<K, X, M, kTurned>(plan, node, z);
-  });
+  for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const Node& node)
+                __attribute__((always_inline)) { fill_own<K, X, M, kTurned>(plan, node, z); });
 }
 
 /// The block between a pivot and one later node: a share of each slot that both touch.
@@ -98,9 +96,10 @@ template <class K, class X>
 LOCKSTEP_KERNEL void fill_blocks(const Plan& plan, const Numbers& z) {
   for (const Node& node : plan.nodes)
     if (node.n_later > 0)
-      for_size<1, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) {
-        for (const Later& later : plan.later_of(node)) fill_below<K, X, m>(plan, node, later, z);
-      });
+      for_size<1, K::kMostTurned>(
+          node.m, [&](auto m) __attribute__((always_inline)) {
+            for (const Later& later : plan.later_of(node)) fill_below<K, X, m>(plan, node, later, z);
+          });
 }
 
 // -- S + E -> factor, and its solutions
@@ -109,20 +108,21 @@ LOCKSTEP_KERNEL void fill_blocks(const Plan& plan, const Numbers& z) {
 template <class K, bool kSolve>
 LOCKSTEP_KERNEL void factor_nodes(const Plan& plan, const Numbers& z) {
   for (const Node& node : plan.nodes)
-    for_size<1, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) {
-      eliminate<K, m, kSolve>(plan, node, z);
-    });
+    for_size<1, K::kMostTurned>(
+        node.m, [&](auto m) __attribute__((always_inline)) { eliminate<K, m, kSolve>(plan, node, z); });
 }
 template <class K>
 LOCKSTEP_KERNEL void solve_forward(const Plan& plan, const Numbers& z) {
   for (const Node& node : plan.nodes)
-    for_size<1, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) { forward<K, m>(plan, node, z); });
+    for_size<1, K::kMostTurned>(
+        node.m, [&](auto m) __attribute__((always_inline)) { forward<K, m>(plan, node, z); });
 }
 template <class K>
 LOCKSTEP_KERNEL void solve_backward(const Plan& plan, const Numbers& z) {
   for (std::size_t k = plan.nodes.size(); k-- > 0;) {
     const Node& node = plan.nodes[k];
-    for_size<1, K::kMostTurned>(node.m, [&](auto m) __attribute__((always_inline)) { backward<K, m>(plan, node, z); });
+    for_size<1, K::kMostTurned>(
+        node.m, [&](auto m) __attribute__((always_inline)) { backward<K, m>(plan, node, z); });
   }
 }
 
@@ -130,21 +130,21 @@ LOCKSTEP_KERNEL void solve_backward(const Plan& plan, const Numbers& z) {
 
 template <class K, class X>
 LOCKSTEP_KERNEL void start_links(const Plan& plan, const Numbers& z) {
-  for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
-    start_link<K, X, M, kTurned>(plan, node, z);
-  });
+  for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const Node& node)
+                __attribute__((always_inline)) { start_link<K, X, M, kTurned>(plan, node, z); });
 }
 template <class K, class X>
 LOCKSTEP_KERNEL void apply_links(const Plan& plan, const double* x, const Numbers& z) {
-  for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
-    apply_link<K, X, M, kTurned>(plan, node, K::at(x, node.x), z);
-  });
+  for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const Node& node)
+                __attribute__((always_inline)) { apply_link<K, X, M, kTurned>(plan, node, K::at(x, node.x), z); });
 }
 template <class K, class X>
 LOCKSTEP_KERNEL void residuals(const Plan& plan, const Numbers& z) {
-  for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
-    residual_link<K, X, M, kTurned>(plan, node, z);
-  });
+  for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const Node& node)
+                __attribute__((always_inline)) { residual_link<K, X, M, kTurned>(plan, node, z); });
 }
 template <class K>
 LOCKSTEP_KERNEL void check_rows(const Plan& plan, double tolerance, const Numbers& z, typename K::Marks& unmet) {

@@ -66,8 +66,7 @@ void add_hub_diagonal(const Plan& plan, const Node& node, const Numbers& z, type
       if (kTurned && i < X::nv) diagonal[i] += K::number(I, 0);
       for (int c = 0; c < kAngular; ++c) diagonal[i] += K::number(I, 0) * J(c) * J(c);
       for (int c = 0; c < X::nw; ++c)
-        for (int k = 0; k < X::nw; ++k)
-          diagonal[i] += J(kAngular + c) * K::number(I, X::I[c][k]) * J(kAngular + k);
+        for (int k = 0; k < X::nw; ++k) diagonal[i] += J(kAngular + c) * K::number(I, X::I[c][k]) * J(kAngular + k);
     }
   }
 }
@@ -126,8 +125,8 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
   D.store(K::at(z.A, node.D));
 }
 
-/// Share of a slot in the block between two links of one size, both turned: J_later M^-1 J_pivot^T. `first`: the block is
-/// written, not added to.
+/// Share of a slot in the block between two links of one size, both turned: J_later M^-1 J_pivot^T. `first`: the block
+/// is written, not added to.
 template <class K, class X, int M>
 LOCKSTEP_KERNEL void fill_term(const Side& p, const Side& q, const Numbers& z, double* block, bool first) {
   using Slab = typename K::template Slab<M>;
@@ -185,7 +184,7 @@ LOCKSTEP_KERNEL void rows_times(const Side& side, const Numbers& z, const double
   using Slab = typename K::template Slab<M>;
   constexpr int kFirst = kTurned ? X::nv : 0;
   for (int i = 0; i < K::slabs(M); ++i) {
-    const auto term = [&](int c) __attribute__((always_inline)) -> Slab {
+    const auto term = [&](int c) __attribute__((always_inline))->Slab {
       return K::template load<Slab>(K::at(z.rows, side.J + (c - kFirst) * K::stride(M) + i)) * K::number(u, c);
     };
     t[i] = kTurned ? K::template head<Slab, X::nv>(u, i) * side.sign : term(kFirst);
@@ -253,13 +252,15 @@ LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Num
 /// Marks where |r| of a row is not within `tolerance` of its scale, its floor being the least; a NaN never is.
 template <class K>
 LOCKSTEP_KERNEL void check_link(const Node& node, const Numbers& z, double tolerance, typename K::Marks& unmet) {
-  K::with_slab(node.m, [&]<class Slab>() __attribute__((always_inline)) {
-    for (int i = 0; i < K::slabs(node.m); ++i) {
-      const Slab scale = K::template load<Slab>(K::at(z.scale, node.x + i)), floor = K::template floor<Slab>(z, node, i);
-      const Slab limit = tolerance * larger(scale, floor);
-      K::mark(unmet, size_of(K::template load<Slab>(K::at(z.r, node.x + i))), limit);
-    }
-  });
+  K::with_slab(
+      node.m, [&]<class Slab>() __attribute__((always_inline)) {
+        for (int i = 0; i < K::slabs(node.m); ++i) {
+          const Slab scale = K::template load<Slab>(K::at(z.scale, node.x + i)),
+                     floor = K::template floor<Slab>(z, node, i);
+          const Slab limit = tolerance * larger(scale, floor);
+          K::mark(unmet, size_of(K::template load<Slab>(K::at(z.r, node.x + i))), limit);
+        }
+      });
 }
 
 #undef LOCKSTEP_KERNEL

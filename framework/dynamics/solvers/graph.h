@@ -37,9 +37,9 @@ struct LinkGraph {
   bool is_tree() const;
 };
 
-/// Order of elimination by minimum degree: next goes the node whose neighbours weigh least, and of equals the one that was
-/// touched longest ago, so that pivots that follow one another do not wait for one another. Leaves go first, and a tree
-/// makes no fill.
+/// Order of elimination by minimum degree: next goes the node whose neighbours weigh least, and of equals the one that
+/// was touched longest ago, so that pivots that follow one another do not wait for one another. Leaves go first, and a
+/// tree makes no fill.
 class MinimumDegree {
  public:
   /// weights: what each node adds to the degree of its neighbours: 1, or its unknowns.

@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/kkt.h"
+#include <lockstep/solver.h>
 
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/scales.h"

@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/linear_solver.h"
+#include <lockstep/solver.h>
 
 namespace lockstep {
 

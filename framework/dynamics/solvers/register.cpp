@@ -1,10 +1,7 @@
 #include "framework/dynamics/solvers/register.h"
 
-#include "framework/dynamics/solvers/block_solver.h"
-#include "framework/dynamics/solvers/dense_solver.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/dynamics/solvers/sparse_solver.h"
-#include "framework/description/registry/registry.h"
+#include <lockstep/solvers.h>
+#include <lockstep/registry.h>
 
 namespace lockstep {
 

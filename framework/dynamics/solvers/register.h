@@ -1,7 +1,7 @@
 // Puts the solvers of this room on their shelf.
 #pragma once
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

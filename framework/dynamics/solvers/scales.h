@@ -1,9 +1,10 @@
-// The scales s_j of the rows, in which the proximal term E = eps s_j is measured (framework/docs/solvers.md, section 5).
+// The scales s_j of the rows, in which the proximal term E = eps s_j is measured (framework/docs/solvers.md, section
+// 5).
 #pragma once
 
 #include <algorithm>
 
-#include "framework/mechanism/rows/rows.h"
+#include <lockstep/rows.h>
 
 namespace lockstep {
 

@@ -90,7 +90,8 @@ struct PackedBlocks {
   LOCKSTEP_KERNEL Slab floor(const Numbers& z, const Node& node, int) {
     constexpr int ld = rows<Slab>(0);
     const double* kind = z.kind + 3 * node.x;
-    return load<Slab>(kind) * z.floors[0] + load<Slab>(kind + ld) * z.floors[1] + load<Slab>(kind + 2 * ld) * z.floors[2];
+    return load<Slab>(kind) * z.floors[0] + load<Slab>(kind + ld) * z.floors[1] +
+           load<Slab>(kind + 2 * ld) * z.floors[2];
   }
   template <class Slab>
   LOCKSTEP_KERNEL void mark(bool& unmet, const Slab& size, const Slab& limit) {
@@ -100,9 +101,12 @@ struct PackedBlocks {
   template <class F>
   LOCKSTEP_KERNEL void with_slab(int m, F&& f) {
     switch (pack_size(m)) {
-      case 2: return f.template operator()<Pack<2>>();
-      case 4: return f.template operator()<Pack<4>>();
-      default: return f.template operator()<Pack<8>>();
+      case 2:
+        return f.template operator()<Pack<2>>();
+      case 4:
+        return f.template operator()<Pack<4>>();
+      default:
+        return f.template operator()<Pack<8>>();
     }
   }
 };

@@ -1,6 +1,6 @@
 #include "framework/dynamics/solvers/schur_passes.h"
 
-#include "framework/foundation/support/clones.h"
+#include <lockstep/export.h>
 
 namespace lockstep::schur {
 namespace {
@@ -22,10 +22,11 @@ template <class X, int M, bool kTurned>
 
 template <class X>
 [[gnu::always_inline]] inline void turn_and_start(const Plan& plan, const double* c, const Numbers& z) {
-  for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
-    turn_link<X, M, kTurned>(node, c + node.first_row, z);
-    start_link<K, X, M, kTurned>(plan, node, z);
-  });
+  for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const Node& node) __attribute__((always_inline)) {
+        turn_link<X, M, kTurned>(node, c + node.first_row, z);
+        start_link<K, X, M, kTurned>(plan, node, z);
+      });
 }
 
 LOCKSTEP_CLONES void fill_spatial(const Plan& plan, const Numbers& z) { fill_links<K, Spatial>(plan, z); }

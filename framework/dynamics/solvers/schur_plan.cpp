@@ -42,8 +42,8 @@ Graph::Graph(const RowTable& rows, int n_slots) {
     }
 }
 
-/// Links that may not go before a hub of theirs: a link that leans on a hub alone would have the pivot E. Slots that are
-/// no hubs fall into parts. A part that hangs at one hub by one link is free to go before it. In one that is held
+/// Links that may not go before a hub of theirs: a link that leans on a hub alone would have the pivot E. Slots that
+/// are no hubs fall into parts. A part that hangs at one hub by one link is free to go before it. In one that is held
 /// elsewhere too (the ground, another hub, a loop) the links on hubs wait.
 std::vector<bool> Graph::waiting_links() const {
   Parts parts(links.n_slots);

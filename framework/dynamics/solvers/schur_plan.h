@@ -9,21 +9,21 @@
 #include <vector>
 
 #include "framework/dynamics/solvers/scales.h"
-#include "framework/mechanism/rows/rows.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
+#include <lockstep/rows.h>
 
 namespace lockstep::schur {
 
 /// How blocks are stored.
 ///   packed  one matrix: a column of a block is a pack of doubles, padded to 2, 4 or 8; diagonal blocks whole
-///   lanes   several matrices at once, one per vector lane: every number is a pack; of diagonal blocks the lower triangle
+///   lanes   several matrices at once, one per vector lane: every number is a pack; diagonal blocks as lower triangles
 /// Offsets count doubles, or packs.
 enum class Storage { packed, lanes };
 
 /// One slot that a link touches.
 struct Side {
   int slot = 0;
-  double sign = 1;  ///< of the v-part of a triple
+  double sign = 1;      ///< of the v-part of a triple
   bool turned = false;  ///< the first rows are +-[1 | A], in world axes, of which J and Y keep A alone (RowLayout)
   bool hub = false;
   std::size_t J = 0, Y = 0;  ///< offsets; packed: J in the row table
@@ -77,7 +77,9 @@ struct LOCKSTEP_API Plan {
   /// Slots with more links than this become nodes.
   static constexpr int kHub = 6;
 
-  std::span<const Side> sides_of(const Node& node) const { return {sides.data() + node.first_side, size(node.n_sides)}; }
+  std::span<const Side> sides_of(const Node& node) const {
+    return {sides.data() + node.first_side, size(node.n_sides)};
+  }
   std::span<const Later> later_of(const Node& node) const {
     return {later.data() + node.first_later, size(node.n_later)};
   }

@@ -1,12 +1,12 @@
-#include "framework/dynamics/solvers/schur_solver.h"
+#include <lockstep/solvers.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/foundation/support/aligned.h"
-#include "framework/mechanism/model/body_mass.h"
+#include <lockstep/memory.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 
@@ -48,7 +48,7 @@ class SchurFactorization final : public Factorization {
   const RowTable* rows_ = nullptr;  // that the matrix was computed from, and their revision then
   long revision_ = -1;
   bool masses_known_ = false;
-  double energy_f_ = 0;                          // largest f . M^-1 f of a slot
+  double energy_f_ = 0;                         // largest f . M^-1 f of a slot
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction

@@ -1,4 +1,4 @@
-#include "framework/dynamics/solvers/sparse_solver.h"
+#include <lockstep/solvers.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -10,8 +10,8 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -61,14 +61,14 @@ class SparseFactorization final : public Factorization {
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
 
  private:
-  Sparse matrix;  // upper triangle, already in the order of elimination
-  Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt;
-  std::vector<int> place;        // of a row of the system in K; unknowns keep theirs
-  std::vector<Eigen::Index> positions;  // places in the values of K, in the order of for_each_number
-  VecX rhs, solution, S_diagonal;
-  StopRule rule;
-  PivotWatch watch;
-  double smallest_pivot = 0.0;
+  Sparse matrix_;  // upper triangle, already in the order of elimination
+  Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
+  std::vector<int> place_;               // of a row of the system in K; unknowns keep theirs
+  std::vector<Eigen::Index> positions_;  // places in the values of K, in the order of for_each_number
+  VecX rhs_, solution_, S_diagonal_;
+  StopRule rule_;
+  PivotWatch watch_;
+  double smallest_pivot_ = 0.0;
 
   void order_rows(const KktPattern&);
   void shape(const KktPattern&);
@@ -77,42 +77,42 @@ class SparseFactorization final : public Factorization {
 };
 
 void SparseFactorization::order_rows(const KktPattern& pattern) {
-  place.assign(pattern.m, 0);
+  place_.assign(pattern.m, 0);
   int next = pattern.n;
   for (const int l : order_of_links(pattern)) {
     const KktLink& link = pattern.links[l];
-    for (int k = 0; k < link.m; ++k) place[link.first_row + k] = next++;
+    for (int k = 0; k < link.m; ++k) place_[link.first_row + k] = next++;
   }
 }
 
 void SparseFactorization::shape(const KktPattern& pattern) {
   std::vector<Triplet> numbers;
-  for_each_number(pattern, place, [&](int row, int column) { numbers.emplace_back(row, column, 1.0); });
-  matrix.resize(pattern.n + pattern.m, pattern.n + pattern.m);
-  matrix.setFromTriplets(numbers.begin(), numbers.end());
-  matrix.makeCompressed();
-  positions.clear();
-  for_each_number(pattern, place, [&](int row, int column) { positions.push_back(position(row, column)); });
+  for_each_number(pattern, place_, [&](int row, int column) { numbers.emplace_back(row, column, 1.0); });
+  matrix_.resize(pattern.n + pattern.m, pattern.n + pattern.m);
+  matrix_.setFromTriplets(numbers.begin(), numbers.end());
+  matrix_.makeCompressed();
+  positions_.clear();
+  for_each_number(pattern, place_, [&](int row, int column) { positions_.push_back(position(row, column)); });
 }
 
 // Where K(row, column) is stored among K's values.
 Eigen::Index SparseFactorization::position(int row, int column) const {
-  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column];
-  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[column + 1];
-  return std::lower_bound(begin, end, row) - matrix.innerIndexPtr();
+  const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
+  const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
+  return std::lower_bound(begin, end, row) - matrix_.innerIndexPtr();
 }
 
 void SparseFactorization::measure_pivots(const Kkt& kkt) {
-  row_diagonal(kkt, S_diagonal);
-  smallest_pivot = std::numeric_limits<double>::infinity();
+  row_diagonal(kkt, S_diagonal_);
+  smallest_pivot_ = std::numeric_limits<double>::infinity();
   int n_small = 0;
-  const VecX D = ldlt.vectorD();
+  const VecX D = ldlt_.vectorD();
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = -D[place[j]];
-    smallest_pivot = std::min(smallest_pivot, pivot / (S_diagonal[j] + kEps * kkt.E[j]));
-    if (pivot < kSmallPivot * std::max(S_diagonal[j], kkt.E[j])) ++n_small;
+    const double pivot = -D[place_[j]];
+    smallest_pivot_ = std::min(smallest_pivot_, pivot / (S_diagonal_[j] + kEps * kkt.E[j]));
+    if (pivot < kSmallPivot * std::max(S_diagonal_[j], kkt.E[j])) ++n_small;
   }
-  watch.count(n_small);
+  watch_.count(n_small);
 }
 
 TypeInfo SparseSolver::info() {
@@ -123,16 +123,16 @@ std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::ma
 SparseFactorization::SparseFactorization(const KktPattern& pattern) {
   order_rows(pattern);
   shape(pattern);
-  ldlt.analyzePattern(matrix);
-  for (VecX* v : {&rhs, &solution}) v->setZero(pattern.n + pattern.m);
-  S_diagonal.setZero(pattern.m);
-  rule.analyse(pattern);
-  watch.begin(pattern.m);
+  ldlt_.analyzePattern(matrix_);
+  for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
+  S_diagonal_.setZero(pattern.m);
+  rule_.analyse(pattern);
+  watch_.begin(pattern.m);
 }
 
 void SparseFactorization::compute(const Kkt& kkt) {
-  double* K = matrix.valuePtr();
-  const Eigen::Index* at = positions.data();
+  double* K = matrix_.valuePtr();
+  const Eigen::Index* at = positions_.data();
   for_each_mass(kkt.pattern, [&](int, int width, std::size_t block) {
     for (int i = 0; i < width; ++i)
       for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + i * width + k];
@@ -141,8 +141,8 @@ void SparseFactorization::compute(const Kkt& kkt) {
     for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + i];
   });
   for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kEps * kkt.E[j];
-  ldlt.factorize(matrix);
-  if (ldlt.info() != Eigen::Success)
+  ldlt_.factorize(matrix_);
+  if (ldlt_.info() != Eigen::Success)
     throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");
   measure_pivots(kkt);
 }
@@ -150,15 +150,15 @@ void SparseFactorization::compute(const Kkt& kkt) {
 SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  rule.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    rhs.head(n) = rule.force_residual();
-    for (int j = 0; j < m; ++j) rhs[place[j]] = rule.row_residual()[j];
-    solution = ldlt.solve(rhs);
-    x += solution.head(n);
-    for (int j = 0; j < m; ++j) l[j] += solution[place[j]];
+  rule_.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
+    rhs_.head(n) = rule_.force_residual();
+    for (int j = 0; j < m; ++j) rhs_[place_[j]] = rule_.row_residual()[j];
+    solution_ = ldlt_.solve(rhs_);
+    x += solution_.head(n);
+    for (int j = 0; j < m; ++j) l[j] += solution_[place_[j]];
   });
-  report.smallest_pivot = smallest_pivot;
-  report.contradictory = watch.contradictory(rule.largest(), rule.largest_before());
+  report.smallest_pivot = smallest_pivot_;
+  report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
 }
 

@@ -44,9 +44,8 @@ void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
   scale_ = scale_.cwiseAbs() + c.cwiseAbs();
 
   largest_scale_ = {};
-  for_each_row(kkt.pattern, [&](int j, std::size_t kind) {
-    largest_scale_[kind] = std::max(largest_scale_[kind], scale_[j]);
-  });
+  for_each_row(kkt.pattern,
+               [&](int j, std::size_t kind) { largest_scale_[kind] = std::max(largest_scale_[kind], scale_[j]); });
   for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_scale_[k]);
   largest_ = std::numeric_limits<double>::infinity();
 }

@@ -1,5 +1,5 @@
-// The rule by which all solvers stop: the residuals of a solution, when they are small enough, and when what is left is a
-// contradiction (framework/docs/solvers.md, section 5).
+// The rule by which all solvers stop: the residuals of a solution, when they are small enough, and when what is left is
+// a contradiction (framework/docs/solvers.md, section 5).
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/dynamics/solvers/linear_solver.h"
+#include <lockstep/solver.h>
 
 namespace lockstep {
 
@@ -21,18 +21,19 @@ inline constexpr double kContradiction = 1e-2;
 inline constexpr int kMaxCorrections = 3;
 inline constexpr double kSmallPivot = 1e-6;  ///< relative; counted as redundant or singular
 
-/// The residual floor of one kind of row: no scale is taken under it. `largest`: the largest scale of that kind. Where all
-/// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that came from
-/// other units: by Cauchy and Schwarz |J_j a| <= sqrt(S_jj) sqrt(a . M a), in any frame, and likewise for a_f = M^-1 f, of
-/// which M^-1 J^T lambda takes away what the rows do not let pass. S, energy: the largest S_jj and the largest of those sums
-/// a . M a + a_f . M a_f, of the slot that has most. The tolerance is then 1e-15 of the bound, a few units in the last place.
+/// The residual floor of one kind of row: no scale is taken under it. `largest`: the largest scale of that kind. Where
+/// all scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that came
+/// from other units: by Cauchy and Schwarz |J_j a| <= sqrt(S_jj) sqrt(a . M a), in any frame, and likewise for a_f =
+/// M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. S, energy: the largest S_jj and the
+/// largest of those sums a . M a + a_f . M a_f, of the slot that has most. The tolerance is then 1e-15 of the bound, a
+/// few units in the last place.
 inline double residual_floor(double largest, double S = 0.0, double energy = 0.0) {
   return kScaleFloor * std::max(largest, std::sqrt(S * energy));
 }
 
-/// Corrects a solution until it meets the rule, kMaxCorrections in all at most. measure(): residuals of the present solution;
-/// within(): whether they are small; raise(): raises the residual floors by energy where that may help, else false;
-/// correct(): the next solution.
+/// Corrects a solution until it meets the rule, kMaxCorrections in all at most. measure(): residuals of the present
+/// solution; within(): whether they are small; raise(): raises the residual floors by energy where that may help, else
+/// false; correct(): the next solution.
 template <class Measure, class Within, class Raise, class Correct>
 bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise, Correct&& correct) {
   const auto met = [&] { return measure(), within() || (raise() && within()); };
@@ -41,8 +42,8 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
   return done;
 }
 
-/// Small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere. More of them
-/// say that the place is singular.
+/// Small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere. More of
+/// them say that the place is singular.
 class PivotWatch {
  public:
   void begin(int n_rows) { usual_ = n_rows; }
@@ -54,8 +55,8 @@ class PivotWatch {
     std::nth_element(pivots.begin(), at, pivots.end());
     return *at;
   }
-  /// Whether rows cannot all hold: their residual stalled at the order of its scale. Contradictory rows are dependent always;
-  /// a small pivot beyond the usual ones is a singular place, to be passed.
+  /// Whether rows cannot all hold: their residual stalled at the order of its scale. Contradictory rows are dependent
+  /// always; a small pivot beyond the usual ones is a singular place, to be passed.
   bool contradictory(double residual, double before) const {
     return residual > kContradiction && residual > 0.5 * before && now_ <= usual_;
   }

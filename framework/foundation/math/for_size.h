@@ -16,14 +16,22 @@ template <int kFirst = 1, int kLast = 8, class F>
       f(std::integral_constant<int, k>{});
   };
   switch (n) {
-    case 1: return call.template operator()<1>();
-    case 2: return call.template operator()<2>();
-    case 3: return call.template operator()<3>();
-    case 4: return call.template operator()<4>();
-    case 5: return call.template operator()<5>();
-    case 6: return call.template operator()<6>();
-    case 7: return call.template operator()<7>();
-    default: return call.template operator()<8>();
+    case 1:
+      return call.template operator()<1>();
+    case 2:
+      return call.template operator()<2>();
+    case 3:
+      return call.template operator()<3>();
+    case 4:
+      return call.template operator()<4>();
+    case 5:
+      return call.template operator()<5>();
+    case 6:
+      return call.template operator()<6>();
+    case 7:
+      return call.template operator()<7>();
+    default:
+      return call.template operator()<8>();
   }
 }
 

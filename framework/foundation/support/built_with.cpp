@@ -1,4 +1,4 @@
-#include "framework/foundation/support/built_with.h"
+#include <lockstep/export.h>
 
 namespace lockstep::built_with {
 

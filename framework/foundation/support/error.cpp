@@ -1,9 +1,9 @@
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 #include <cmath>
 #include <utility>
 
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

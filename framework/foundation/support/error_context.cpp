@@ -1,4 +1,4 @@
-#include "framework/foundation/support/error_context.h"
+#include <lockstep/error.h>
 
 #include <exception>
 

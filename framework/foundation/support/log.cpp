@@ -1,4 +1,4 @@
-#include "framework/foundation/support/log.h"
+#include <lockstep/log.h>
 
 #include <spdlog/sinks/null_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>

@@ -4,7 +4,7 @@
 #include <exception>
 #include <string>
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
-#include "framework/mechanism/forces/applied.h"
+#include <lockstep/forces.h>
 
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/bushing.h"
+#include <lockstep/forces.h>
 
 #include <cmath>
 

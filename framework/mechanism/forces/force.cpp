@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/force.h"
+#include <lockstep/force.h>
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/formula.h"
+#include <lockstep/force.h>
 
 namespace lockstep::formula {
 

@@ -1,7 +1,7 @@
-#include "framework/mechanism/forces/function_force.h"
+#include <lockstep/force.h>
 
-#include "framework/foundation/support/error.h"
-#include "framework/mechanism/lock/marker_frame.h"
+#include <lockstep/error.h>
+#include <lockstep/relative.h>
 
 namespace lockstep {
 

@@ -1,11 +1,10 @@
-#include "framework/mechanism/forces/joint_friction.h"
+#include <lockstep/forces.h>
 
 #include <cmath>
 #include <tuple>
 
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/forces/formula.h"
-#include "framework/mechanism/forces/marker_force.h"
+#include <lockstep/text.h>
+#include <lockstep/force.h>
 
 namespace lockstep {
 

@@ -1,9 +1,9 @@
-#include "framework/mechanism/forces/marker_force.h"
+#include <lockstep/force.h>
 
 #include <cmath>
 
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/text.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 

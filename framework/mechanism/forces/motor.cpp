@@ -1,4 +1,4 @@
-#include "framework/mechanism/forces/motor.h"
+#include <lockstep/forces.h>
 
 namespace lockstep {
 

@@ -1,12 +1,7 @@
 #include "framework/mechanism/forces/register.h"
 
-#include "framework/description/registry/registry.h"
-#include "framework/mechanism/forces/applied.h"
-#include "framework/mechanism/forces/bushing.h"
-#include "framework/mechanism/forces/joint_friction.h"
-#include "framework/mechanism/forces/motor.h"
-#include "framework/mechanism/forces/spring_damper.h"
-#include "framework/mechanism/forces/torsion_spring_damper.h"
+#include <lockstep/registry.h>
+#include <lockstep/forces.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // Puts the built-in forces on a registry's shelf.
 #pragma once
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 class Registry;

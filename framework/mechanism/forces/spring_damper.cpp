@@ -1,7 +1,6 @@
-#include "framework/mechanism/forces/spring_damper.h"
+#include <lockstep/forces.h>
 
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/forces/linear_spring.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -1,8 +1,7 @@
-#include "framework/mechanism/forces/torsion_spring_damper.h"
+#include <lockstep/forces.h>
 
 #include <cmath>
 
-#include "framework/mechanism/forces/linear_spring.h"
 
 namespace lockstep {
 

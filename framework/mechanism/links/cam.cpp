@@ -1,10 +1,10 @@
-#include "framework/mechanism/links/cam.h"
+#include <lockstep/couplings.h>
 
 #include <cmath>
 #include <limits>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -44,7 +44,7 @@ CamProfile::Point CamProfile::at(double u) const {
 
 double CamProfile::foot(const Vec2& p, double u) const {
   return root(u, [&](double at_u) {
-    const Point at_it = at(at_u);
+    const Point at_it = pose_at(at_u);
     return std::pair{at_it.c1.dot(p - at_it.c), at_it.c2.dot(p - at_it.c) - at_it.c1.squaredNorm()};
   });
 }
@@ -52,7 +52,7 @@ double CamProfile::foot(const Vec2& p, double u) const {
 double CamProfile::facing(double alpha, double u) const {
   const Vec2 n(std::cos(alpha), std::sin(alpha));
   return root(u, [&](double at_u) {
-    const Point at_it = at(at_u);
+    const Point at_it = pose_at(at_u);
     return std::pair{at_it.c1.dot(n), at_it.c2.dot(n)};
   });
 }
@@ -66,7 +66,7 @@ void CamProfile::check(const std::string& link, double roller) const {
     const std::string where = " at " + brief(360.0 * i / kPoints) + " deg";
     if (!(r > 0) || !std::isfinite(r))
       throw ModelError(who + "the radius of its cam is " + brief(r) + " m" + where + "; it must be above zero");
-    const double k = at(u).curvature;
+    const double k = pose_at(u).curvature;
     if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
       throw ModelError(who + "its cam has a curvature of " + brief(k) + " 1/m" + where +
                        (std::isinf(roller) ? "; a flat face rides on convex profiles only: take cam_roller"

@@ -1,11 +1,11 @@
-#include "framework/mechanism/links/curve.h"
+#include <lockstep/couplings.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

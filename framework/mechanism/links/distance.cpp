@@ -1,7 +1,7 @@
-#include "framework/mechanism/links/distance.h"
+#include <lockstep/joints.h>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

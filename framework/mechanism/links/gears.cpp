@@ -1,7 +1,7 @@
-#include "framework/mechanism/links/gears.h"
+#include <lockstep/couplings.h>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -1,4 +1,4 @@
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/joints.h>
 
 namespace lockstep {
 

@@ -1,9 +1,9 @@
-#include "framework/mechanism/links/rack_and_pinion.h"
+#include <lockstep/couplings.h>
 
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

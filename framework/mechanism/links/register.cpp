@@ -1,15 +1,8 @@
 #include "framework/mechanism/links/register.h"
 
-#include "framework/mechanism/links/cam.h"
-#include "framework/mechanism/links/curve.h"
-#include "framework/mechanism/links/distance.h"
-#include "framework/mechanism/links/gears.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/mechanism/links/rack_and_pinion.h"
-#include "framework/mechanism/links/screw.h"
-#include "framework/mechanism/links/stop.h"
-#include "framework/mechanism/links/universal.h"
-#include "framework/description/registry/registry.h"
+#include <lockstep/couplings.h>
+#include <lockstep/joints.h>
+#include <lockstep/registry.h>
 
 namespace lockstep {
 

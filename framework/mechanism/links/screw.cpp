@@ -1,11 +1,10 @@
-#include "framework/mechanism/links/screw.h"
+#include <lockstep/joints.h>
 
 #include <cmath>
 
-#include "framework/mechanism/model/law_fault.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/body.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "framework/mechanism/lock/kernel.h"
+#include <lockstep/kernel.h>
 
 namespace lockstep {
 

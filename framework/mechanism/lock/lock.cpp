@@ -1,9 +1,9 @@
-#include "framework/mechanism/lock/lock.h"
+#include <lockstep/lock.h>
 
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

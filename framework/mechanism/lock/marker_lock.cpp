@@ -1,13 +1,12 @@
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/lock.h>
 
 #include <algorithm>
 
-#include "framework/foundation/support/clones.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/export.h>
+#include <lockstep/error.h>
 #include "framework/mechanism/lock/dispatch.h"
-#include "framework/mechanism/lock/marker_lock_gather.h"
-#include "framework/mechanism/lock/pair_setup.h"
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/phi_function.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 
@@ -160,72 +159,127 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
 
-// The inner loop: one instance for each set of laws that is worth its own code (theory, (5.4)); an absent law in a
-// larger set enters as zero.
+LawValue MarkerLock::value(const Drive& d, const Inputs& in) const {
+  const LawValue l = d.law->at(in.t);
+  if (!d.speed) return l;
+  return {in.s[static_cast<std::size_t>(first_state() + d.state)], l.y, l.yd};
+}
 
-template <unsigned kLaws>
-void MarkerLockGather::translations(Group links, RowSpan out) const {
-  TranslationRowsT<double> r;
-  ImposedTranslationT<double> D;
+ImposedTranslation MarkerLock::imposed_translation(const Inputs& in) const {
+  ImposedTranslation D;
+  if (move_) {
+    const TranslationValue l = move_->at(in.t);
+    D.p = l.x, D.pd = l.v, D.pdd = l.a;
+  }
+  for (const Drive& d : drives_) {
+    if (is_rotation(d.axis)) continue;
+    const int k = index(d.axis);
+    const LawValue l = value(d, in);
+    D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
+  }
+  return D;
+}
+
+ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
+  ImposedRotation D;
+  if (turn_) {
+    const RotationValue l = turn_->at(in.t);
+    D.q = l.q, D.w = l.w, D.a = l.a;
+  }
+  for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, the other two turns being held
+    if (!is_rotation(d.axis)) continue;
+    const Vec3 n = Vec3::Unit(index(d.axis) % 3);
+    const LawValue l = value(d, in);
+    const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
+    const Mat3 At = rotation(turn).transpose();
+    const Vec3 w = At * D.w;
+    D.a = At * D.a + cross(w, Vec3(l.yd * n)) + l.ydd * n;
+    D.w = w + l.yd * n;
+    D.q = D.q * turn;
+  }
+  D.A = rotation(D.q);
+  return D;
+}
+
+// The inner loops: one instance for each set of laws that is worth its own code (theory, (5.4)).
+
+template <unsigned kWith>
+void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out) {
+  ImposedTranslation D;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-    if constexpr (kLaws & with::p) D = imposed_translation(lock);
-    const Mask rows = kLaws & with::world_rows ? Mask::xyz : lock.rows_;
-    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
-    if constexpr (kLaws & (with::uP | with::uS | with::qS))
-      translation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, rows, r);
-    else
-      translation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, rows, r);
     const RowBlock block = out.lane(i);
-    if constexpr (kLaws & with::world_rows) {
-      for (int k = 0; k < 3; ++k) block.C(k) = r.C[k], block.Ct(k) = r.Ct[k], block.Qhat(k) = r.Qhat[k];
-      block.set_R(r.Jv.transpose());
-      block.set_A(lock.side1_, r.Jw1);
-      block.set_A(lock.side2_, r.Jw2);
-      continue;
-    }
-    for (int k = 0; k < lock.n_rows_ && lock.row_[static_cast<std::size_t>(k)] < 3; ++k) {
-      const int j = lock.row_[static_cast<std::size_t>(k)];
-      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-      block.set(lock.side1_, k, r.Jv.row(j), r.Jw1.row(j));
-      block.set(lock.side2_, k, -r.Jv.row(j), r.Jw2.row(j));
-    }
+    const auto put = [&](const auto& C, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
+        __attribute__((always_inline)) {
+      int at = 0;
+      const auto values = [&]<int k>() __attribute__((always_inline)) {
+        block.C(at) = vec::get<k>(C), block.Qhat(at) = vec::get<k>(Qhat);
+        block.Ct(at) = vec::number<double>(vec::get<k>(Ct));
+      };
+      if constexpr (kWith & with::world_rows) {
+        kernel::for_rows(
+            Mask::xyz, 0, [&]<int k>() __attribute__((always_inline)) { values.template operator()<k>(), ++at; });
+        const auto x = row(vec::Unit<0>{}), y = row(vec::Unit<1>{}), z = row(vec::Unit<2>{});
+        block.set_R(vec::columns(x.v, y.v, z.v));
+        block.set_A(lock.side1_, vec::Matrix{x.w1, y.w1, z.w1});
+        block.set_A(lock.side2_, vec::Matrix{x.w2, y.w2, z.w2});
+      } else {
+        kernel::for_rows(
+            lock.rows_, 0, [&]<int k>() __attribute__((always_inline)) {
+              values.template operator()<k>();
+              const auto r = row(vec::Unit<k>{});
+              block.set(lock.side1_, at, r.v, vec::numbers<double>(r.w1));
+              block.set(lock.side2_, at, -r.v, vec::numbers<double>(r.w2));
+              ++at;
+            });
+      }
+    };
+    if constexpr (kWith & with::p) D = lock.imposed_translation(in);
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kWith & (with::uP | with::uS | with::qS))
+      translation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
+    else
+      translation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
   }
 }
 
-template <unsigned kLaws>
-void MarkerLockGather::rotations(Group links, RowSpan out) const {
-  RotationRowsT<double> r;
-  ImposedRotationT<double> D;
+template <unsigned kWith>
+void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
+  ImposedRotation D;
   const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
-    if constexpr (kLaws & with::qD) D = imposed_rotation(lock);
-    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
-    if constexpr (kLaws & (with::qP | with::qS))
-      rotation<kLaws>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, lock.rows_, r);
-    else
-      rotation<kLaws>(O1, O2, lock.P_.home, lock.S_.home, D, lock.rows_, r);
     const RowBlock block = out.lane(i);
-    for (int k = first; k < lock.n_rows_; ++k) {
-      const int j = lock.row_[static_cast<std::size_t>(k)] - 3;
-      block.C(k) = r.C[j], block.Ct(k) = r.Ct[j], block.Qhat(k) = r.Qhat[j];
-      block.set(lock.side1_, k, Vec3::Zero(), r.Jw1.row(j));
-      block.set(lock.side2_, k, Vec3::Zero(), r.Jw2.row(j));
-    }
+    const auto put = [&](const auto& e, const auto& Ct, const auto& Qhat, const auto& row, const auto&)
+        __attribute__((always_inline)) {
+      int at = first;
+      kernel::for_rows(
+          lock.rows_, 3, [&]<int k>() __attribute__((always_inline)) {
+            block.C(at) = vec::get<k>(e.v), block.Qhat(at) = vec::get<k>(Qhat.v);
+            block.Ct(at) = vec::number<double>(vec::get<k>(Ct.v));
+            const auto r = row(vec::Quaternion{vec::Zero{}, vec::Unit<k>{}});
+            block.set(lock.side1_, at, Vec3::Zero(), vec::numbers<double>(r.w1));
+            block.set(lock.side2_, at, Vec3::Zero(), vec::numbers<double>(r.w2));
+            ++at;
+          });
+    };
+    if constexpr (kWith & with::qD) D = lock.imposed_rotation(in);
+    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    if constexpr (kWith & (with::qP | with::qS))
+      rotation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
+    else
+      rotation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
   }
 }
 
-LOCKSTEP_FLAT_CLONES void MarkerLockGather::both(const MarkerLock& first, Group links, RowSpan out) const {
-  if (first.layout() == RowLayout::triple)
-    choose_translation<with::world_rows>(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
+// Of the link's own rows: a class that adds rows of its own calls this with its whole group.
+LOCKSTEP_FLAT_CLONES void MarkerLock::gather_all(Group links, const Inputs& in, RowSpan out) const {
+  if (layout() == RowLayout::triple)
+    choose_translation<with::world_rows>(rows_, laws_, [&](auto with) { gather_translations<with>(links, in, out); });
   else
-    choose_translation(first.rows_, first.laws_, [&](auto with) { translations<with>(links, out); });
-  choose_rotation(first.rows_, first.laws_, [&](auto with) { rotations<with>(links, out); });
+    choose_translation(rows_, laws_, [&](auto with) { gather_translations<with>(links, in, out); });
+  choose_rotation(rows_, laws_, [&](auto with) { gather_rotations<with>(links, in, out); });
 }
-
-void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const {
-  MarkerLockGather{in}.both(*this, links, out);
-}
+void MarkerLock::gather(Group links, const Inputs& in, RowSpan out) const { gather_all(links, in, out); }
 
 }  // namespace lockstep

@@ -1,11 +1,13 @@
-// MarkerLock in a planar mechanism: (3.8)-(3.12) and (4.10)-(4.14) with everything in the plane or along its normal.
-#include "framework/mechanism/lock/marker_lock_gather.h"
-#include "framework/foundation/support/clones.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+// MarkerLock in a planar mechanism: the equations of equations.h with everything in the plane or along its normal.
+#include <lockstep/export.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include <lockstep/lock.h>
 
 namespace lockstep {
 namespace {
+
+using vec::Vector, vec::Zero;
 
 // The axis of the frame that lies along the plane's normal, -1 if none does.
 int axis_along(const Mat3& A, int n) {
@@ -30,7 +32,8 @@ bool MarkerLock::setup_plane(Plane plane) {
   Flat& f = flat_;
   f.turn_axis = a;
   f.turn = has(rows_, row_bit(3 + a));
-  if (f.turn && axis_along(P_.A0, plane.n) != a) return false;
+  f.sign = S_.A0(plane.n, a) > 0 ? 1 : -1;
+  if (f.turn && (axis_along(P_.A0, plane.n) != a || f.sign * P_.A0(plane.n, a) < 0)) return false;
   for (int k = 0; k < 3; ++k)
     if (k != a && has(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
@@ -40,100 +43,108 @@ bool MarkerLock::setup_plane(Plane plane) {
   f.uS[0] = S_.u0[plane.i()], f.uS[1] = S_.u0[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)
     f.S[k][0] = S_.A0(plane.i(), f.axes[k]), f.S[k][1] = S_.A0(plane.j(), f.axes[k]);
-  f.sign_P = P_.A0(plane.n, a) > 0 ? 1 : -1;
-  f.sign_S = S_.A0(plane.n, a) > 0 ? 1 : -1;
-  const Quat one = conjugate(S_.q0) * P_.q0;
-  const Quat normal = conjugate(S_.q0) * (Quat::from(0.0, Vec3(Vec3::Unit(plane.n))) * P_.q0);
-  f.e[0] = one.w, f.e[1] = normal.w, f.e[2] = one.vec()[a], f.e[3] = normal.vec()[a];
+  const Quat q = conjugate(S_.q0) * P_.q0;
+  f.q[0] = q.w, f.q[1] = q.vec()[a];
   return true;
 }
 
-// A law that leaves the plane, now.
-void MarkerLockGather::check_laws(const MarkerLock& lock) const {
-  if (!(lock.laws_ & (with::p | with::qD))) return;
-  const int a = lock.flat_.turn_axis;
-  if ((lock.laws_ & with::p) && has(lock.rows_, row_bit(a)) && imposed_translation(lock).p[a] != 0)
-    leaves_plane(lock, in.t);
-  if (!(lock.laws_ & with::qD)) return;
-  Vec3 other = imposed_rotation(lock).q.vec();
+// Its laws leave the plane now.
+void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
+  const int a = flat_.turn_axis;
+  if ((laws_ & with::p) && has(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
+  if (!(laws_ & with::qD)) return;
+  Vec3 other = imposed_rotation(in).q.vec();
   other[a] = 0;
-  if (other.squaredNorm() > 1e-24) leaves_plane(lock, in.t);
+  if (other.squaredNorm() > 1e-24) leaves_plane(*this, in.t);
 }
 
-LOCKSTEP_FLAT_CLONES void MarkerLockGather::in_plane(Group links, RowSpan out) const {
+// In world axes; of vectors the components along i, j and the normal.
+LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBlock& block) const {
+  const Flat& f = flat_;
+  const int i = f.plane.i(), j = f.plane.j(), n = f.plane.n;
+  const Motion &O1 = in.slot(P_.slot), &O2 = in.slot(S_.slot);
+  const auto in_plane = [](double x, double y) __attribute__((always_inline)) { return Vector{x, y, Zero{}}; };
+  const auto turned = [&](const Motion& O, const double* u) __attribute__((always_inline)) {
+    return in_plane(O.A(i, i) * u[0] - O.A(j, i) * u[1], O.A(j, i) * u[0] + O.A(i, i) * u[1]);
+  };
+  const auto body = [&](const Motion& O) __attribute__((always_inline)) {
+    return kernel::Body{in_plane(O.x[i], O.x[j]), vec::Identity{}, vec::NoTurn{}, in_plane(O.v[i], O.v[j]),
+                        Vector{Zero{}, Zero{}, O.w[n]}};
+  };
+  const auto B1 = body(O1), B2 = body(O2);
+  const kernel::Marker P{turned(O1, f.uP), vec::Identity{}, vec::NoTurn{}};
+  const auto s0 = turned(O2, f.S[0]), s1 = turned(O2, f.S[1]);
+  const kernel::Marker S{turned(O2, f.uS), vec::Matrix{in_plane(s0.x, s1.x), in_plane(s0.y, s1.y), vec::Unit<2>{}},
+                         vec::NoTurn{}};
+  ImposedTranslation law;
+  if (laws_ & with::p) law = imposed_translation(in);
+  const int a = f.axes[0], b = f.axes[1];
+  const kernel::Shift D{in_plane(law.p[a], law.p[b]), in_plane(law.pd[a], law.pd[b]), in_plane(law.pdd[a], law.pdd[b])};
+
+  const auto at = kernel::position(B1, B2, P, S);
+  const auto C = at.rho - D.p, Ct = kernel::translation_Ct(B1, B2, P, S, D, at);
+  const auto Qhat = kernel::translation_Qhat(B1, B2, P, S, D, at, kernel::velocity(B1, B2, P, at));
+  block.C(0) = C.x, block.Ct(0) = Ct.x, block.Qhat(0) = Qhat.x;
+  if (f.pair) {  // rows along i and j of the world
+    block.C(1) = C.y, block.Ct(1) = Ct.y, block.Qhat(1) = Qhat.y;
+    const auto row_i = kernel::translation_row(B1.A, P.u, at.s, vec::Unit<0>{}, vec::Unit<0>{});
+    const auto row_j = kernel::translation_row(B1.A, P.u, at.s, vec::Unit<1>{}, vec::Unit<1>{});
+    block.set_R((Eigen::Matrix2d() << s0.x, s1.x, s0.y, s1.y).finished());
+    block.set_A(side1_, Eigen::Vector2d(row_i.w1.z, row_j.w1.z));
+    block.set_A(side2_, Eigen::Vector2d(row_i.w2.z, row_j.w2.z));
+    return;
+  }
+  const auto row = kernel::translation_row(B1.A, P.u, at.s, s0, s0);
+  Vec3 v = Vec3::Zero(), w1 = Vec3::Zero(), w2 = Vec3::Zero();
+  v[i] = row.v.x, v[j] = row.v.y, w1[n] = row.w1.z, w2[n] = row.w2.z;
+  block.set(side1_, 0, v, w1);
+  block.set(side2_, 0, Vec3(-v), w2);
+}
+
+// About the turn axis of S and P; the plane is seen from the side to which it points.
+template <class Law>
+LOCKSTEP_INLINE void MarkerLock::flat_turn(const Inputs& in, const Law& D, const RowBlock& block) const {
+  const Flat& f = flat_;
+  const int row = f.n_translations, n = f.plane.n;
+  const auto along = [](double z) __attribute__((always_inline)) { return Vector{Zero{}, Zero{}, z}; };
+  const auto body = [&](const Motion& O) __attribute__((always_inline)) {
+    return kernel::Body{vec::None{}, vec::Identity{}, vec::Quaternion{O.e.w, along(f.sign * O.e.vec()[n])}, vec::None{},
+                        along(f.sign * O.w[n])};
+  };
+  const auto B1 = body(in.slot(P_.slot)), B2 = body(in.slot(S_.slot));
+  const kernel::Marker P{vec::None{}, vec::Identity{}, vec::Quaternion{f.q[0], along(f.q[1])}};
+  const kernel::Marker S{vec::None{}, vec::Identity{}, vec::NoTurn{}};
+  const auto e = kernel::rotation_error(B1, B2, P, S, D);
+  const auto w = kernel::angular_velocities(B1, B2, P, S, D);
+  block.C(row) = e.v.z;
+  block.Ct(row) = vec::number<double>(kernel::rotation_Ct(e, P, S, D).v.z);
+  block.Qhat(row) = kernel::rotation_Qhat(e, kernel::rotation_rate(e, w), w).v.z;
+  const auto r = kernel::rotation_row(0.5 * e, P.A, S.A, vec::Quaternion{Zero{}, vec::Unit<2>{}});
+  Vec3 w1 = Vec3::Zero(), w2 = Vec3::Zero();
+  w1[n] = f.sign * r.w1.z, w2[n] = f.sign * r.w2.z;
+  block.set(side1_, row, Vec3(Vec3::Zero()), w1);
+  block.set(side2_, row, Vec3(Vec3::Zero()), w2);
+}
+
+LOCKSTEP_FLAT_CLONES void MarkerLock::gather_flat(Group links, const Inputs& in, RowSpan out) const {
   for (std::size_t l = 0; l < links.size(); ++l) {
     const auto& lock = static_cast<const MarkerLock&>(*links[l]);
-    const MarkerLock::Flat& f = lock.flat_;
-    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
-    const int i = f.plane.i(), j = f.plane.j(), n = f.plane.n;
     const RowBlock block = out.lane(l);
-    const double w1 = O1.w[n], w2 = O2.w[n];
-    check_laws(lock);
-    int row = 0;
-    if (f.n_translations > 0) {
-      // (3.8) r = A1 uP,  d = A2 s = x1 + r - x2,  C = A_S^T (s - uS) - p
-      const double c1 = O1.A(i, i), s1 = O1.A(j, i), c2 = O2.A(i, i), s2 = O2.A(j, i);
-      const double rx = c1 * f.uP[0] - s1 * f.uP[1], ry = s1 * f.uP[0] + c1 * f.uP[1];
-      const double dx = O1.x[i] + rx - O2.x[i], dy = O1.x[j] + ry - O2.x[j];
-      const double ux = c2 * f.uS[0] - s2 * f.uS[1], uy = s2 * f.uS[0] + c2 * f.uS[1];
-      // (3.12) in the world's axes: w1^2 r + 2 w2 n x (vP - v2) + w2^2 d
-      const double vx = O1.v[i] - w1 * ry - O2.v[i], vy = O1.v[j] + w1 * rx - O2.v[j];
-      const double qx = w1 * w1 * rx - 2 * w2 * vy + w2 * w2 * dx, qy = w1 * w1 * ry + 2 * w2 * vx + w2 * w2 * dy;
-      Eigen::Matrix2d R;
-      for (int k = 0; k < f.n_translations; ++k) {
-        const double ax = c2 * f.S[k][0] - s2 * f.S[k][1], ay = s2 * f.S[k][0] + c2 * f.S[k][1];
-        block.C(k) = ax * (dx - ux) + ay * (dy - uy);
-        block.Ct(k) = 0;
-        block.Qhat(k) = ax * qx + ay * qy;
-        if (f.pair) {
-          R(0, k) = ax, R(1, k) = ay;
-        } else {
-          Vec3 v = Vec3::Zero(), m1 = Vec3::Zero(), m2 = Vec3::Zero();
-          v[i] = ax, v[j] = ay, m1[n] = ay * rx - ax * ry, m2[n] = ax * dy - ay * dx;
-          block.set(lock.side1_, k, v, m1);
-          block.set(lock.side2_, k, Vec3(-v), m2);
-        }
-      }
-      if (f.pair) {
-        block.set_R(R);
-        block.set_A(lock.side1_, Eigen::Vector2d(-ry, rx));
-        block.set_A(lock.side2_, Eigen::Vector2d(dy, -dx));
-      }
-      if (lock.laws_ & with::p) {
-        const ImposedTranslationT<double> D = imposed_translation(lock);
-        for (int k = 0; k < f.n_translations; ++k) {
-          const int a = f.axes[k];
-          block.C(k) -= D.p[a], block.Ct(k) -= D.pd[a], block.Qhat(k) += D.pdd[a];
-        }
-      }
-      row = f.n_translations;
-    }
+    const Flat& f = lock.flat_;
+    if (lock.laws_ & (with::p | with::qD)) lock.refuse_leaving_plane(in);
+    if (f.n_translations > 0) lock.flat_translations(in, block);
     if (!f.turn) continue;
-    // (4.1) q2' q1 = (w, n r), e = q_D' q_S' q2' q1 q_P; only e0 and the part along the axis a
-    const Vec3 e1 = O1.e.vec(), e2 = O2.e.vec();
-    const double w = O2.e.w * O1.e.w + e2[n] * e1[n], r = O2.e.w * e1[n] - e2[n] * O1.e.w;
-    double e0 = f.e[0] * w + f.e[1] * r, ea = f.e[2] * w + f.e[3] * r, turned = f.sign_P * w1 - f.sign_S * w2;
-    double delta_d = 0, delta_dd = 0;
-    if (lock.laws_ & with::qD) {
-      const ImposedRotationT<double> D = imposed_rotation(lock);
-      const double cD = D.q.w, sD = D.q.vec()[f.turn_axis], before = e0;
-      e0 = cD * e0 + sD * ea, ea = cD * ea - sD * before;
-      delta_d = D.w[f.turn_axis], delta_dd = D.a[f.turn_axis];
-      turned -= delta_d;
+    if (!(lock.laws_ & with::qD)) {
+      lock.flat_turn(in, kernel::NoTurn{}, block);
+      continue;
     }
-    // (4.11)-(4.14) with all angular velocities along a: e_a'' = e0/2 (rate of the turn) - turn^2/4 e_a
-    block.C(row) = ea;
-    block.Ct(row) = -0.5 * e0 * delta_d;
-    block.Qhat(row) = 0.25 * turned * turned * ea + 0.5 * e0 * delta_dd;
-    Vec3 m1 = Vec3::Zero(), m2 = Vec3::Zero();
-    m1[n] = 0.5 * e0 * f.sign_P, m2[n] = -0.5 * e0 * f.sign_S;
-    block.set(lock.side1_, row, Vec3(Vec3::Zero()), m1);
-    block.set(lock.side2_, row, Vec3(Vec3::Zero()), m2);
+    const ImposedRotation D = lock.imposed_rotation(in);
+    const auto along = [&](const Vec3& a) { return Vector{Zero{}, Zero{}, a[f.turn_axis]}; };
+    lock.flat_turn(in, kernel::Turn{vec::Quaternion{D.q.w, along(D.q.vec())}, vec::Identity{}, along(D.w), along(D.a)},
+                   block);
   }
 }
 
-void MarkerLock::gather_plane(Group links, const Inputs& in, RowSpan out) const {
-  MarkerLockGather{in}.in_plane(links, out);
-}
+void MarkerLock::gather_plane(Group links, const Inputs& in, RowSpan out) const { gather_flat(links, in, out); }
 
 }  // namespace lockstep

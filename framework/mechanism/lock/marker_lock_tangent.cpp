@@ -1,20 +1,7 @@
-#include <cmath>
-
-#include "framework/mechanism/lock/geometric_stiffness.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/phi_function.h>
+#include <lockstep/lock.h>
 
 namespace lockstep {
-
-// q_D: the imposed rotation, then the driven turn (at most one).
-Quat MarkerLock::imposed_turn(const Inputs& in) const {
-  Quat q = turn_ ? turn_->at(in.t).q : Quat{};
-  for (const Drive& d : drives_) {
-    if (!is_rotation(d.axis)) continue;
-    const double y = d.speed ? in.s[static_cast<std::size_t>(first_state() + d.state)] : d.law->at(in.t).y;
-    q = q * Quat::from(std::cos(0.5 * y), Vec3(std::sin(0.5 * y) * Vec3::Unit(index(d.axis) % 3)));
-  }
-  return q;
-}
 
 void MarkerLock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
   Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
@@ -25,7 +12,7 @@ void MarkerLock::tangent(const Inputs& in, std::span<const double> lambda, Tange
   const MarkerMotion P = P_.at(in.t), S = S_.at(in.t);
   if (any(rows_, Mask::xyz)) add_translation_stiffness(in, P_.slot, S_.slot, P, S, lt, out);
   if (any(rows_, Mask::e123))
-    add_rotation_stiffness(in, P_.slot, S_.slot, P, S, imposed_turn(in), Quat::from(0.0, lr), out);
+    add_rotation_stiffness(in, P_.slot, S_.slot, P, S, imposed_rotation(in).q, Quat::from(0.0, lr), out);
 }
 
 }  // namespace lockstep

@@ -1,10 +1,10 @@
-#include "framework/mechanism/lock/mask.h"
+#include <lockstep/kernel.h>
 
 #include <array>
 #include <vector>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

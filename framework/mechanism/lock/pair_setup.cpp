@@ -1,6 +1,6 @@
-#include "framework/mechanism/lock/pair_setup.h"
+#include <lockstep/phi_function.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

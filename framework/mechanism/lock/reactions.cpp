@@ -1,4 +1,4 @@
-#include "framework/mechanism/lock/reactions.h"
+#include <lockstep/lock.h>
 
 namespace lockstep {
 namespace {

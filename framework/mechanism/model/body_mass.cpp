@@ -1,4 +1,4 @@
-#include "framework/mechanism/model/body_mass.h"
+#include <lockstep/body.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>

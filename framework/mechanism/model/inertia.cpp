@@ -1,10 +1,10 @@
-#include "framework/mechanism/model/inertia.h"
+#include <lockstep/body.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -74,16 +74,16 @@ void check(const MassProperties& p, const std::string& owner) {
                      "check whether products are given as matrix entries and about the mass centre");
 }
 
-MassProperties about(double mass, const Vec3& center, const Mat3& J_origin, const Vec3& origin, const Quat& axes) {
+MassProperties shapes::about(double mass, const Vec3& center, const Mat3& J_origin, const Vec3& origin, const Quat& axes) {
   return {mass, center, turned(J_origin, rotation(axes)) - steiner(mass, center - origin)};
 }
 
-MassProperties moved(const MassProperties& p, const Pose& pose) {
+MassProperties shapes::moved(const MassProperties& p, const Pose& pose) {
   const Mat3 A = rotation(pose.q);
   return {p.mass, pose.x + A * p.center, turned(p.J, A)};
 }
 
-MassProperties compound(std::span<const MassProperties> parts) {
+MassProperties shapes::compound(std::span<const MassProperties> parts) {
   if (parts.empty()) throw ModelError("a compound of no parts; give one at least");
   MassProperties sum;
   for (const MassProperties& part : parts) {
@@ -96,7 +96,7 @@ MassProperties compound(std::span<const MassProperties> parts) {
   return sum;
 }
 
-Shape rod(double mass, const Vec3& from, const Vec3& to, double radius) {
+Shape shapes::rod(double mass, const Vec3& from, const Vec3& to, double radius) {
   const double length = rod_length(mass, from, to);
   const double r = radius == -1 ? length / 50 : radius;
   require_positive(r, "rod: the radius");
@@ -104,21 +104,21 @@ Shape rod(double mass, const Vec3& from, const Vec3& to, double radius) {
   return {diagonal(mass, {0.5 * mass * r * r, across, across}), rod_pose(from, to)};
 }
 
-Shape slender_rod(double mass, const Vec3& from, const Vec3& to, double axial_inertia) {
+Shape shapes::slender_rod(double mass, const Vec3& from, const Vec3& to, double axial_inertia) {
   const double length = rod_length(mass, from, to);
   require_positive(axial_inertia, "slender rod: the axial inertia");
   const double across = mass * length * length / 12;
   return {diagonal(mass, {axial_inertia, across, across}), rod_pose(from, to)};
 }
 
-MassProperties box(double mass, const Vec3& size) {
+MassProperties shapes::box(double mass, const Vec3& size) {
   require_positive(mass, "box: the mass");
   for (const double side : size) require_positive(side, "box: a side");
   const Vec3 d = size.cwiseProduct(size);
   return diagonal(mass, mass / 12 * Vec3(d[1] + d[2], d[0] + d[2], d[0] + d[1]));
 }
 
-MassProperties cylinder(double mass, double radius, double length) {
+MassProperties shapes::cylinder(double mass, double radius, double length) {
   require_positive(mass, "cylinder: the mass");
   require_positive(radius, "cylinder: the radius");
   require_positive(length, "cylinder: the length");
@@ -126,7 +126,7 @@ MassProperties cylinder(double mass, double radius, double length) {
   return diagonal(mass, {across, across, 0.5 * mass * radius * radius});
 }
 
-MassProperties sphere(double mass, double radius) {
+MassProperties shapes::sphere(double mass, double radius) {
   require_positive(mass, "sphere: the mass");
   require_positive(radius, "sphere: the radius");
   return diagonal(mass, Vec3::Constant(0.4 * mass * radius * radius));

@@ -1,7 +1,7 @@
-#include "framework/mechanism/model/law_fault.h"
+#include <lockstep/body.h>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

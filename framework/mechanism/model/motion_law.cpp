@@ -1,4 +1,4 @@
-#include "framework/mechanism/model/motion_law.h"
+#include <lockstep/law.h>
 
 #include <utility>
 

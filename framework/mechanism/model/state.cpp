@@ -1,4 +1,4 @@
-#include "framework/mechanism/model/state.h"
+#include <lockstep/state.h>
 
 namespace lockstep {
 

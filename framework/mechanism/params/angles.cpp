@@ -1,8 +1,8 @@
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/params.h>
 
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -1,10 +1,10 @@
-#include "framework/mechanism/params/params.h"
+#include <lockstep/params.h>
 
 #include <algorithm>
 #include <array>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 

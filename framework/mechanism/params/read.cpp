@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/params.h>
 #include "framework/mechanism/params/units.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

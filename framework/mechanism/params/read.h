@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/foundation/math/quaternion.h"
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/math.h>
+#include <lockstep/params.h>
+#include <lockstep/error.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 

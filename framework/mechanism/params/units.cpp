@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "framework/mechanism/params/params.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/params.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 

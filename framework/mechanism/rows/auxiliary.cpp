@@ -1,4 +1,4 @@
-#include "framework/mechanism/rows/auxiliary.h"
+#include <lockstep/rows.h>
 
 #include <algorithm>
 

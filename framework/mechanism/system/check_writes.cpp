@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {

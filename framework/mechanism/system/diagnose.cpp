@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "framework/foundation/support/thrown.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "framework/foundation/support/error_context.h"
-#include "framework/mechanism/forces/force.h"
-#include "framework/mechanism/lock/lock.h"
+#include <lockstep/error.h>
+#include <lockstep/force.h>
+#include <lockstep/lock.h>
 
 namespace lockstep {
 

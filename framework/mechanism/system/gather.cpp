@@ -1,10 +1,10 @@
 // The passes over the mechanism: slots -> links -> forces. Each reads the arrays that the pass before it filled.
 #include <algorithm>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {

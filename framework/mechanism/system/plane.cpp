@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {

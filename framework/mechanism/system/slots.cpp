@@ -1,10 +1,10 @@
 // Slots: what moves as one, and who is bolted to whom.
 #include <algorithm>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
-#include "framework/mechanism/model/body_mass.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include <lockstep/body.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
-#include "framework/mechanism/system/state_editor.h"
+#include <lockstep/system.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -1,12 +1,12 @@
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 #include <algorithm>
 #include <map>
 #include <tuple>
 #include <typeindex>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
 
@@ -46,7 +46,7 @@ void check_pose(const std::string& what, const Pose& pose) {
 
 }  // namespace
 
-Pose at(const Vec3& x, const Vec3& z) {
+Pose pose_at(const Vec3& x, const Vec3& z) {
   const double length = z.norm();
   if (!(length > 0)) throw ModelError("at: the direction of z is zero; give a direction");
   const Vec3 n = z / length;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 
 namespace lockstep {
 

@@ -1,9 +1,9 @@
-#include "framework/tools/analysis/grid.h"
+#include <lockstep/analysis.h>
 
 #include <cassert>
 #include <charconv>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

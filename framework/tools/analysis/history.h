@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/mobility.h"
+#include <lockstep/analysis.h>
 
 #include <Eigen/QR>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

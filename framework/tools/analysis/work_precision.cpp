@@ -7,7 +7,7 @@
 #include <ctime>
 #include <optional>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/tools/analysis/reference.h"
 
 namespace lockstep {

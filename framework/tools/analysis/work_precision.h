@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/step_loop.h>
 
 namespace lockstep {
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "framework/tools/analysis/work_precision_chart.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

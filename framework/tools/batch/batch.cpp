@@ -4,17 +4,15 @@
 #include <cmath>
 
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/mechanism/lock/marker_lock_gather.h"
-#include "framework/mechanism/model/body_mass.h"
+#include <lockstep/lock.h>
+#include <lockstep/body.h>
 
 namespace lockstep::lanes {
 namespace {
 
 constexpr std::size_t kL = kLanes;
 
-void put_number(Aligned<double>& to, std::size_t at, int lane, double value) {
-  to[kL * at + lane] = value;
-}
+void put_number(Aligned<double>& to, std::size_t at, int lane, double value) { to[kL * at + lane] = value; }
 template <class M>
 void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i)
@@ -80,8 +78,7 @@ void Batch::fill_frames() {
   for (Link& node : plan_.links) {
     has_laws_ = has_laws_ || node.moved || node.turn == Turn::law;
     for (int l = 0; l < kLanes; ++l) {
-      const auto& lock = static_cast<const MarkerLock&>(
-          *systems_[l]->links()[node.link]);
+      const auto& lock = static_cast<const MarkerLock&>(*systems_[l]->links()[node.link]);
       const MarkerFrame P(lock.p()), S(lock.s());
       if (node.turn == Turn::parallel && !(P.parallel() && S.parallel())) node.turn = Turn::plain;
       put_numbers(frames_, node.frames + frames::uP, l, P.u0), put_numbers(frames_, node.frames + frames::uS, l, S.u0);
@@ -114,8 +111,7 @@ void Batch::get(int lane, const double* rate, StateRate& out) const {
 Inputs Batch::inputs(int lane, const double* y, double t) {
   VecX& s = states_[lane];
   const VecX& z = memory_[lane];
-  for (Eigen::Index i = 0; i < s.size(); ++i)
-    s[i] = y[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + lane];
+  for (Eigen::Index i = 0; i < s.size(); ++i) s[i] = y[kL * (plan_.s_at() + static_cast<std::size_t>(i)) + lane];
   Inputs in;
   in.t = t;
   in.motions = motions_;
@@ -128,18 +124,16 @@ void Batch::fill_laws(const double* y, const Numbers8& t) {
   if (!has_laws_) return;
   for (int l = 0; l < kLanes; ++l) {
     const Inputs in = inputs(l, y, t[l]);
-    const MarkerLockGather laws{in};
     for (const Link& node : plan_.links) {
       if (!node.moved && node.turn != Turn::law) continue;
-      const auto& lock = static_cast<const MarkerLock&>(
-          *systems_[l]->links()[node.link]);
+      const auto& lock = static_cast<const MarkerLock&>(*systems_[l]->links()[node.link]);
       if (node.moved) {
-        const ImposedTranslationT<double> D = laws.imposed_translation(lock);
+        const ImposedTranslation D = lock.imposed_translation(in);
         put_numbers(law_, node.law + law::p, l, D.p), put_numbers(law_, node.law + law::pd, l, D.pd);
         put_numbers(law_, node.law + law::pdd, l, D.pdd);
       }
       if (node.turn != Turn::law) continue;
-      const ImposedRotationT<double> D = laws.imposed_rotation(lock);
+      const ImposedRotation D = lock.imposed_rotation(in);
       put_numbers(law_, node.law + law::q, l, D.q.coefficients()), put_matrix(law_, node.law + law::A, l, D.A);
       put_numbers(law_, node.law + law::w, l, D.w), put_numbers(law_, node.law + law::a, l, D.a);
     }

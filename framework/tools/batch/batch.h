@@ -6,9 +6,9 @@
 #include <array>
 #include <span>
 
+#include <lockstep/dynamics.h>
+#include <lockstep/memory.h>
 #include "framework/tools/batch/lane_passes.h"
-#include "framework/dynamics/evaluate/dynamics.h"
-#include "framework/foundation/support/aligned.h"
 
 namespace lockstep::lanes {
 
@@ -69,8 +69,8 @@ class LOCKSTEP_API Batch {
   bool has_laws_ = false, has_forces_ = false;
   bool rows_moved_ = false;  // since the last factor
   Numbers z_;
-  Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_, diagonal_, pivot_,
-      E_, r_, C_, Ct_, Cd_, length_;
+  Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_,
+      diagonal_, pivot_, E_, r_, C_, Ct_, Cd_, length_;
   alignas(64) std::array<double, kLanes * 4> scratch_{};
   alignas(64) Numbers8 unmet_{};
   alignas(64) std::array<double, 3 * kLanes> floors_{};  // one pack per RowKind

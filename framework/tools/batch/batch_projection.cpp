@@ -1,5 +1,5 @@
-// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same rule, copy by copy;
-// a copy that is done does not move while others go on.
+// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same rule, copy
+// by copy; a copy that is done does not move while others go on.
 #include <algorithm>
 #include <cmath>
 

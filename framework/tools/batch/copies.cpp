@@ -1,12 +1,12 @@
-#include "framework/tools/batch/copies.h"
+#include <lockstep/batch.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"
 
 namespace lockstep {

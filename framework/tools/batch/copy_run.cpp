@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "framework/dynamics/simulate/step_rules.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 
 namespace lockstep::lanes {
 

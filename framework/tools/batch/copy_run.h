@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "framework/dynamics/integrate/tableau.h"
+#include <lockstep/stepping.h>
 #include "framework/tools/batch/batch.h"
-#include "framework/tools/batch/copies.h"
+#include <lockstep/batch.h>
 
 namespace lockstep::lanes {
 

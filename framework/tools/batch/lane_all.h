@@ -65,11 +65,11 @@ LOCKSTEP_LANE void gather(const Plan& plan, const Link& link, const Numbers& z) 
 LOCKSTEP_LANE void accelerate_rows(const Plan& plan, const Numbers& z) {
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     gather<For::acceleration>(plan, plan.links[k], z);
-    schur::with_rows<K, X>(plan.nodes[k], [&]<int M, bool kTurned>(const schur::Node& node)
-                                              __attribute__((always_inline)) {
-      schur::fill_own<K, X, M, kTurned>(plan, node, z);
-      schur::start_link<K, X, M, kTurned>(plan, node, z);
-    });
+    schur::with_rows<K, X>(
+        plan.nodes[k], [&]<int M, bool kTurned>(const schur::Node& node) __attribute__((always_inline)) {
+          schur::fill_own<K, X, M, kTurned>(plan, node, z);
+          schur::start_link<K, X, M, kTurned>(plan, node, z);
+        });
   }
 }
 LOCKSTEP_LANE void project_rows(const Plan& plan, const Numbers& z) {
@@ -90,12 +90,13 @@ LOCKSTEP_LANE void apply(const Plan& plan, const Numbers& z) { schur::apply_link
 LOCKSTEP_LANE void residual(const Plan& plan, const Numbers& z) { schur::residuals<K, X>(plan, z); }
 
 LOCKSTEP_LANE void velocity_residual(const Plan& plan, const Numbers& z, const double* v, double* Cd) {
-  schur::for_each_link<K, X>(plan, [&]<int M, bool kTurned>(const schur::Node& node) __attribute__((always_inline)) {
-    V b[M];
-    for (int k = 0; k < M; ++k) b[k] = K::number(z.Ct, node.x + k);
-    schur::add_rows_times<K, X, M, kTurned>(plan, node, z, v, b);
-    for (int k = 0; k < M; ++k) K::put(Cd, node.x + k, b[k]);
-  });
+  schur::for_each_link<K, X>(
+      plan, [&]<int M, bool kTurned>(const schur::Node& node) __attribute__((always_inline)) {
+        V b[M];
+        for (int k = 0; k < M; ++k) b[k] = K::number(z.Ct, node.x + k);
+        schur::add_rows_times<K, X, M, kTurned>(plan, node, z, v, b);
+        for (int k = 0; k < M; ++k) K::put(Cd, node.x + k, b[k]);
+      });
 }
 
 LOCKSTEP_LANE void largest_scales(const Plan& plan, const Numbers& z, double* out) {
@@ -156,8 +157,8 @@ LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   if (lane == 0) return n;
   if (n.wrench) n.wrench += lane;
   for (const double** p : {&n.rows, &n.inverse, &n.mass, &n.floors, &n.y, &n.gravity, &n.frames, &n.law}) *p += lane;
-  for (double** p : {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.pivot, &n.E, &n.r, &n.body, &n.af, &n.J,
-                     &n.C, &n.Ct})
+  for (double** p :
+       {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.pivot, &n.E, &n.r, &n.body, &n.af, &n.J, &n.C, &n.Ct})
     *p += lane;
   return n;
 }

@@ -1,5 +1,5 @@
-// LaneBlocks: the storage of several matrices at once, for the elimination (dynamics/solvers/elimination.h). Every number is a
-// pack, one matrix per lane; of a diagonal block the lower triangle is kept. Private to the room.
+// LaneBlocks: the storage of several matrices at once, for the elimination (dynamics/solvers/elimination.h). Every
+// number is a pack, one matrix per lane; of a diagonal block the lower triangle is kept. Private to the room.
 #pragma once
 
 #include "framework/dynamics/solvers/elimination_passes.h"
@@ -28,7 +28,9 @@ struct LaneBlocks {
   LOCKSTEP_LANE static T* at(T* p, std::ptrdiff_t i) {
     return p + kLanes * i;
   }
-  LOCKSTEP_LANE static V number(const double* p, std::ptrdiff_t i) { return *reinterpret_cast<const V*>(p + kLanes * i); }
+  LOCKSTEP_LANE static V number(const double* p, std::ptrdiff_t i) {
+    return *reinterpret_cast<const V*>(p + kLanes * i);
+  }
   LOCKSTEP_LANE static void put(double* p, std::ptrdiff_t i, const V& v) { *reinterpret_cast<V*>(p + kLanes * i) = v; }
   template <class Slab>
   LOCKSTEP_LANE static V load(const double* p) {
@@ -71,9 +73,7 @@ struct LaneBlocks {
   LOCKSTEP_LANE static V floor(const schur::Numbers& z, const schur::Node& node, int i) {
     return number(z.floors, static_cast<int>(node.kinds.of(i)));
   }
-  LOCKSTEP_LANE static void mark(V& unmet, const V& size, const V& limit) {
-    unmet = size <= limit ? unmet : V{} + 1.0;
-  }
+  LOCKSTEP_LANE static void mark(V& unmet, const V& size, const V& limit) { unmet = size <= limit ? unmet : V{} + 1.0; }
   template <class F>
   LOCKSTEP_LANE static void with_slab(int, F&& f) {
     f.template operator()<V>();

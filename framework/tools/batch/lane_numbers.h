@@ -6,8 +6,8 @@
 
 namespace lockstep::lanes {
 
-/// Those of the elimination (Numbers::rows being J), and by slot, the ground behind them: body; without the ground: a_f,
-/// wrench. By row: C, Ct.
+/// Those of the elimination (Numbers::rows being J), and by slot, the ground behind them: body; without the ground:
+/// a_f, wrench. By row: C, Ct.
 struct Numbers : schur::Numbers {
   const double* y = nullptr;  ///< state: q, v, s
   const double* gravity = nullptr;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep::lanes {
 

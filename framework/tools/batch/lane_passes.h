@@ -1,7 +1,7 @@
 // The passes over all bodies and nodes of eight copies, compiled for three sets of instructions. Private to the room.
 #pragma once
 
-#include "framework/tools/batch/copies.h"
+#include <lockstep/batch.h>
 #include "framework/tools/batch/lane_numbers.h"
 
 namespace lockstep::lanes {

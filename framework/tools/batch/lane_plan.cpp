@@ -2,7 +2,7 @@
 
 #include <typeinfo>
 
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/joints.h>
 
 namespace lockstep::lanes {
 namespace {
@@ -56,8 +56,7 @@ std::string unsuited(const System& system) {
     if (link->unilateral()) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
-    if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty())
-      return why;
+    if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty()) return why;
   std::vector<int> links(static_cast<std::size_t>(system.n_slots()));
   for (const RowEntry& e : rows.entries)
     for (int i = 0; i < e.slots.n; ++i)

@@ -1,12 +1,12 @@
-// The plan of the copies: the plan of the elimination (dynamics/solvers/schur_plan.h), counted in packs of eight, and what the
-// rows of each link are calculated from. Private to the room.
+// The plan of the copies: the plan of the elimination (dynamics/solvers/schur_plan.h), counted in packs of eight, and
+// what the rows of each link are calculated from. Private to the room.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "framework/dynamics/solvers/schur_plan.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 class MarkerLock;

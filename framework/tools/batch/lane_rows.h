@@ -1,7 +1,8 @@
-// Rows of one link in lanes: jacobians and right sides, as in mechanism/lock/kernel.h (letters and numbers are those of the
-// theory), the full translational triple in world axes. Private to the room.
+// Rows of one link in lanes: the equations of mechanism/lock/equations.h on packs, translations in world axes. Private
+// to the room.
 #pragma once
 
+#include <lockstep/kernel.h>
 #include "framework/tools/batch/lane_math.h"
 #include "framework/tools/batch/lane_numbers.h"
 
@@ -10,158 +11,165 @@ namespace lockstep::lanes::LOCKSTEP_SET {
 /// What the rows are asked for: the right side Qhat, or what projection moves to zero: C and Ct.
 enum class For { acceleration, projection };
 
-/// Motion of one slot, as the body pass left it.
-struct Slot {
-  const double* p;
-  LOCKSTEP_LANE V3 x() const { return load3(p, body::x); }
-  LOCKSTEP_LANE M3 A() const { return load9(p, body::A); }
-  LOCKSTEP_LANE Q4 e() const { return load4(p, body::e); }
-  LOCKSTEP_LANE V3 v() const { return load3(p, body::v); }
-  LOCKSTEP_LANE V3 w() const { return load3(p, body::w); }
-  LOCKSTEP_LANE V3 W() const { return load3(p, body::W); }
+/// The numbers of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (null: the ground).
+struct LinkRows {
+  const double *O1, *O2, *markers, *laws;
+  double *J1, *J2;
+  int m;
+  LOCKSTEP_LANE LinkRows(const Plan& plan, const Link& node, const Numbers& z)
+      : O1(z.body + kLanes * body::size * static_cast<std::size_t>(node.P)),
+        O2(z.body + kLanes * body::size * static_cast<std::size_t>(node.S)),
+        markers(z.frames + kLanes * node.frames),
+        laws(z.law + kLanes * node.law),
+        J1(node.side_P < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_P)].J),
+        J2(node.side_S < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_S)].J),
+        m(node.m) {}
+
+  LOCKSTEP_LANE auto A1() const { return load9(O1, body::A); }
+  LOCKSTEP_LANE auto A2() const { return load9(O2, body::A); }
+  LOCKSTEP_LANE auto uP() const { return load3(markers, frames::uP); }
+  LOCKSTEP_LANE auto uS() const { return load3(markers, frames::uS); }
+  LOCKSTEP_LANE auto A_S() const { return load9(markers, frames::AS); }
+  /// In world axes, for translations.
+  LOCKSTEP_LANE static auto in_world(const double* p) {
+    return kernel::Body{load3(p, body::x), vec::Identity{}, vec::NoTurn{}, load3(p, body::v), load3(p, body::W)};
+  }
+  /// In its own axes, for rotations.
+  LOCKSTEP_LANE static auto in_slot(const double* p) {
+    return kernel::Body{vec::None{}, vec::Identity{}, load4(p, body::e), vec::None{}, load3(p, body::w)};
+  }
+  LOCKSTEP_LANE auto P() const {
+    return kernel::Marker{vec::None{}, load9(markers, frames::AP), load4(markers, frames::qP)};
+  }
+  LOCKSTEP_LANE auto S() const { return kernel::Marker{vec::None{}, A_S(), load4(markers, frames::qS)}; }
+  LOCKSTEP_LANE auto turn() const {
+    return kernel::Turn{load4(laws, law::q), load9(laws, law::A), load3(laws, law::w), load3(laws, law::a)};
+  }
+  /// Row k on both bodies, columns from `first` on.
+  template <class R1, class R2>
+  LOCKSTEP_LANE void put(int first, int k, const R1& r1, const R2& r2) const {
+    if (J1) put(J1, first, k, r1);
+    if (J2) put(J2, first, k, r2);
+  }
+
+ private:
+  template <class R>
+  LOCKSTEP_LANE void put(double* J, int first, int k, const R& r) const {
+    store(J, static_cast<std::size_t>(first * m + k), r.x);
+    store(J, static_cast<std::size_t>((first + 1) * m + k), r.y);
+    store(J, static_cast<std::size_t>((first + 2) * m + k), r.z);
+  }
 };
-LOCKSTEP_LANE Slot slot(const Numbers& z, int k) {
-  return {z.body + kLanes * body::size * static_cast<std::size_t>(k)};
-}
-/// Columns first .. first + 2 of row k of a block with m rows.
-LOCKSTEP_LANE void put_row(double* J, int m, int first, int k, const V3& r) {
-  store(J, static_cast<std::size_t>(first * m + k), r.x);
-  store(J, static_cast<std::size_t>((first + 1) * m + k), r.y);
-  store(J, static_cast<std::size_t>((first + 2) * m + k), r.z);
-}
-LOCKSTEP_LANE V3 row_of(const M3& A, int k) { return k == 0 ? A.r0 : k == 1 ? A.r1 : A.r2; }
 
+/// f<j>(): an axis as a constant.
+template <class F>
+LOCKSTEP_LANE void with_axis(int j, F&& f) {
+  if (j == 0) return f.template operator()<0>();
+  if (j == 1) return f.template operator()<1>();
+  return f.template operator()<2>();
+}
+
+/// World axes, with the imposed shift d: rows n along the axes of the world (a triple), or of S.
+template <bool kTriple, For kFor, class D>
+LOCKSTEP_LANE void translation(const Link& node, const LinkRows& in, const Numbers& z, const D& d) {
+  const auto A1 = in.A1(), A2 = in.A2();
+  const auto uP = in.uP();
+  const auto B1 = in.in_world(in.O1), B2 = in.in_world(in.O2);
+  const auto p = kernel::Marker{A1 * uP, vec::Identity{}, vec::NoTurn{}};
+  const auto m = kernel::Marker{A2 * in.uS(), vec::Identity{}, vec::NoTurn{}};
+  const auto at = kernel::position(B1, B2, p, m);
+  const auto c = [&]() __attribute__((always_inline)) {
+    if constexpr (kFor == For::acceleration)
+      return kernel::translation_Qhat(B1, B2, p, m, d, at, kernel::velocity(B1, B2, p, at));
+    else
+      return at.rho - d.p;
+  }
+  ();
+  const auto Ct = kernel::translation_Ct(B1, B2, p, m, d, at);
+  constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoShift>;
+  double* const out = kFor == For::acceleration ? z.c : z.C;
+
+  const auto s = transpose_times(A2, at.s);
+  if constexpr (kTriple) {
+    store3(out, node.x, c);
+    if constexpr (kCt) store3(z.Ct, node.x, Ct);
+    const auto row = [&]<int k>() __attribute__((always_inline)) {
+      const vec::Unit<k> n{};
+      const auto r = kernel::translation_row(A1, uP, s, n, transpose_times(A2, n));
+      in.put(0, k, r.w1, r.w2);
+    };
+    row.template operator()<0>(), row.template operator()<1>(), row.template operator()<2>();
+  } else {
+    const auto A_S = in.A_S();
+    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k)
+      with_axis(
+          node.row[static_cast<std::size_t>(k)], [&]<int j>() __attribute__((always_inline)) {
+            const auto n2 = A_S * vec::Unit<j>{};
+            const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
+            in.put(0, k, r.v, -r.v), in.put(3, k, r.w1, r.w2);
+            store(out, node.x + static_cast<std::size_t>(k), dot(r.v, c));
+            if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), dot(r.v, Ct));
+          });
+  }
+}
+
+/// The imposed shift of a link, in world axes.
 template <bool kTriple, For kFor>
-LOCKSTEP_LANE void translation(const Plan& plan, const Link& node, const Numbers& z) {
-  const Slot O1 = slot(z, node.P), O2 = slot(z, node.S);
-  const double *f = z.frames + kLanes * node.frames, *l = z.law + kLanes * node.law;
-  double* J1 = node.side_P < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_P)].J;
-  double* J2 = node.side_S < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_S)].J;
-  const M3 A1 = O1.A(), A2 = O2.A();
-  const V3 uP = load3(f, frames::uP);
-  // (3.8) in world axes: s = x1 + A1 uP - x2
-  const V3 r = A1 * uP, sW = O1.x() + r - O2.x(), s = turned_back(A2, sW);
-
-  V3 c;  // world: Qhat, or C
-  if constexpr (kFor == For::acceleration) {
-    // (3.10), (3.12): sd = v1 + w1 x r - v2 - w2 x s,  Qhat = w2 x (2 sd + w2 x s) - w1 x (w1 x r)
-    const V3 W1 = O1.W(), W2 = O2.W(), w1r = cross(W1, r), w2s = cross(W2, sW);
-    const V3 sd = O1.v() + w1r - O2.v() - w2s;
-    c = cross(W2, sd + sd + w2s) - cross(W1, w1r);
-  } else {
-    c = sW - A2 * load3(f, frames::uS);
-  }
-  if constexpr (kTriple) {  // (3.9) turned into world axes: 1 | -A1 uP~ | -1 | A2 s~
-    if (node.moved) {
-      const M3 AS = load9(f, frames::AS);
-      if constexpr (kFor == For::acceleration) {
-        c = c + A2 * (AS * load3(l, law::pdd));
-      } else {
-        c = c - A2 * (AS * load3(l, law::p));
-        store3(z.Ct, node.x, -(A2 * (AS * load3(l, law::pd))));
-      }
-    }
-    store3(kFor == For::acceleration ? z.c : z.C, node.x, c);
-    for (int k = 0; k < 3; ++k) {
-      if (J1) put_row(J1, node.m, 0, k, cross(uP, row_of(A1, k)));
-      if (J2) put_row(J2, node.m, 0, k, cross(row_of(A2, k), s));
-    }
-  } else {  // (3.9)
-    const M3 AS = load9(f, frames::AS);
-    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k) {
-      const int j = node.row[static_cast<std::size_t>(k)];
-      const V3 n = column(AS, j), Rt = A2 * n;
-      if (J1) put_row(J1, node.m, 0, k, Rt), put_row(J1, node.m, 3, k, cross(uP, turned_back(A1, Rt)));
-      if (J2) put_row(J2, node.m, 0, k, -Rt), put_row(J2, node.m, 3, k, cross(n, s));
-      const std::size_t at = node.x + static_cast<std::size_t>(k), d = static_cast<std::size_t>(j);
-      V ck = dot(Rt, c);
-      if constexpr (kFor == For::acceleration) {
-        if (node.moved) ck += load(l, law::pdd + d);
-        store(z.c, at, ck);
-      } else {
-        if (node.moved) ck -= load(l, law::p + d), store(z.Ct, at, -load(l, law::pd + d));
-        store(z.C, at, ck);
-      }
-    }
-  }
+LOCKSTEP_LANE void translation(const Link& node, const LinkRows& in, const Numbers& z) {
+  if (!node.moved) return translation<kTriple, kFor>(node, in, z, kernel::NoShift{});
+  const auto R = in.A2() * in.A_S();
+  translation<kTriple, kFor>(
+      node, in, z,
+      kernel::Shift{R * load3(in.laws, law::p), R * load3(in.laws, law::pd), R * load3(in.laws, law::pdd)});
 }
 
-/// Row k of (h0 1 + hv~), (4.12).
-LOCKSTEP_LANE V3 half_row(int k, const V& h0, const V3& hv) {
-  if (k == 0) return {h0, -hv.z, hv.y};
-  if (k == 1) return {hv.z, h0, -hv.x};
-  return {-hv.y, hv.x, h0};
-}
-
-template <bool kTriple, Turn kTurn, For kFor>
-LOCKSTEP_LANE void rotation(const Plan& plan, const Link& node, const Numbers& z) {
-  constexpr bool kParallel = kTurn == Turn::parallel, kLaw = kTurn == Turn::law;
-  constexpr int kFirst = kTriple ? 0 : 3;  // column of the angular part
-  const Slot O1 = slot(z, node.P), O2 = slot(z, node.S);
-  const double *f = z.frames + kLanes * node.frames, *l = z.law + kLanes * node.law;
-  double* J1 = node.side_P < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_P)].J;
-  double* J2 = node.side_S < 0 ? nullptr : z.J + kLanes * plan.sides[static_cast<std::size_t>(node.side_S)].J;
-
-  // (4.1), (4.2)
-  Q4 e = conjugate(O2.e()) * O1.e();
-  M3 AP, AS, AD;
-  if constexpr (!kParallel) {
-    AP = load9(f, frames::AP), AS = load9(f, frames::AS);
-    Q4 qS = load4(f, frames::qS);
-    if constexpr (kLaw) AD = load9(l, law::A), qS = qS * load4(l, law::q);
-    e = conjugate(qS) * (e * load4(f, frames::qP));
-  }
-  const V h0 = 0.5 * e.w;
-  const V3 hv = 0.5 * e.v;
-  V3 c;
-  if constexpr (kFor == For::acceleration) {  // (4.10), (4.14)
-    V3 WP = O1.w(), WD = O2.w(), WDd;
-    if constexpr (!kParallel) WP = turned_back(AP, WP), WD = turned_back(AS, WD);
-    if constexpr (kLaw) {
-      const V3 delta = load3(l, law::w);
-      WD = turned_back(AD, WD);
-      WDd = load3(l, law::a) - cross(delta, WD);
-      WD = WD + delta;
+template <bool kTriple, For kFor, class P, class S, class D>
+LOCKSTEP_LANE void rotation(const Link& node, const LinkRows& in, const Numbers& z, const P& p, const S& m,
+                            const D& d) {
+  const auto O1 = in.in_slot(in.O1), O2 = in.in_slot(in.O2);
+  const auto e = kernel::rotation_error(O1, O2, p, m, d);
+  const auto c = [&]() __attribute__((always_inline)) {
+    if constexpr (kFor == For::acceleration) {
+      const auto w = kernel::angular_velocities(O1, O2, p, m, d);
+      return kernel::rotation_Qhat(e, kernel::rotation_rate(e, w), w).v;
+    } else {
+      return e.v;
     }
-    const V k = 0.25 * (dot(WP, WP) + dot(WD, WD));
-    const V3 t = e.w * WP + cross(e.v, WP);
-    V3 mid = cross(WD, t) - dot(e.v, WP) * WD;
-    if constexpr (kLaw) mid = mid + e.w * WDd - cross(e.v, WDd);
-    c = k * e.v + 0.5 * mid;
-  } else {
-    c = e.v;
   }
-  V3 Ct;
-  if constexpr (kLaw && kFor == For::projection) {  // (4.13)
-    const V3 delta = load3(l, law::w);
-    Ct = -(h0 * delta - cross(hv, delta));
-  }
+  ();
+  const auto Ct = kernel::rotation_Ct(e, p, m, d).v;
+  constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoTurn>;
+  double* const out = kFor == For::acceleration ? z.c : z.C;
+
+  const auto h = 0.5 * e;
+  const auto A_SD = m.A * d.A;
   for (int k = kTriple ? 3 : 0; k < node.m; ++k) {
-    const int j = node.row[static_cast<std::size_t>(k)] - 3;
-    if (!kTriple && j < 0) continue;
-    V3 n1 = half_row(j, h0, hv), n2 = half_row(j, -h0, hv);  // (4.12)
-    if constexpr (!kParallel) n1 = AP * n1;
-    if constexpr (kLaw) n2 = AD * n2;
-    if constexpr (!kParallel) n2 = AS * n2;
-    if (J1) put_row(J1, node.m, kFirst, k, n1);
-    if (J2) put_row(J2, node.m, kFirst, k, n2);
-    const std::size_t at = node.x + static_cast<std::size_t>(k);
-    store(kFor == For::acceleration ? z.c : z.C, at, component(c, j));
-    if constexpr (kLaw && kFor == For::projection) store(z.Ct, at, component(Ct, j));
+    const int axis = node.row[static_cast<std::size_t>(k)] - 3;
+    if (!kTriple && axis < 0) continue;
+    with_axis(
+        axis, [&]<int j>() __attribute__((always_inline)) {
+          const auto r = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, vec::Unit<j>{}});
+          in.put(kTriple ? 0 : 3, k, r.w1, r.w2);
+          store(out, node.x + static_cast<std::size_t>(k), vec::get<j>(c));
+          if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), vec::get<j>(Ct));
+        });
   }
 }
 
 template <bool kTriple, For kFor>
 LOCKSTEP_LANE void rows(const Plan& plan, const Link& node, const Numbers& z) {
-  if (kTriple || node.row[0] < 3) translation<kTriple, kFor>(plan, node, z);
+  const LinkRows in(plan, node, z);
+  if (kTriple || node.row[0] < 3) translation<kTriple, kFor>(node, in, z);
   if (kTriple && node.m == 3) return;
   switch (node.turn) {
-    case Turn::parallel:
-      return rotation<kTriple, Turn::parallel, kFor>(plan, node, z);
+    case Turn::parallel: {
+      const auto aligned = kernel::Marker{vec::None{}, vec::Identity{}, vec::NoTurn{}};
+      return rotation<kTriple, kFor>(node, in, z, aligned, aligned, kernel::NoTurn{});
+    }
     case Turn::plain:
-      return rotation<kTriple, Turn::plain, kFor>(plan, node, z);
+      return rotation<kTriple, kFor>(node, in, z, in.P(), in.S(), kernel::NoTurn{});
     case Turn::law:
-      return rotation<kTriple, Turn::law, kFor>(plan, node, z);
+      return rotation<kTriple, kFor>(node, in, z, in.P(), in.S(), in.turn());
     default:
       return;
   }

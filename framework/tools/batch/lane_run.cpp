@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "framework/dynamics/integrate/runge_kutta.h"
-#include "framework/dynamics/integrate/step_control.h"
+#include <lockstep/stepping.h>
 #include "framework/dynamics/simulate/step_rules.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 #include "framework/tools/batch/copy_run.h"
 
 namespace lockstep::lanes {

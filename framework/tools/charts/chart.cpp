@@ -1,4 +1,4 @@
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/tools/charts/chart_style.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

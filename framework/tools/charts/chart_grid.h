@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "framework/tools/charts/chart_style.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep::chart_style {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 #include "framework/tools/charts/gnuplot.h"
 
 namespace lockstep::chart_style {

@@ -14,8 +14,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 extern char** environ;
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "framework/foundation/support/export.h"
+#include <lockstep/export.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/check/check_force.h"
+#include <lockstep/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,8 +6,8 @@
 
 #include "framework/tools/check/force_check.h"
 #include "framework/tools/check/sample_system.h"
-#include "framework/mechanism/links/joints.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/joints.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

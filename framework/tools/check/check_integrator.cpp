@@ -1,9 +1,9 @@
-#include "framework/tools/check/check_integrator.h"
+#include <lockstep/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/tools/check/integrator_check.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/check/check_law.h"
+#include <lockstep/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,8 +9,8 @@
 #include "framework/tools/check/draw.h"
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/slope.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

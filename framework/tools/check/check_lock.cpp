@@ -1,4 +1,4 @@
-#include "framework/tools/check/check_lock.h"
+#include <lockstep/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -6,7 +6,7 @@
 
 #include "framework/tools/check/lock_check.h"
 #include "framework/tools/check/sample_system.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

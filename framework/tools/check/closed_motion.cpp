@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "framework/mechanism/forces/torsion_spring_damper.h"
-#include "framework/mechanism/links/joints.h"
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
 
 namespace lockstep {
 
@@ -33,8 +33,8 @@ ClosedMotion hinged_pendulum() {
   constexpr double kAngle = 1.2, kLength = 0.8, kG = 9.81, kMass = 1.5, kRadius = kLength / 50;
   ClosedMotion m{"pendulum", 1.5, std::make_unique<System>(System::Options{{0, 0, -kG}}), {}};
   const auto end = [](double a) { return Vec3(kLength * std::sin(a), 0, -kLength * std::cos(a)); };
-  Body& body = m.system->add_body("rod", rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
-  auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), at(Vec3::Zero(), Vec3(0, 1, 0)));
+  Body& body = m.system->add_body("rod", shapes::rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
+  auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
   m.system->add<TorsionSpringDamper>("counter", m.system->marker("hinge.P"), m.system->marker("hinge.S"), {});
   (void)hinge;
   m.system->setup();

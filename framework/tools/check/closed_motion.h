@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 namespace lockstep {
 

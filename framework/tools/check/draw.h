@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "framework/foundation/math/quaternion.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "framework/tools/check/jumps.h"
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/relative.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/mechanism/forces/function_force.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/force.h>
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

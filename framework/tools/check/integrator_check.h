@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/tools/check/check_integrator.h"
+#include <lockstep/check.h>
 #include "framework/tools/check/closed_motion.h"
 
 namespace lockstep {

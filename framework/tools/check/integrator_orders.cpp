@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "framework/tools/check/integrator_check.h"
-#include "framework/dynamics/solvers/schur_solver.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "framework/tools/check/draw.h"
-#include "framework/tools/check/report.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/check.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 
 namespace lockstep {

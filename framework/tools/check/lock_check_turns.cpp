@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "framework/tools/check/lock_check.h"
-#include "framework/mechanism/lock/marker_frame.h"
+#include <lockstep/relative.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/check/report.h"
+#include <lockstep/check.h>
 
 #include <spdlog/fmt/fmt.h>
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/check/report.h"
-#include "framework/mechanism/params/site.h"
-#include "framework/mechanism/system/system.h"
+#include <lockstep/check.h>
+#include <lockstep/params.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 

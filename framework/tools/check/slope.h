@@ -10,8 +10,8 @@
 
 #include <functional>
 
-#include "framework/foundation/math/types.h"
-#include "framework/foundation/support/export.h"
+#include <lockstep/math.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 

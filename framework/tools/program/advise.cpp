@@ -8,7 +8,7 @@
 #include "framework/tools/program/survey.h"
 #include "framework/tools/program/ways.h"
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -9,7 +9,7 @@
 #include "framework/tools/analysis/certificate.h"
 #include "framework/tools/program/survey.h"
 #include "framework/tools/program/ways.h"
-#include "framework/tools/sweep/observe.h"
+#include <lockstep/sweep.h>
 
 namespace lockstep {
 namespace {

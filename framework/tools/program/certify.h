@@ -1,7 +1,7 @@
 // The certificate of a run: it is made again by other means, and the columns are compared.
 #pragma once
 
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {

@@ -5,11 +5,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "framework/tools/analysis/mobility.h"
-#include "framework/mechanism/lock/marker_lock.h"
+#include <lockstep/analysis.h>
+#include <lockstep/lock.h>
 #include "framework/tools/program/commands.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/sweep.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

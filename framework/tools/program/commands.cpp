@@ -7,10 +7,10 @@
 #include <functional>
 
 #include "framework/description/scene/describe.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
-#include "framework/version.h"
+#include <lockstep/version.h>
 
 namespace lockstep {
 namespace {

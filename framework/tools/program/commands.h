@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/registry.h"
-#include "framework/description/scene/scene.h"
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
 
 namespace lockstep {
 

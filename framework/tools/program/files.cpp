@@ -5,9 +5,9 @@
 #include <fstream>
 #include <set>
 
-#include "framework/tools/charts/chart.h"
+#include <lockstep/charts.h>
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

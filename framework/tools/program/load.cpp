@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <set>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/mechanism/params/units.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/loader.h>
 #include "framework/tools/program/ways.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "framework/description/registry/builtins.h"
+#include <lockstep/registry.h>
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/registry/registry.h"
+#include <lockstep/registry.h>
 
 namespace lockstep {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
+#include <lockstep/loader.h>
 #include "framework/description/registry/survey.h"
 #include "framework/tools/program/commands.h"
 

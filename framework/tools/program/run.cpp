@@ -7,16 +7,16 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "framework/dynamics/simulate/assembly.h"
-#include "framework/dynamics/simulate/step_loop.h"
+#include <lockstep/assembly.h>
+#include <lockstep/step_loop.h>
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/summary.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/log.h"
+#include <lockstep/sweep.h>
+#include <lockstep/log.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 
 namespace lockstep {
 

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <optional>
 
-#include "framework/tools/analysis/mobility.h"
+#include <lockstep/analysis.h>
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/ways.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/sweep.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {

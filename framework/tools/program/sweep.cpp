@@ -1,5 +1,5 @@
 // The verb sweep: a scene run many times with other values, one row a run.
-#include "framework/tools/sweep/sweep.h"
+#include <lockstep/sweep.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,12 +9,12 @@
 #include <fstream>
 #include <optional>
 
-#include "framework/tools/analysis/grid.h"
+#include <lockstep/analysis.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/sweep/sweep_lanes.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

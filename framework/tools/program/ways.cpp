@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "framework/description/scene/write.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

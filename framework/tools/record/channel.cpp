@@ -1,4 +1,4 @@
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,8 +8,8 @@
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
 #include "framework/tools/record/turn_counter.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace channels {

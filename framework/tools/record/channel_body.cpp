@@ -1,7 +1,7 @@
 // Channels of bodies and markers: motion in the world, and seen from another frame.
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/params/angles.h"
+#include <lockstep/params.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/tools/record/channel.h"
+#include <lockstep/recorder.h>
 #include "framework/tools/record/frame.h"
 
 namespace lockstep::channels {

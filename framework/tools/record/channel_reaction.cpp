@@ -1,7 +1,7 @@
 // Reactions of links and what drives add, from the multipliers and the rows alone: no formula a link.
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/mechanism/lock/reactions.h"
+#include <lockstep/lock.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {

@@ -10,8 +10,8 @@
 #include <ostream>
 #include <string_view>
 
-#include "framework/tools/record/table.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/recorder.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

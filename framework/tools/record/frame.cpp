@@ -10,9 +10,9 @@ Vec3 slot_alpha(const VecX& a, int slot) {
   return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3));
 }
 
-LockPoint look_at(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
+RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
   const bool moving = m.slide || m.spin || n.slide || n.spin;
-  return look(motion(s, m.slot), motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
+  return relative_kinematics(motion(s, m.slot), motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
 
 Relative relative(const Frame& m, const Frame& n, const State& s) {
   const MarkerFrame P = m.folded(), S = n.folded();
-  const LockPoint L = look_at(P, S, s);
+  const RelativeKinematics L = kinematics_of(P, S, s);
   Relative r;
   r.y = L.y, r.yd = L.yd, r.ydd.setZero();
   const FrameMotion p = motion_of(m, s), o = motion_of(n, s);
@@ -66,7 +66,7 @@ Relative relative(const Frame& m, const Frame& n, const State& s) {
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
   const VecX& a = sample.values().a;
   const MarkerFrame P = m.folded(), S = n.folded();
-  const LockPoint L = look_at(P, S, sample.state);
+  const RelativeKinematics L = kinematics_of(P, S, sample.state);
   Relative r = relative(m, n, sample.state);
   // (2.2) ydd = Jh_y acc - Qhat_y
   r.ydd = L.Jv1 * (slot_acceleration(a, P.slot) - slot_acceleration(a, S.slot)) + L.Jw1 * slot_alpha(a, P.slot) +

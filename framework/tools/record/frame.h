@@ -1,9 +1,8 @@
 // Frame: a body's frame or a marker, and its motion in the world or seen from another one.
 #pragma once
 
-#include "framework/dynamics/simulate/observer.h"
-#include "framework/mechanism/lock/look.h"
-#include "framework/mechanism/lock/marker_frame.h"
+#include <lockstep/step_loop.h>
+#include <lockstep/relative.h>
 
 namespace lockstep::channels {
 

@@ -1,8 +1,8 @@
-#include "framework/tools/record/recorder.h"
+#include <lockstep/recorder.h>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/foundation/support/error.h"
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -1,12 +1,12 @@
-#include "framework/tools/record/table.h"
+#include <lockstep/recorder.h>
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cassert>
 
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 
 namespace lockstep {
 
@@ -20,7 +20,7 @@ class TurnCounter {
     return raw + kTwoPi * std::round((expected - raw) / kTwoPi);
   }
   void accept(double raw, double t, double rate) {
-    angle_ = at(raw, t, rate);
+    angle_ = pose_at(raw, t, rate);
     t_ = t, rate_ = rate, begun_ = true;
   }
   void restart() { begun_ = false; }

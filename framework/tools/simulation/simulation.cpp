@@ -1,8 +1,8 @@
-#include "framework/tools/simulation/simulation.h"
+#include <lockstep/simulation.h>
 
-#include "framework/description/registry/method_spec.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/sweep/observe.h"
+#include <lockstep/sweep.h>
 
 #include "framework/description/scene/builder.h"
 

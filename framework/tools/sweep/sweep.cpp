@@ -1,12 +1,11 @@
-#include "framework/tools/sweep/sweep.h"
+#include <lockstep/sweep.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/error.h"
-#include "framework/foundation/support/text.h"
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "framework/tools/analysis/work_precision.h"
-#include "framework/tools/batch/copies.h"
-#include "framework/tools/sweep/observe.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/batch.h>
+#include <lockstep/sweep.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/sweep/sweep.h"
+#include <lockstep/sweep.h>
 
 namespace lockstep {
 

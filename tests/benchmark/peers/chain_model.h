@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 #include "tests/benchmark/peers/extrapolate.h"
 #include "tests/benchmark/peers/mechanisms.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/foundation/math/types.h"
+#include <lockstep/math.h>
 
 namespace lockstep::peers {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "framework/lockstep.h"
+#include <lockstep/lockstep.h>
 #include "framework/description/scene/read.h"
 #include "tests/benchmark/peers/measure.h"
 #include "tests/benchmark/peers/scenes.h"

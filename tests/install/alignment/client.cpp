@@ -1,5 +1,5 @@
 // Memory of a state that the library made is resized and freed here, and the other way round.
-#include "framework/mechanism/system/system.h"
+#include <lockstep/system.h>
 
 int main() {
   lockstep::System system;

@@ -1,5 +1,5 @@
 // The smallest law: y = slope t.
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 namespace {
 

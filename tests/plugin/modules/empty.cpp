@@ -1,4 +1,4 @@
 // A plugin that brings nothing.
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 LOCKSTEP_PLUGIN(registry) { (void)registry; }

@@ -1,6 +1,6 @@
 // A plugin that gives up half way: nothing of it may stay.
-#include "framework/description/registry/plugin.h"
-#include "framework/foundation/support/error.h"
+#include <lockstep/plugin.h>
+#include <lockstep/error.h>
 
 namespace {
 

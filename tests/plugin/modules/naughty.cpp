@@ -2,9 +2,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "framework/dynamics/integrate/integrator.h"
-#include "framework/mechanism/lock/marker_frame.h"
-#include "framework/description/registry/plugin.h"
+#include <lockstep/integrator.h>
+#include <lockstep/relative.h>
+#include <lockstep/plugin.h>
 
 namespace {
 

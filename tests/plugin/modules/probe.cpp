@@ -1,7 +1,7 @@
 // A plugin that leaves a trace as soon as any of its code runs.
 #include <cstdlib>
 
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 namespace {
 

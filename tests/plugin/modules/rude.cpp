@@ -5,7 +5,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 namespace {
 

@@ -4,7 +4,7 @@
 // order.
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/description/registry/plugin.h"
+#include <lockstep/plugin.h>
 
 namespace {
 

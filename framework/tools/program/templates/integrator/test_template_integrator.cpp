@@ -1,9 +1,9 @@
 // Measures the order of the integrator and tries what a run relies on. Give it the file of the plugin.
 #include <cstdio>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_integrator.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
+#include <lockstep/loader.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

@@ -2,9 +2,9 @@
 // plugin.
 #include <cstdio>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_law.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
+#include <lockstep/loader.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

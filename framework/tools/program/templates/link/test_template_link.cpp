@@ -1,9 +1,9 @@
 // Holds the joint against differences: jacobian, rates, right side, stiffness. Give it the file of the plugin.
 #include <cstdio>
 
-#include "framework/description/registry/builtins.h"
-#include "framework/tools/check/check_lock.h"
-#include "framework/description/registry/loader.h"
+#include <lockstep/registry.h>
+#include <lockstep/check.h>
+#include <lockstep/loader.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

@@ -1,0 +1,397 @@
+// The forces.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/force.h>
+#include <lockstep/params.h>
+
+namespace lockstep {
+
+// Forces 'applied_force' and 'applied_torque': a force at a marker or a torque on its body, constant or by laws.
+
+
+/// The axes in which an applied vector is given: the world's, those of P's body, or those of marker P.
+enum class AppliedAxes { world, body, marker };
+
+/// value + law(t) direction + (laws_x, laws_y, laws_z)(t); what is left out is zero.
+struct AppliedVector {
+  Vec3 value = Vec3::Zero();                ///< N or N m
+  LawPtr<MotionLaw> law{};                  ///< N or N m, along `direction`
+  Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
+  std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N or N m, the three components
+  AppliedAxes axes = AppliedAxes::world;
+};
+
+class Applied;
+extern template class LOCKSTEP_API FormulaForce<Applied>;
+
+/// What both applied loads are: the effort of a vector on P's body; with S, the opposite on S's body.
+class LOCKSTEP_API Applied : public FormulaForce<Applied> {
+ public:
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedVector vector);
+  ~Applied() override;
+  /// force_on_p_world_x, .._y, .._z (of a torque: torque_..), power
+  std::vector<Quantity> quantities() const override;
+  void setup() override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
+
+ protected:
+  static Keys keys(Effort);
+  /// The vector that `keys` describe. Throws SceneError.
+  static AppliedVector read(Effort, const Params&);
+
+ private:
+  Vec3 in_its_axes(double t) const;
+  Effort effort_;
+  AppliedVector vector_;
+  Mat3 body_axes_ = Mat3::Identity();  // body axes -> slot axes; made by setup()
+};
+
+/// Force F at the origin of P on P's body; with S, -F on S's body at the same point.
+///
+///   force       F = value + law(t) direction + laws(t), in the axes chosen          N
+///   potential   V = -value.x_P, only of the constant part in world axes, without S or with S on the ground   J
+///   power       F.(velocity of P's body at x_P - velocity of S's body at x_P)       W; all of it but -dV/dt is supply
+/// No dissipation.
+class LOCKSTEP_API AppliedForce final : public Applied {
+ public:
+  struct Options {
+    Vec3 force = Vec3::Zero();                ///< N
+    LawPtr<MotionLaw> law{};                  ///< N, along `direction`
+    Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
+    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N, the components
+    AppliedAxes axes = AppliedAxes::world;
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  AppliedForce(std::string name, Marker& p, Options options);
+  AppliedForce(std::string name, Marker& p, Marker& s, Options options);
+  std::string_view type() const override { return info().name; }
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+};
+
+/// Torque M on P's body; with S, -M on S's body.
+///
+///   torque      M = value + law(t) direction + laws(t), in the axes chosen   N m
+///   power       M.(w of P's body - w of S's body)                            W, all of it supply
+/// No potential - a constant torque in space has none - and no dissipation.
+class LOCKSTEP_API AppliedTorque final : public Applied {
+ public:
+  struct Options {
+    Vec3 torque = Vec3::Zero();               ///< N m
+    LawPtr<MotionLaw> law{};                  ///< N m, about `direction`
+    Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
+    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N m, the components
+    AppliedAxes axes = AppliedAxes::world;
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  AppliedTorque(std::string name, Marker& p, Options options);
+  AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
+  std::string_view type() const override { return info().name; }
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+};
+
+
+// Force 'bushing': a soft joint, linear in six directions.
+
+
+class Bushing;
+extern template class LOCKSTEP_API FormulaForce<Bushing>;
+
+/// Springs and dampers along and about the axes of S, between P and S. d = A_S' (x_P - x_S); th = rotation vector of
+/// e = q_S' q_P in the axes of S, |th| < pi: small turns.
+///
+///   force       F = -(K d + C dd),      dd = A_S' (v_P - v_S) - w_S x d       N, S axes; on P's body at x_P, -F on S's
+///   torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w      N m, S axes; on P's body, -M on S's
+///               J = 1 - 1/2 th~ + c th~^2,  c = (1 - (a/2) cot(a/2))/a^2,  a = |th|
+///   potential   V = 1/2 d'K d + 1/2 th'Kt th                                  J
+///   dissipation D = dd'C dd + w'Ct w                                          W
+///   power       of F and M on the two bodies                                  W; = -dV/dt - D, markers still
+///
+/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S may not be on
+/// a particle; P may, when the rotational numbers are zero. Stiffness may be negative, damping not.
+class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
+ public:
+  struct Options {
+    Vec3 stiffness = Vec3::Zero();          ///< K, N/m, along the axes of S
+    Vec3 damping = Vec3::Zero();            ///< C, N s/m
+    Vec3 torsion_stiffness = Vec3::Zero();  ///< Kt, N m/rad, about the axes of S
+    Vec3 torsion_damping = Vec3::Zero();    ///< Ct, N m s/rad
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  Bushing(std::string name, Marker& p, Marker& s, Options options);
+
+  std::string_view type() const override { return info().name; }
+  /// x y z (d), angle_x angle_y angle_z (th), force_on_p_link_x .. z, torque_on_p_link_x .. z (S axes), power
+  std::vector<Quantity> quantities() const override;
+  void setup() override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
+
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+
+ private:
+  Options options_;
+};
+
+
+// Force 'joint_friction': dry and viscous friction in a joint, from the reaction that the joint has at this instant.
+
+
+/// Rubs where the link's mask leaves P free to slide in S or to turn about one axis of S. With F and M the reaction of
+/// the joint's own rows on P's body at the origin of P (drives left out), in S axes, u the sliding velocity of P in the
+/// free directions and w the rate about the free axis:
+///
+///   sliding   N = N0 + |F held| + |M held, normal to a single free direction|/b         N
+///             force on P's body at P: -(mu(|u|) N + c |u|) u/|u|, the opposite on S's   N
+///   turning   T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
+///   mu(s)     = (mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)) tanh(s/v_0)                      Stribeck; Coulomb: mu_s = mu_k
+///   |F|       = sqrt(F.F + e^2) - e, smooth where the reaction passes zero
+///
+/// All of it is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. The torque takes r_a
+/// for r in mu where r is zero. Refused: links that are no locks of markers, markers with laws of their own.
+class LOCKSTEP_API JointFriction final : public Force, public Reacting {
+ public:
+  struct Options {
+    double mu = 0;                  ///< mu_k, not negative
+    double mu_static = -1;          ///< mu_s; below zero: mu_k
+    double stribeck_speed = 0.01;   ///< v_s, m/s
+    double smoothing_speed = 1e-3;  ///< v_0, m/s
+    double radius = 0;              ///< r, m: where a bearing rubs under its radial load
+    double axial_radius = 0;        ///< r_a, m: where it rubs under its axial load
+    double bending_length = 0;      ///< b, m; 0: bending moments press on nothing
+    double preload = 0;             ///< N0, N: a normal force that is always there
+    double viscous = 0;             ///< c, N s/m
+    double viscous_turn = 0;        ///< c_t, N m s/rad
+    double load_smoothing = 1e-6;   ///< e, N
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
+  JointFriction(std::string name, const Lock& link, Options options);
+
+  std::string_view type() const override { return info().name; }
+  std::vector<const Marker*> markers() const override { return {p_, s_}; }
+  /// normal_force, friction_force (on P along the sliding, with its sign where there is one direction), sliding_speed;
+  /// radial_force, axial_force, friction_torque (on P about the axis), turning_rate: those that the link has.
+  std::vector<Quantity> quantities() const override;
+  double reacting_quantity(int k, const Inputs&, const Reactions&) const override;
+  void setup() override;
+  void apply(const Inputs&, WrenchSum&) const override {}
+  void tangent(const Inputs&, TangentSum&) const override {}
+
+  const Reacting* reacting() const override { return this; }
+  std::vector<const Lock*> reads() const override { return {link_}; }
+  void react(const Inputs&, const Reactions&, WrenchSum& out) const override;
+  void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;
+  double friction_loss(const Inputs&, const Reactions&) const override;
+
+  static const TypeInfo& info();
+  static Options options(const Params&);
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+
+ private:
+  struct Pressing;
+  void check_numbers() const;
+  template <class T>
+  T coefficient(const T& square_of_speed) const;
+  double size(double square) const;
+  Pressing pressing(const Inputs&, const Reactions&) const;
+  template <class T, class Load>
+  void act(const Pressing&, const Ends<T>&, Load&) const;
+  ForceAccount account(const Inputs&, const Reactions&) const;
+
+  const Lock* link_;
+  const Marker *p_, *s_;
+  Options options_;
+  Vec3 sliding_ = Vec3::Zero();  // 1 in the free directions of S, where something is held to press on
+  Vec3 pressing_ = Vec3::Zero();
+  int turning_ = -1;  // free axis of S
+  Vec3 radial_ = Vec3::Zero(), axial_ = Vec3::Zero(), bending_ = Vec3::Zero();
+  double arm_ = 0;
+  MarkerFrame P_, S_;
+};
+
+
+// LinearSpring: spring, damper and actuator in one coordinate: a length, N and m, or an angle, N m and rad.
+
+
+/// Pulls its coordinate q back; qd is its rate.
+///
+///   force         T = k (q - q0) + T0 + c qd + law(t)
+///   potential     V = 1/2 k (q - q0)^2 + T0 (q - q0)
+///   dissipation   D = c qd^2
+///   supply        -law(t) qd
+struct LinearSpring {
+  double stiffness, damping, free, preload;
+
+  template <class T, class Load>
+  T force(const T& q, const T& rate, double law, Load& load) const {
+    const T x = q - free, elastic = stiffness * x;
+    load.stores((0.5 * elastic + preload) * x);
+    load.dissipates(damping * rate * rate);
+    load.supplies(-law * rate);
+    return elastic + preload + damping * rate + law;
+  }
+};
+
+
+// Forces 'force_motor' and 'torque_motor': a force or a torque by a law between two bodies, along an axis.
+
+
+class Motor;
+extern template class LOCKSTEP_API FormulaForce<Motor>;
+
+/// What both motors are: the effort f = law(t) along z of S. Free to move: only the effort is given.
+class LOCKSTEP_API Motor : public FormulaForce<Motor> {
+ public:
+  /// Throws ParameterError (a ModelError) without a law.
+  Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law);
+  ~Motor() override;
+  std::vector<Quantity> quantities() const override;  ///< force or torque, rate, power
+  void setup() override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
+
+ private:
+  Effort effort_;
+  LawPtr<MotionLaw> law_;
+};
+
+/// Force on P's body at the origin of P along z of S, the opposite on S's body at the same point.
+///
+///   force    F = law(t)                                                           N, on P's body along z of S
+///   rate     z_S.(v_P - v_S - w_S x (x_P - x_S)) of the markers                   m/s, of P along z in the axes of S
+///   power    F z_S.(velocity of P's body at x_P - velocity of S's body at x_P)    W, put into the mechanism
+/// No potential, no dissipation.
+class LOCKSTEP_API ForceMotor final : public Motor {
+ public:
+  struct Options {
+    LawPtr<MotionLaw> force{};  ///< N; needed
+  };
+  /// Throws ParameterError (a ModelError) without a law.
+  ForceMotor(std::string name, Marker& p, Marker& s, Options options);
+  std::string_view type() const override { return info().name; }
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+};
+
+/// Torque on P's body about z of S, the opposite on S's body.
+///
+///   torque   T = law(t)                        N m, on P's body about z of S
+///   rate     z_S.(w_P - w_S) of the markers    rad/s
+///   power    T z_S.(w_P - w_S) of the bodies   W, put into the mechanism
+/// No potential, no dissipation.
+class LOCKSTEP_API TorqueMotor final : public Motor {
+ public:
+  struct Options {
+    LawPtr<MotionLaw> torque{};  ///< N m; needed
+  };
+  /// Throws ParameterError (a ModelError) without a law.
+  TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
+  std::string_view type() const override { return info().name; }
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+};
+
+
+// Force 'spring_damper': spring, damper and linear actuator between two points.
+
+
+class SpringDamper;
+extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
+
+/// Spring and damper on the line between the origins of P and S; pulls P and S together when its force is positive.
+///
+///   length      l = |x_P - x_S|                                   m
+///   rate        ld = n.(v_P - v_S),   n = (x_P - x_S)/l           m/s
+///   force       T = k (l - l0) + T0 + c ld + law(t)               N, positive = pulls; -T n on P, +T n on S
+///   potential   V = 1/2 k (l - l0)^2 + T0 (l - l0)                J
+///   dissipation D = c ld^2                                        W
+///   power       T n.(v_S - v_P) of the two bodies                 W; = -dV/dt - D - law ld, markers still
+///
+/// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the
+/// force is zero there. k may be negative (a spring that pushes away); c and l0 may not. Moving markers: x and v are
+/// theirs.
+class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
+ public:
+  struct Options {
+    double stiffness = 0;       ///< k, N/m
+    double damping = 0;         ///< c, N s/m, not negative
+    double free_length = 0;     ///< l0, m, not negative
+    double preload = 0;         ///< T0, N: force at l0, positive = pulls
+    LawPtr<MotionLaw> force{};  ///< N, added to the force: a linear actuator
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  SpringDamper(std::string name, Marker& p, Marker& s, Options options);
+
+  std::string_view type() const override { return info().name; }
+  std::vector<Quantity> quantities() const override;  ///< length, rate, force, power
+  void setup() override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
+
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+
+ private:
+  Options options_;
+};
+
+
+// Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, its turns counted.
+
+
+class TorsionSpringDamper;
+extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
+
+/// Spring and damper about the common z axis of P and S; turns P back when its torque is positive.
+///
+///   angle       th = 2 atan2(e3, e0), e = q_S' q_P, counted past full turns   rad
+///   rate        thd = g.(w_P - w_S), g = (z_P + z_S)/(1 + z_P.z_S)            rad/s; g = z where the axes are common
+///   torque      T = k (th - th0) + T0 + c thd + law(t)                        N m; -T g on P, +T g on S
+///   potential   V = 1/2 k (th - th0)^2 + T0 (th - th0)                        J
+///   dissipation D = c thd^2                                                   W
+///   power       T g.(w_S - w_P) of the two bodies                             W; = -dV/dt - D - law thd, markers still
+///
+/// g is the gradient of th, so that the power balance holds for axes that are not quite common too. The angle starts in
+/// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
+/// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
+/// c not.
+class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
+ public:
+  struct Options {
+    double stiffness = 0;        ///< k, N m/rad
+    double damping = 0;          ///< c, N m s/rad, not negative
+    double free_angle = 0;       ///< th0, rad; more than a turn winds the spring up
+    double preload = 0;          ///< T0, N m: torque at th0
+    LawPtr<MotionLaw> torque{};  ///< N m, added to the torque
+  };
+  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);
+
+  std::string_view type() const override { return info().name; }
+  std::vector<Quantity> quantities() const override;  ///< angle, rate, torque, power
+  void setup() override;
+  template <class T, class Load>
+  void act(const Ends<T>&, Load&) const;
+
+  const Remembering* remembering() const override { return this; }
+  int n_memory() const override { return 1; }  ///< z[0]: the counted angle
+  void start_memory(std::span<double> z) const override { z[0] = 0; }
+  void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
+
+  static const TypeInfo& info();
+  static std::unique_ptr<Force> make(const Site&, const Params&);
+
+ private:
+  Options options_;
+};
+
+}  // namespace lockstep

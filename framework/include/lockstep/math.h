@@ -1,0 +1,449 @@
+// Vectors, matrices, quaternions and poses.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include <Eigen/Core>
+
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+// The vectors and matrices of lockstep: Eigen's, under the theory's names. T is double, a jet or a counting number.
+
+
+template <class T>
+using Vec3T = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Vec4T = Eigen::Matrix<T, 4, 1>;
+template <class T>
+using Mat3T = Eigen::Matrix<T, 3, 3>;
+template <class T>
+using Mat34T = Eigen::Matrix<T, 3, 4>;
+using Vec3 = Vec3T<double>;
+using Vec4 = Vec4T<double>;
+using Mat3 = Mat3T<double>;
+using Mat34 = Mat34T<double>;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using VecX = Eigen::VectorXd;
+using MatX = Eigen::MatrixXd;
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+/// a x b; Eigen's own cross would bring its whole geometry module into every file.
+template <class A, class B>
+inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// a~, the matrix of the cross product: a~ b = a x b.
+template <class A>
+inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
+  using T = typename A::Scalar;
+  Mat3T<T> m;
+  m << T(0), -a[2], a[1], a[2], T(0), -a[0], -a[1], a[0], T(0);
+  return m;
+}
+
+
+// Quaternions, scalar first (theory, section 1). A unit quaternion of a frame takes its axes to those of its parent.
+
+
+template <class T>
+struct QuatT {
+  T w{1}, x{0}, y{0}, z{0};
+
+  Vec3T<T> vec() const { return {x, y, z}; }
+  Vec4T<T> coefficients() const { return {w, x, y, z}; }
+  static QuatT from(const T& scalar, const Vec3T<T>& v) { return {scalar, v[0], v[1], v[2]}; }
+  template <class D>
+  static QuatT from(const Eigen::MatrixBase<D>& c) {
+    return {c[0], c[1], c[2], c[3]};
+  }
+};
+using Quat = QuatT<double>;
+
+/// (1.1) a b, 16 multiplications and 12 additions.
+template <class T>
+inline QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+template <class T>
+inline QuatT<T> operator+(const QuatT<T>& a, const QuatT<T>& b) {
+  return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+inline QuatT<T> operator-(const QuatT<T>& a) {
+  return {-a.w, -a.x, -a.y, -a.z};
+}
+
+/// (1.2) a', the conjugate; the inverse of a unit quaternion.
+template <class T>
+inline QuatT<T> conjugate(const QuatT<T>& a) {
+  return {a.w, -a.x, -a.y, -a.z};
+}
+
+template <class T>
+inline T norm2(const QuatT<T>& a) {
+  return a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z;
+}
+
+template <class T>
+inline QuatT<T> normalized(const QuatT<T>& a) {
+  using std::sqrt;
+  const T s = T(1) / sqrt(norm2(a));
+  return {a.w * s, a.x * s, a.y * s, a.z * s};
+}
+
+/// (1.5) A(q): axes of the frame -> axes of its parent, for |q| = 1.
+template <class T>
+inline Mat3T<T> rotation(const QuatT<T>& q) {
+  const T x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
+  const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
+  const T wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+  Mat3T<T> A;
+  A << T(1) - (yy + zz), xy - wz, xz + wy, xy + wz, T(1) - (xx + zz), yz - wx, xz - wy, yz + wx, T(1) - (xx + yy);
+  return A;
+}
+
+/// (1.6) G(q) = 2 [ -qv | q0 1 - qv~ ], 3x4: w = G qd in body axes.
+template <class T>
+inline Mat34T<T> G_matrix(const QuatT<T>& q) {
+  const T w = q.w + q.w, x = q.x + q.x, y = q.y + q.y, z = q.z + q.z;
+  Mat34T<T> G;
+  G << -x, w, z, -y, -y, -z, w, x, -z, y, -x, w;
+  return G;
+}
+
+/// (1.8) qd = (1/2) q w, w in body axes.
+template <class T>
+inline QuatT<T> rate(const QuatT<T>& q, const Vec3T<T>& w) {
+  const T h(0.5);
+  return q * QuatT<T>{T(0), h * w[0], h * w[1], h * w[2]};
+}
+
+/// (1.9) qdd = (1/2) q al - (1/4)|w|^2 q, body axes.
+template <class T>
+inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>& al) {
+  const T h(0.5);
+  return q * QuatT<T>{T(-0.25) * w.dot(w), h * al[0], h * al[1], h * al[2]};
+}
+
+/// (1.12) exponential: the quaternion of the turn by |th| about th; a series below |th| = 1e-2.
+inline Quat exponential(const Vec3& th) {
+  const double a2 = th.squaredNorm();
+  double c, s;  // cos(a/2), sin(a/2)/a
+  if (a2 < 1e-4) {
+    c = 1.0 - a2 / 8.0 * (1.0 - a2 / 48.0 * (1.0 - a2 / 120.0));
+    s = 0.5 * (1.0 - a2 / 24.0 * (1.0 - a2 / 80.0 * (1.0 - a2 / 168.0)));
+  } else {
+    const double a = std::sqrt(a2);
+    c = std::cos(0.5 * a);
+    s = std::sin(0.5 * a) / a;
+  }
+  return {c, s * th[0], s * th[1], s * th[2]};
+}
+
+/// (1.12) Cayley: normalise(1 + th/2), a turn by 2 atan(|th|/2).
+inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
+
+/// (1.12) rotation vector of q, its length in [0, pi]: the sign of q does not matter.
+inline Vec3 rotation_vector(const Quat& q) {
+  const double sign = q.w < 0 ? -1.0 : 1.0;
+  const Vec3 v = sign * q.vec();
+  const double n = v.norm();
+  if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
+  return 2.0 * std::atan2(n, sign * q.w) / n * v;
+}
+
+/// Quaternion of the turn by `angle` (rad) about the axis `n` (any length but zero).
+inline Quat axis_angle(const Vec3& n, double angle) {
+  const double s = std::sin(0.5 * angle) / n.norm();
+  return {std::cos(0.5 * angle), s * n[0], s * n[1], s * n[2]};
+}
+
+/// Quaternion of a rotation matrix, by the largest of its four components (never a division by a small number).
+inline Quat quaternion_of(const Mat3& A) {
+  const double t = A.trace();
+  int k = 0;
+  double most = t;
+  for (int i = 0; i < 3; ++i)
+    if (A(i, i) > most) most = A(i, i), k = i + 1;
+  Quat q;
+  if (k == 0) q = {1.0 + t, A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1)};
+  if (k == 1) q = {A(2, 1) - A(1, 2), 1.0 + 2.0 * A(0, 0) - t, A(0, 1) + A(1, 0), A(0, 2) + A(2, 0)};
+  if (k == 2) q = {A(0, 2) - A(2, 0), A(0, 1) + A(1, 0), 1.0 + 2.0 * A(1, 1) - t, A(1, 2) + A(2, 1)};
+  if (k == 3) q = {A(1, 0) - A(0, 1), A(0, 2) + A(2, 0), A(1, 2) + A(2, 1), 1.0 + 2.0 * A(2, 2) - t};
+  return normalized(q);
+}
+
+
+// Pose: position and orientation of a frame in its parent. Twist: how fast it moves.
+
+
+/// x: origin in the parent's axes, m; q: frame's axes -> parent's axes, unit, scalar first.
+struct Pose {
+  Vec3 x = Vec3::Zero();
+  Quat q;
+};
+
+/// v: velocity of the origin in the parent's axes, m/s; w: angular velocity in the frame's own axes, rad/s.
+struct Twist {
+  Vec3 v = Vec3::Zero();
+  Vec3 w = Vec3::Zero();
+};
+
+/// The pose of c in the parent of a, when b is the pose of c in a.
+inline Pose operator*(const Pose& a, const Pose& b) { return {a.x + rotation(a.q) * b.x, a.q * b.q}; }
+
+inline Pose inverse(const Pose& a) { return {-(rotation(a.q).transpose() * a.x), conjugate(a.q)}; }
+
+}  // namespace lockstep
+
+// Vectors, matrices and quaternions as plain structs, each component of a type of its own: a number (double, a pack of
+// lanes, a jet, a counting number), or Zero or One, which are numbers known from their type. What is multiplied by or
+// added to those costs nothing, so that one text of a formula serves the plane, absent laws and parallel axes alike.
+//
+// For the kernel of the lock (mechanism/lock/equations.h). Everything else works on Eigen's types (types.h); vector(),
+// matrix() and put() lead from one to the other.
+namespace lockstep::vec {
+
+struct Zero {};
+struct One {};
+
+/// Copied number by number: whole structs would be copied through memory.
+template <class X, class Y = X, class Z = X>
+struct Vector {
+  X x;
+  Y y;
+  Z z;
+  LOCKSTEP_INLINE constexpr Vector() : x{}, y{}, z{} {}
+  LOCKSTEP_INLINE constexpr Vector(const X& a, const Y& b, const Z& c) : x(a), y(b), z(c) {}
+  LOCKSTEP_INLINE constexpr Vector(const Vector& a) : x(a.x), y(a.y), z(a.z) {}
+  LOCKSTEP_INLINE constexpr Vector& operator=(const Vector& a) { return x = a.x, y = a.y, z = a.z, *this; }
+  LOCKSTEP_INLINE constexpr const X& operator[](int k) const requires std::is_same_v<X, Y> && std::is_same_v<X, Z> {
+    return k == 0 ? x : k == 1 ? y : z;
+  }
+};
+
+/// Rows r0 r1 r2.
+template <class R0, class R1 = R0, class R2 = R0>
+struct Matrix {
+  R0 r0;
+  R1 r1;
+  R2 r2;
+  static constexpr int RowsAtCompileTime = 3, ColsAtCompileTime = 3;  ///< where Eigen's matrices may stand as well
+  constexpr const auto& operator()(int i, int j) const { return i == 0 ? r0[j] : i == 1 ? r1[j] : r2[j]; }
+};
+template <class R0, class R1, class R2>
+Matrix(R0, R1, R2) -> Matrix<R0, R1, R2>;
+
+/// Scalar part w, vector part v.
+template <class W, class V>
+struct Quaternion {
+  W w;
+  V v;
+};
+template <class W, class V>
+Quaternion(W, V) -> Quaternion<W, V>;
+
+template <class T>
+inline constexpr bool kIsNumber = true;
+template <class X, class Y, class Z>
+inline constexpr bool kIsNumber<Vector<X, Y, Z>> = false;
+template <class X, class Y, class Z>
+inline constexpr bool kIsNumber<Matrix<X, Y, Z>> = false;
+template <class W, class V>
+inline constexpr bool kIsNumber<Quaternion<W, V>> = false;
+template <class T>
+concept Number = kIsNumber<T>;
+
+// -------------------------------------------------------------------------------------------------------- Zero and One
+
+template <Number T>
+LOCKSTEP_INLINE constexpr T operator+(const T& a, Zero) {
+  return a;
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr T operator+(Zero, const T& a) {
+  return a;
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr T operator-(const T& a, Zero) {
+  return a;
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr auto operator-(Zero, const T& a) {
+  return -a;
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr Zero operator*(const T&, Zero) {
+  return {};
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr Zero operator*(Zero, const T&) {
+  return {};
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr T operator*(const T& a, One) {
+  return a;
+}
+template <Number T>
+LOCKSTEP_INLINE constexpr T operator*(One, const T& a) {
+  return a;
+}
+LOCKSTEP_INLINE constexpr Zero operator+(Zero, Zero) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator-(Zero, Zero) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator-(Zero) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator*(Zero, Zero) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator*(Zero, One) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator*(One, Zero) { return {}; }
+LOCKSTEP_INLINE constexpr One operator*(One, One) { return {}; }
+
+/// The component as a T.
+template <class T>
+LOCKSTEP_INLINE constexpr T number(const T& a) {
+  return a;
+}
+template <class T>
+LOCKSTEP_INLINE constexpr T number(Zero) {
+  return T(0);
+}
+template <class T>
+LOCKSTEP_INLINE constexpr T number(One) {
+  return T(1);
+}
+
+// ------------------------------------------------------------------------------------------------------------- vectors
+
+template <class X, class Y, class Z, class U, class V, class W>
+LOCKSTEP_INLINE constexpr auto operator+(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
+  return Vector{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class X, class Y, class Z, class U, class V, class W>
+LOCKSTEP_INLINE constexpr auto operator-(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
+  return Vector{a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto operator-(const Vector<X, Y, Z>& a) {
+  return Vector{-a.x, -a.y, -a.z};
+}
+template <Number S, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto operator*(const S& s, const Vector<X, Y, Z>& a) {
+  return Vector{s * a.x, s * a.y, s * a.z};
+}
+template <class X, class Y, class Z, class U, class V, class W>
+LOCKSTEP_INLINE constexpr auto dot(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class X, class Y, class Z, class U, class V, class W>
+LOCKSTEP_INLINE constexpr auto cross(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
+  return Vector{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Component k.
+template <int k, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto get(const Vector<X, Y, Z>& a) {
+  if constexpr (k == 0)
+    return a.x;
+  else if constexpr (k == 1)
+    return a.y;
+  else
+    return a.z;
+}
+
+using None = Vector<Zero, Zero, Zero>;
+/// The unit vector along axis k.
+template <int k>
+using Unit = Vector<std::conditional_t<k == 0, One, Zero>, std::conditional_t<k == 1, One, Zero>,
+                    std::conditional_t<k == 2, One, Zero>>;
+
+// ---------------------------------------------------------------------------------------------- matrices, quaternions
+
+template <class R0, class R1, class R2, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto operator*(const Matrix<R0, R1, R2>& A, const Vector<X, Y, Z>& b) {
+  return Vector{dot(A.r0, b), dot(A.r1, b), dot(A.r2, b)};
+}
+/// A^T b
+template <class R0, class R1, class R2, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto transpose_times(const Matrix<R0, R1, R2>& A, const Vector<X, Y, Z>& b) {
+  return Vector{A.r0.x * b.x + A.r1.x * b.y + A.r2.x * b.z, A.r0.y * b.x + A.r1.y * b.y + A.r2.y * b.z,
+                A.r0.z * b.x + A.r1.z * b.y + A.r2.z * b.z};
+}
+template <class R0, class R1, class R2, class Q0, class Q1, class Q2>
+LOCKSTEP_INLINE constexpr auto operator*(const Matrix<R0, R1, R2>& A, const Matrix<Q0, Q1, Q2>& B) {
+  return Matrix{transpose_times(B, A.r0), transpose_times(B, A.r1), transpose_times(B, A.r2)};
+}
+/// The matrix with these columns.
+template <class X, class Y, class Z, class U, class V, class W, class K, class L, class M>
+LOCKSTEP_INLINE constexpr auto columns(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b, const Vector<K, L, M>& c) {
+  return Matrix{Vector{a.x, b.x, c.x}, Vector{a.y, b.y, c.y}, Vector{a.z, b.z, c.z}};
+}
+using Identity = Matrix<Unit<0>, Unit<1>, Unit<2>>;
+
+/// (1.1)
+template <class U, class X, class V, class Y>
+LOCKSTEP_INLINE constexpr auto operator*(const Quaternion<U, X>& a, const Quaternion<V, Y>& b) {
+  return Quaternion{a.w * b.w - dot(a.v, b.v), a.w * b.v + b.w * a.v + cross(a.v, b.v)};
+}
+template <class U, class X, class V, class Y>
+LOCKSTEP_INLINE constexpr auto operator+(const Quaternion<U, X>& a, const Quaternion<V, Y>& b) {
+  return Quaternion{a.w + b.w, a.v + b.v};
+}
+template <Number S, class W, class V>
+LOCKSTEP_INLINE constexpr auto operator*(const S& s, const Quaternion<W, V>& a) {
+  return Quaternion{s * a.w, s * a.v};
+}
+template <class W, class V>
+LOCKSTEP_INLINE constexpr auto operator-(const Quaternion<W, V>& a) {
+  return Quaternion{-a.w, -a.v};
+}
+/// (1.2)
+template <class W, class V>
+LOCKSTEP_INLINE constexpr auto conjugate(const Quaternion<W, V>& a) {
+  return Quaternion{a.w, -a.v};
+}
+/// (1.5), |q| = 1
+template <class W, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr auto rotation(const Quaternion<W, Vector<X, Y, Z>>& q) {
+  const auto x2 = q.v.x + q.v.x;
+  const auto y2 = q.v.y + q.v.y;
+  const auto z2 = q.v.z + q.v.z;
+  const auto xx = q.v.x * x2, yy = q.v.y * y2, zz = q.v.z * z2, xy = q.v.x * y2, xz = q.v.x * z2, yz = q.v.y * z2;
+  const auto wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+  return Matrix{Vector{1.0 - (yy + zz), xy - wz, xz + wy}, Vector{xy + wz, 1.0 - (xx + zz), yz - wx},
+                Vector{xz - wy, yz + wx, 1.0 - (xx + yy)}};
+}
+using NoTurn = Quaternion<One, None>;
+
+// ------------------------------------------------------------------------------------------------- from and to Eigen
+
+template <class A>
+LOCKSTEP_INLINE constexpr auto vector(const A& a) {
+  return Vector{a[0], a[1], a[2]};
+}
+template <class A>
+LOCKSTEP_INLINE constexpr auto matrix(const A& a) {
+  return Matrix{Vector{a(0, 0), a(0, 1), a(0, 2)}, Vector{a(1, 0), a(1, 1), a(1, 2)},
+                Vector{a(2, 0), a(2, 1), a(2, 2)}};
+}
+template <class Q>
+LOCKSTEP_INLINE constexpr auto quaternion(const Q& q) {
+  return Quaternion{q.w, Vector{q.x, q.y, q.z}};
+}
+/// All components as numbers T.
+template <class T, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr Vector<T> numbers(const Vector<X, Y, Z>& a) {
+  return {number<T>(a.x), number<T>(a.y), number<T>(a.z)};
+}
+/// The vector as an A of three numbers T.
+template <class A, class T = typename A::Scalar, class X, class Y, class Z>
+LOCKSTEP_INLINE constexpr A as(const Vector<X, Y, Z>& a) {
+  return A(number<T>(a.x), number<T>(a.y), number<T>(a.z));
+}
+
+}  // namespace lockstep::vec

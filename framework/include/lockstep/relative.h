@@ -1,0 +1,235 @@
+// Relative kinematics of two markers.
+#pragma once
+
+#include <lockstep/body.h>
+#include <lockstep/kernel.h>
+
+namespace lockstep {
+
+// MarkerFrame: a marker folded into its slot, so that kernels see slots only and need no special case for bodies that
+// share one or that are fixed.
+
+
+struct MarkerFrame {
+  int slot = kGround;
+  Vec3 u0 = Vec3::Zero();  ///< home origin in the slot, m
+  Quat q0;                 ///< home axes -> slot axes
+  Mat3 A0 = Mat3::Identity();
+  LawPtr<TranslationLaw> slide;  // shared, so that a marker whose law is replaced later leaves nothing dangling
+  LawPtr<RotationLaw> spin;
+  MarkerMotion home;  ///< at(t) of a marker without laws
+
+  MarkerFrame() = default;
+  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide), spin(m.spin) {
+    const Pose pose = m.body->in_slot * m.local;
+    u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
+    home.u = u0, home.q = q0, home.A = A0;
+  }
+
+  /// Axes of the slot, with q0 = +1: q0 = -1 is the same turn, but gives e the other sign.
+  bool parallel() const { return !slide && !spin && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
+
+  /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
+  MarkerMotion at(double t) const {
+    MarkerMotion m;
+    m.u = u0, m.q = q0, m.A = A0;
+    if (slide) {
+      const TranslationValue l = slide->at(t);
+      m.u += A0 * l.x, m.ud = A0 * l.v, m.udd = A0 * l.a;
+    }
+    if (spin) {
+      const RotationValue l = spin->at(t);
+      m.q = q0 * l.q, m.A = rotation(m.q), m.w = l.w, m.a = l.a;
+    }
+    return m;
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const {
+    if (slide) slide->breakpoints(t0, t1, out);
+    if (spin) spin->breakpoints(t0, t1, out);
+  }
+};
+
+/// Motion of a marker in the world: x, v, A (marker axes -> world), w in world axes.
+struct MarkerInWorld {
+  Vec3 x, v, w;
+  Mat3 A;
+};
+/// A marker on its slot at one instant, on any scalar; each quantity is computed when asked for.
+template <class T>
+struct MarkerOn {
+  const MotionT<T>& slot;
+  MarkerMotion marker;
+
+  Mat3T<T> A() const { return slot.A * marker.A; }                         ///< marker axes -> world
+  Vec3T<T> axis(int k) const { return slot.A * marker.A.col(k); }          ///< column k of A
+  Vec3T<T> x() const { return slot.x + slot.A * marker.u; }                ///< origin, world, m
+  Vec3T<T> v() const { return slot.v + slot.A * (cross(slot.w, marker.u) + marker.ud); }  ///< its velocity, m/s
+  Vec3T<T> w() const { return slot.A * (slot.w + marker.A * marker.w); }   ///< angular velocity, world, rad/s
+  QuatT<T> q() const { return slot.e * QuatT<T>{marker.q.w, marker.q.x, marker.q.y, marker.q.z}; }
+  /// Velocity (world) of the point of the slot that is at x now.
+  Vec3T<T> slot_velocity(const Vec3T<T>& at) const { return slot.v + cross(slot_rate(), Vec3T<T>(at - slot.x)); }
+  /// Angular velocity of the slot, world axes.
+  Vec3T<T> slot_rate() const { return slot.A * slot.w; }
+};
+inline MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
+  const MarkerOn<double> m{in.slot(f.slot), f.at(in.t)};
+  return {m.x(), m.v(), m.w(), m.A()};
+}
+
+
+// The relative kinematics of a marker pair: the seven coordinates of P as seen from S, with all that a function of them
+// needs (theory, (7.1)). The markers' own laws are in; no imposed law is taken off.
+
+
+template <class T>
+using Vec7T = Eigen::Matrix<T, 7, 1>;
+template <class T>
+using Mat73T = Eigen::Matrix<T, 7, 3>;
+
+/// Which coordinates are wanted; the others stay zero and cost nothing.
+enum class Reads { translation = 1, rotation = 2, both = 3 };
+
+/// y = (x y z | e0 e1 e2 e3): position of P in S axes, relative quaternion r = q_S' q_2' q_1 q_P; yd, partial Ct and
+/// Qhat; jacobians on v1 (world), w1, w2 (slot axes); those on v2 are minus those on v1.
+template <class T>
+struct RelativeKinematicsT {
+  Vec7T<T> y = Vec7T<T>::Zero(), yd = Vec7T<T>::Zero(), Ct = Vec7T<T>::Zero(), Qhat = Vec7T<T>::Zero();
+  Mat73T<T> Jv1 = Mat73T<T>::Zero(), Jw1 = Mat73T<T>::Zero(), Jw2 = Mat73T<T>::Zero();
+};
+using RelativeKinematics = RelativeKinematicsT<double>;
+
+/// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers at rest on their bodies.
+template <class T>
+inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                                  const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
+  constexpr unsigned kStill = with::rates | with::scalar_row;
+  constexpr unsigned kMoving = kStill | with::uP | with::qP | with::uS | with::qS;
+  RelativeKinematicsT<T> L;
+  if (unsigned(which) & unsigned(Reads::translation)) {
+    TranslationRowsT<T> r;
+    if (laws)
+      translation<kMoving>(O1, O2, P, S, {}, Mask::xyz, r);
+    else
+      translation<kStill>(O1, O2, P, S, {}, Mask::xyz, r);
+    L.y.template head<3>() = r.C, L.yd.template head<3>() = r.yd;
+    L.Ct.template head<3>() = r.Ct, L.Qhat.template head<3>() = r.Qhat;
+    L.Jv1.template topRows<3>() = r.Jv, L.Jw1.template topRows<3>() = r.Jw1, L.Jw2.template topRows<3>() = r.Jw2;
+  }
+  if (unsigned(which) & unsigned(Reads::rotation)) {
+    RotationRowsT<T> r;
+    if (laws)
+      rotation<kMoving>(O1, O2, P, S, {}, Mask::e123, r);
+    else
+      rotation<kStill>(O1, O2, P, S, {}, Mask::e123, r);
+    L.y.template tail<4>() << r.e.w, r.C[0], r.C[1], r.C[2];
+    L.yd.template tail<4>() << r.yd0, r.yd[0], r.yd[1], r.yd[2];
+    L.Ct.template tail<4>() << r.Ct0, r.Ct[0], r.Ct[1], r.Ct[2];
+    L.Qhat.template tail<4>() << r.Qhat0, r.Qhat[0], r.Qhat[1], r.Qhat[2];
+    L.Jw1.row(3) = r.Jw1_0, L.Jw2.row(3) = r.Jw2_0;
+    L.Jw1.template bottomRows<3>() = r.Jw1, L.Jw2.template bottomRows<3>() = r.Jw2;
+  }
+  return L;
+}
+
+
+// The relative coordinates of a pair with their rates, and how a gradient of them becomes a row: the products that a
+// function of them needs, without the jacobians of the coordinates (theory, (7.1), (7.2), (9.2), (9.3)).
+
+
+/// What a pair adds to a row: columns on v1 (world; those on v2 are minus these), w1, w2 (slot axes), Ct and Qhat.
+struct PulledRow {
+  Vec3 v = Vec3::Zero(), w1 = Vec3::Zero(), w2 = Vec3::Zero();
+  double Ct = 0, Qhat = 0;
+};
+
+constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
+
+/// The marker's motion now: of one without laws, where it is stored.
+template <bool kMoving>
+LOCKSTEP_INLINE decltype(auto) marker_motion(const MarkerFrame& m, [[maybe_unused]] double t) {
+  if constexpr (kMoving)
+    return m.at(t);
+  else
+    return (m.home);
+}
+
+/// kMoving: the markers have laws of their own; without them half of the equations is zero.
+template <Reads kReads, bool kMoving>
+class RelativePair {
+ public:
+  RelativePair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
+      : O1_(in.slot(P.slot)),
+        O2_(in.slot(S.slot)),
+        P_(marker_motion<kMoving>(P, in.t)),
+        S_(marker_motion<kMoving>(S, in.t)) {
+    const auto o1 = kernel::body(O1_), o2 = kernel::body(O2_);
+    const auto p = kernel::marker<kMoving, kMoving>(P_), s = kernel::marker<kMoving, kMoving>(S_);
+    if constexpr (reads(kReads, Reads::translation)) {
+      const kernel::NoShift none{};
+      const auto at = kernel::position(o1, o2, p, s);
+      const auto moving = kernel::velocity(o1, o2, p, at);
+      s_ = at.s;
+      put<0>(y_, at.rho), put<0>(yd_, kernel::position_rate(s, at, moving));
+      put<0>(Qhat_, kernel::translation_Qhat(o1, o2, p, s, none, at, moving));
+      if constexpr (kMoving) put<0>(Ct_, kernel::translation_Ct(o1, o2, p, s, none, at));
+    }
+    if constexpr (reads(kReads, Reads::rotation)) {
+      const kernel::NoTurn none{};
+      const auto r = kernel::rotation_error(o1, o2, p, s, none);
+      const auto w = kernel::angular_velocities(o1, o2, p, s, none);
+      const auto rd = kernel::rotation_rate(r, w);
+      h_ = 0.5 * r;
+      put(y_, r), put(yd_, rd), put(Qhat_, kernel::rotation_Qhat(r, rd, w));
+      if constexpr (kMoving) put(Ct_, kernel::rotation_Ct(r, p, s, none));
+    }
+  }
+
+  /// What is not read stays unset.
+  const Vec7T<double>& y() const { return y_; }
+  const Vec7T<double>& yd() const { return yd_; }
+
+  /// g: gradient on the coordinates that are read, 3, 4 or 7.
+  template <class G>
+  PulledRow pull(const G& g) const {
+    constexpr int kFirst = reads(kReads, Reads::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
+    PulledRow row;
+    if constexpr (reads(kReads, Reads::translation)) {
+      const auto n2 = vec::matrix(S_.A) * vec::Vector{g[0], g[1], g[2]};
+      const auto n = vec::matrix(O2_.A) * n2;
+      const auto r = kernel::translation_row(vec::matrix(O1_.A), vec::vector(P_.u), s_, n, n2);
+      row.v = vec::as<Vec3>(r.v), row.w1 = vec::as<Vec3>(r.w1), row.w2 = vec::as<Vec3>(r.w2);
+    }
+    if constexpr (reads(kReads, Reads::rotation)) {
+      const vec::Quaternion gr{g[kN - 4], vec::Vector{g[kN - 3], g[kN - 2], g[kN - 1]}};
+      const auto r = kernel::rotation_row(h_, vec::matrix(P_.A), vec::matrix(S_.A), gr);
+      row.w1 += vec::as<Vec3>(r.w1), row.w2 += vec::as<Vec3>(r.w2);
+    }
+    if constexpr (kMoving) row.Ct = g.dot(Ct_.template segment<kN>(kFirst));
+    row.Qhat = g.dot(Qhat_.template segment<kN>(kFirst));
+    return row;
+  }
+
+ private:
+  template <int kFirst, class V>
+  static void put(Vec7T<double>& y, const V& v) {
+    y[kFirst] = v.x, y[kFirst + 1] = v.y, y[kFirst + 2] = v.z;
+  }
+  template <class W, class V>
+  static void put(Vec7T<double>& y, const vec::Quaternion<W, V>& q) {
+    y[3] = q.w, put<4>(y, q.v);
+  }
+
+  const Motion &O1_, &O2_;
+  std::conditional_t<kMoving, MarkerMotion, const MarkerMotion&> P_, S_;
+  vec::Vector<double> s_;
+  vec::Quaternion<double, vec::Vector<double>> h_{};
+  Vec7T<double> y_, yd_, Qhat_;
+  std::conditional_t<kMoving, Vec7T<double>, vec::Zero> Ct_;
+};
+
+template <Reads kReads>
+using StillPair = RelativePair<kReads, false>;
+template <Reads kReads>
+using MovingPair = RelativePair<kReads, true>;
+
+}  // namespace lockstep
