@@ -18,8 +18,7 @@ TEST_CASE("the linearised motion of a mass on a spring is the one of the textboo
   const State s = system.start();
   LinearizedMotion linear;
   linear.begin(s);
-  dynamics.evaluate(s);
-  linear.gather(dynamics);
+  linear.gather(dynamics.evaluate(s));
   using C = LinearizedMotion::Complex;
   const auto exact = [&](C g, C r_q, C r_v) {  // dv = (r_v - k/m r_q/g)/(g + c/m + k/(m g)), dq = (dv + r_q)/g
     const C dv = (r_v - k / m * r_q / g) / (g + c / m + k / (m * g));

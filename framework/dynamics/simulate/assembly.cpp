@@ -45,11 +45,7 @@ constexpr double kVelocityLimit = 1e-6;  // m/s, left of |Jh v + Ct|: more is a 
 class Assembler {
  public:
   Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
-      : dynamics_(dynamics),
-        state_(state),
-        options_(options),
-        n_(dynamics.system().n_slots()),
-        factor_(dynamics.new_factor()) {}
+      : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
 
   void positions(AssemblyReport& report) {
     dynamics_.normalize(state_);
@@ -62,8 +58,7 @@ class Assembler {
     for (report.iterations = 0; now > goal; ++report.iterations) {
       if (report.iterations == options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
       const VecX c = -C_;
-      factor_.compute(*now_);
-      factor_.solve(*now_, zero, c, d, lambda);
+      dynamics_.factor(*now_).solve(*now_, zero, c, d, lambda);
       const State from = state_;
       double next = 0;
       for (double share = 1.0;; share *= 0.5) {
@@ -103,9 +98,9 @@ class Assembler {
       }
       const Evaluation& e = dynamics_.gather(state_);
       const VecX none = VecX::Zero(e.rows().n_rows);
-      factor_.compute(e);
+      Factor& factor = dynamics_.factor(e);
       for (int i = 0; i < m; ++i) {
-        factor_.solve(e, rows.row(i).transpose(), none, a, lambda);
+        factor.solve(e, rows.row(i).transpose(), none, a, lambda);
         response.col(i) = a;
       }
       const MatX compliance = rows * response;
@@ -177,7 +172,6 @@ class Assembler {
   State& state_;
   const AssemblyOptions& options_;
   int n_;
-  Factor factor_;
   const Evaluation* now_ = nullptr;  // of residual()
   VecX C_, Cd_;
 };
