@@ -1,4 +1,4 @@
-// Every type of error of framework/foundation/support/error.h: how to catch it, what it carries, and what provokes it.
+// Every type of error of <lockstep/error.h>: how to catch it, what it carries, and what provokes it.
 #include "errors.h"
 
 #include <cmath>
