@@ -37,7 +37,7 @@ Shape read_rod(const Params& rod) {
   if (!(length > 0)) rod.refuse("to", "both ends are at the same point; a rod needs a length");
   const double radius = rod.has("radius") ? positive(rod, "radius", "radius") : length / 50;
   const double mass = shape_mass(rod, cylinder_volume(radius, length));
-  if (!rod.has("axial_inertia")) return lockstep::rod(mass, from, to, radius);
+  if (!rod.has("axial_inertia")) return shapes::rod(mass, from, to, radius);
   refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
   return shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"));
 }
