@@ -6,15 +6,15 @@ namespace lockstep {
 
 namespace {
 
-using QuinticWeights = std::array<double, 6>;  // of p, h p', h^2 p'' at the beginning, then at the end
+using HermiteWeights = std::array<double, 6>;  // of p, h p', h^2 p'' at the beginning, then at the end
 
-QuinticWeights values(double x) {
+HermiteWeights values(double x) {
   const double x2 = x * x, x3 = x2 * x, x4 = x3 * x, x5 = x4 * x;
   return {1 - 10 * x3 + 15 * x4 - 6 * x5, x - 6 * x3 + 8 * x4 - 3 * x5, 0.5 * (x2 - 3 * x3 + 3 * x4 - x5),
           10 * x3 - 15 * x4 + 6 * x5,     -4 * x3 + 7 * x4 - 3 * x5,    0.5 * (x3 - 2 * x4 + x5)};
 }
 
-QuinticWeights slopes(double x) {
+HermiteWeights slopes(double x) {
   const double x2 = x * x, x3 = x2 * x, x4 = x3 * x;
   return {-30 * x2 + 60 * x3 - 30 * x4, 1 - 18 * x2 + 32 * x3 - 15 * x4, x - 4.5 * x2 + 6 * x3 - 2.5 * x4,
           30 * x2 - 60 * x3 + 30 * x4,  -12 * x2 + 28 * x3 - 15 * x4,    1.5 * x2 - 4 * x3 + 2.5 * x4};
@@ -26,7 +26,7 @@ struct End {
   V p, d, dd;
 };
 template <class V>
-V blend(const QuinticWeights& w, double h, const End<V>& a, const End<V>& b) {
+V blend(const HermiteWeights& w, double h, const End<V>& a, const End<V>& b) {
   return w[0] * a.p + (w[1] * h) * a.d + (w[2] * h * h) * a.dd + w[3] * b.p + (w[4] * h) * b.d + (w[5] * h * h) * b.dd;
 }
 
@@ -63,7 +63,7 @@ bool QuinticOutput::at(double t, State& out) const {
   out = a_;
   if (h_ == 0) return t == a_.t;
   const double x = (t - a_.t) / h_;
-  const QuinticWeights w = values(x), d = slopes(x);
+  const HermiteWeights w = values(x), d = slopes(x);
   for (Eigen::Index k = 0; 6 * k < a_.v.size(); ++k) {
     const End<Vec3> xa = place_of(a_, vd_a_, k), xb = place_of(b_, vd_b_, k);
     out.q.segment<3>(7 * k) = blend(w, h_, xa, xb);

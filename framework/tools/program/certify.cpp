@@ -20,7 +20,7 @@ constexpr double kTightest = 1e-13,
 constexpr double kProjection = 1e-12;    // m
 
 /// The run again, by other means.
-struct Repeat {
+struct SecondRun {
   std::string name;     // of its column
   std::string setting;  // in words
   std::function<std::unique_ptr<Integrator>()> make;
@@ -33,7 +33,7 @@ Tolerance tightened(double relative) {
 }
 
 // Throws what the run throws; nothing when it outlasted `limit`, s of CPU time.
-std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, const Repeat& repeat, double limit) {
+std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, const SecondRun& repeat, double limit) {
   Mechanism m = build(loaded.scene, loaded.registry);
   m.run.record = run.record;
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
@@ -55,8 +55,8 @@ std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, co
   return recorder->table();
 }
 
-Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, StepLoopOptions options) {
-  Repeat repeat{run.integrator.type + " tighter", "", {}, std::move(options)};
+SecondRun tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, StepLoopOptions options) {
+  SecondRun repeat{run.integrator.type + " tighter", "", {}, std::move(options)};
   if (adaptive) {
     repeat.options.tolerance = tightened(run.tolerance.relative), repeat.options.step = run.step;
     repeat.setting = fmt::format("tolerance {:.0e}", repeat.options.tolerance.relative);
@@ -69,13 +69,13 @@ Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, S
 }
 
 // The other adaptive methods, the likeliest first.
-std::vector<Repeat> others_of(const Loaded& loaded, const RunSettings& run, const IntegratorInfo& own,
+std::vector<SecondRun> others_of(const Loaded& loaded, const RunSettings& run, const IntegratorInfo& own,
                               const StepLoopOptions& options) {
-  std::vector<Repeat> all;
+  std::vector<SecondRun> all;
   for (const MethodChoice& method : references_of(run, loaded.registry, own.implicit)) {
     const std::string type = method.name.substr(0, method.name.find(':'));
     if (type == run.integrator.type) continue;
-    Repeat repeat{type, "", method.make, options};
+    SecondRun repeat{type, "", method.make, options};
     repeat.options.tolerance =
         own.adaptive ? tightened(run.tolerance.relative) : Tolerance{kFixedAgainst, kTighter * kFixedAgainst};
     repeat.options.step = own.adaptive ? run.step : 0;
@@ -92,7 +92,7 @@ struct Repeats {
 };
 
 // Whether it came to an end; why not is said.
-bool add(Repeats& repeats, const Loaded& loaded, const RunSettings& run, const Repeat& repeat, double limit) {
+bool add(Repeats& repeats, const Loaded& loaded, const RunSettings& run, const SecondRun& repeat, double limit) {
   try {
     std::optional<Table> table = make_again(loaded, run, repeat, limit);
     if (table) {
@@ -138,7 +138,7 @@ void print_certificate(const Loaded& loaded, const Words& w, const RunSettings& 
   fmt::print("  certificate\n");
   Repeats repeats;
   add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit);
-  for (const Repeat& other : others_of(loaded, run, own, options))
+  for (const SecondRun& other : others_of(loaded, run, own, options))
     if (add(repeats, loaded, run, other, limit)) break;
   if (repeats.tables.empty()) {
     fmt::print("             no repeat came to an end: nothing is certified\n");
