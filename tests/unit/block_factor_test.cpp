@@ -34,11 +34,11 @@ BlockGraph ladder(int n) {
 }
 
 /// Bodies' blocks are definite or nearly, links' own blocks -1e-8.
-struct System {
+struct TestMatrix {
   BlockGraph graph;
   Eigen::MatrixXcd A;
 
-  System(int n, bool symmetric, bool complex) : graph(ladder(n)) {
+  TestMatrix(int n, bool symmetric, bool complex) : graph(ladder(n)) {
     std::mt19937 bits(7);
     std::normal_distribution<double> normal;
     const auto number = [&]() -> C { return {normal(bits), complex ? normal(bits) : 0.0}; };
@@ -76,7 +76,7 @@ T number_of(const C& x) {
 }
 
 template <class T>
-void fill(const System& s, const BlockPlan& plan, BlockFactor<T>& factor) {
+void fill(const TestMatrix& s, const BlockPlan& plan, BlockFactor<T>& factor) {
   factor.lay_out(plan);
   const auto write = [&](int i, int j) {
     const BlockPlan::Place place = plan.find(i, j);
@@ -94,7 +94,7 @@ void fill(const System& s, const BlockPlan& plan, BlockFactor<T>& factor) {
 
 /// |A x - b| against |A| |x|.
 template <class T>
-double error_of(const System& s, const BlockPlan& plan, const BlockFactor<T>& factor) {
+double error_of(const TestMatrix& s, const BlockPlan& plan, const BlockFactor<T>& factor) {
   Eigen::Matrix<T, Eigen::Dynamic, 1> b(s.A.rows()), x;
   for (Eigen::Index k = 0; k < b.size(); ++k) b[k] = number_of<T>(C(std::sin(1.0 + double(k)), std::cos(double(k))));
   x = b;
@@ -109,7 +109,7 @@ TEST_CASE("Block LU solves unsymmetric systems, real and complex", "[unit][kkt]"
   for (const int n : {4, 5, 12, 40}) {
     CAPTURE(n);
     BlockPlan plan;
-    const System real(n, false, false), complex(n, false, true);
+    const TestMatrix real(n, false, false), complex(n, false, true);
     plan.lay_out(real.graph, false);
     BlockFactor<double> one;
     fill(real, plan, one);
@@ -125,7 +125,7 @@ TEST_CASE("Block LU solves unsymmetric systems, real and complex", "[unit][kkt]"
 TEST_CASE("Block LDL^T solves symmetric systems, and its pivots are those of the matrix", "[unit][kkt]") {
   for (const int n : {4, 12, 40}) {
     CAPTURE(n);
-    const System s(n, true, false);
+    const TestMatrix s(n, true, false);
     BlockPlan plan;
     plan.lay_out(s.graph, true);
     BlockFactor<double> factor;
@@ -142,7 +142,7 @@ TEST_CASE("Block LDL^T solves symmetric systems, and its pivots are those of the
 }
 
 TEST_CASE("Block LDL^T refuses a slot that is not positive, block LU one without a pivot", "[unit][kkt]") {
-  System s(4, true, false);
+  TestMatrix s(4, true, false);
   const int at = s.graph.first[2];
   s.A.block(at, at, 6, 6).setZero();
   BlockPlan plan, lu_plan;
@@ -160,7 +160,7 @@ TEST_CASE("Block LDL^T refuses a slot that is not positive, block LU one without
 
 TEST_CASE("Factor and solution allocate nothing", "[unit][kkt]") {
   if (!allocations_are_counted()) return;
-  const System s(12, false, true);
+  const TestMatrix s(12, false, true);
   BlockPlan plan;
   plan.lay_out(s.graph, false);
   BlockFactor<C> factor;

@@ -22,7 +22,7 @@ namespace {
 
 // A folder for the pictures of one test.
 struct Folder {
-  Folder() : laws::path(fs::temp_directory_path() / ("lockstep_chart_test_" + std::to_string(getpid()))) {
+  Folder() : path(fs::temp_directory_path() / ("lockstep_chart_test_" + std::to_string(getpid()))) {
     fs::remove_all(path);
     fs::create_directory(path);
   }

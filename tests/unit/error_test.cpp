@@ -38,8 +38,8 @@ E error_of(const ErrorContext& context, const T& thrown) {
 }  // namespace
 
 TEST_CASE("an error's sentence is made of its data", "[unit][errors]") {
-  CHECK(std::string(ModelError({.problem = "no mass"}).what()) == "no mass");
-  const SceneError error({.thing = {.kind = "body", .name = "rod"},
+  CHECK(std::string(ModelError(ErrorData{.problem = "no mass"}).what()) == "no mass");
+  const SceneError error(ErrorData{.thing = {.kind = "body", .name = "rod"},
                           .key = "mass",
                           .problem = "is -1 kg",
                           .advice = "give one above zero",
@@ -48,7 +48,7 @@ TEST_CASE("an error's sentence is made of its data", "[unit][errors]") {
                           .column = 12});
   CHECK(std::string(error.what()) == "four_bar.json:4:12: body 'rod': mass is -1 kg; give one above zero");
   CHECK(std::isnan(error.t));
-  CHECK(std::string(StepError({.problem = "too short", .t = 0.5}).what()) == "t = 0.5 s: too short");
+  CHECK(std::string(StepError(ErrorData{.problem = "too short", .t = 0.5}).what()) == "t = 0.5 s: too short");
   CHECK(std::string(ParameterError({.kind = "law", .name = "sine"}, "omega", "is -1; must be above 0").what()) ==
         "law 'sine': omega is -1; must be above 0");
 }

@@ -66,7 +66,7 @@ TEST_CASE("applied forces with a reaction keep momentum", "[unit][force]") {
       f->setup();
       CHECK((bench.force_on(*f, 0) + bench.force_on(*f, 1)).norm() < 1e-13);
       CHECK((bench.moment_about_origin(*f, 0) + bench.moment_about_origin(*f, 1)).norm() < 1e-12);
-      CHECK(f->quantity(3, bench.in()) == Approx(bench.power(*f)).epsilon(1e-11).margin(1e-12));
+      CHECK(f->observable()->quantity(3, bench.in()) == Approx(bench.power(*f)).epsilon(1e-11).margin(1e-12));
       CHECK(bench.wrench(*f).norm() > 1);
     }
   }

@@ -289,7 +289,7 @@ TEST_CASE("A gear counts both its turns on a carrier that turns", "[unit][phi]")
   auto& b = system.add<Revolute>("b", two, carrier, pose_at(Vec3::Zero()));
   auto& gear = system.add(std::make_unique<Gear>(across("mesh", {a, b}), 3.0));
   system.setup();
-  CHECK(gear.n_memory() == 6);
+  CHECK(gear.n_own_memory() == 6);
   CHECK(gear.slots().n == 3);
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
   State s = system.start();

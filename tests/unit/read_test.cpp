@@ -52,7 +52,7 @@ std::string nested(std::size_t depth) { return std::string(depth, '[') + std::st
 // A file that goes away with the test.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& content)
-      : laws::path((std::filesystem::temp_directory_path() /
+      : path((std::filesystem::temp_directory_path() /
               ("lockstep_read_test_" + std::to_string(std::random_device{}()) + ".json"))
                  .string()) {
     std::ofstream(path, std::ios::binary) << content;

@@ -10,10 +10,10 @@ using lockstep::testing::message_of;
 
 namespace {
 
-struct Constant final : MotionLaw {
-  explicit Constant(double y0) : y(y0) {}
+struct OwnConstant final : MotionLaw {
+  explicit OwnConstant(double y0) : y(y0) {}
   static TypeInfo info() { return {"constant", "a number", {{"value", Form::number, Unit::any, kRequired, "the number"}}}; }
-  static LawPtr<MotionLaw> make(const Params& p) { return std::make_shared<Constant>(p.number("value")); }
+  static LawPtr<MotionLaw> make(const Params& p) { return std::make_shared<OwnConstant>(p.number("value")); }
   LawValue at(double) const override { return {y, 0, 0}; }
   double y;
 };
@@ -59,7 +59,7 @@ struct Turned final : RotationLaw {
 
 Registry some_registry() {
   Registry registry;
-  registry.laws.add<Constant>();
+  registry.laws.add<OwnConstant>();
   registry.laws.add<Scaled>();
   registry.translation_laws.add<Still>();
   registry.rotation_laws.add<Turned>();
@@ -130,12 +130,12 @@ TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
   Registry registry = some_registry();
   registry.laws.set_origin("built in");
   const auto problem = [](const auto& act) { return message_of<PluginError>(act); };
-  check_words(problem([&] { registry.laws.add<Constant>(); }),
+  check_words(problem([&] { registry.laws.add<OwnConstant>(); }),
               {"law 'constant' is there already (built in)", "another name"});
-  check_words(problem([&] { registry.laws.add({}, &Constant::make); }), {"a law has no name"});
+  check_words(problem([&] { registry.laws.add({}, &OwnConstant::make); }), {"a law has no name"});
   check_words(problem([&] { registry.forces.add({"wind", "", {}}, nullptr); }), {"force 'wind' has no maker"});
   check_words(problem([&] {
-                registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, 3, ""}}}, &Constant::make);
+                registry.laws.add({"bad", "", {{"a", Form::text, Unit::none, 3, ""}}}, &OwnConstant::make);
               }),
               {"law 'bad' cannot be registered", "a number (3)"});
   CHECK(registry.laws.entries().size() == 2);
@@ -151,7 +151,7 @@ TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
 
 TEST_CASE("entries keep their origin", "[unit][plugin]") {
   Registry registry;
-  registry.laws.add<Constant>();
+  registry.laws.add<OwnConstant>();
   registry.laws.set_origin("built in");
   registry.laws.add<Scaled>();
   registry.laws.set_origin("plugin");
@@ -164,7 +164,7 @@ TEST_CASE("registries are merged whole or not at all", "[unit][plugin]") {
   base.translation_laws.add<Still>();
   base.translation_laws.set_origin("built in");
   Registry more;
-  more.laws.add<Constant>();
+  more.laws.add<OwnConstant>();
   more.forces.add({"wind", "", {}}, &no_force);
   base.merge(more);
   CHECK(base.laws.names() == std::vector<std::string>{"constant"});

@@ -84,11 +84,11 @@ namespace {
 
 // Pose law of the reference page: centre and R = Rz Ry Rx.
 template <class T>
-struct Turn {
+struct TurnRates {
   T z, y, x;
 };
 template <class T>
-Turn<T> turns(const T& t) {
+TurnRates<T> turns(const T& t) {
   return {0.2 * sin(t), 0.15 * sin(2.0 * t + 0.5), 0.1 * sin(3.0 * t + kPi / 2)};
 }
 template <class T>
@@ -98,7 +98,7 @@ std::array<T, 3> centre(const T& t) {
 /// b in the platform, in the world.
 template <class T>
 std::array<T, 3> point(const T& t, const Vec3& b) {
-  const Turn<T> a = turns(t);
+  const TurnRates<T> a = turns(t);
   const std::array<T, 3> c = centre(t);
   const T y1 = b[1] * cos(a.x) - b[2] * sin(a.x), z1 = b[1] * sin(a.x) + b[2] * cos(a.x);
   const T x2 = b[0] * cos(a.y) + z1 * sin(a.y), z2 = z1 * cos(a.y) - b[0] * sin(a.y);

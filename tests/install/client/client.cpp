@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   load_plugin(registry, "client_plugin", {argv[2]});
   const auto law = registry.laws.make("client_law", Params{{"slope", 3.0}}, &registry, "client");
   const auto sine = registry.laws.make("sine", Params{{"amplitude", 2.0}, {"frequency", "1 Hz"}}, &registry, "client");
-  std::printf("lockstep %s, %s, laws::law(2) = %g by %s\n", library_version(), bump.c_str(), law->at(2).y,
+  std::printf("lockstep %s, %s, law(2) = %g by %s\n", library_version(), bump.c_str(), law->at(2).y,
               label_of(law)->origin.c_str());
   return bump.find(argv[1]) == 0 && law->at(2).y == 6 && label_of(law)->origin == "client_plugin" && Rk4().info().order == 4 &&
                  dynamic_cast<const Sine*>(sine.get()) != nullptr
