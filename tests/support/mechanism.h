@@ -19,9 +19,9 @@ struct LinkSpec {
   oracle::Configuration laws;  ///< its bodies' part is not used
 };
 
-class Mechanism {
+class RandomMechanism {
  public:
-  explicit Mechanism(std::uint64_t seed, const Vec3& gravity = Vec3(0.4, -1.1, -9.0)) : draw_(seed), seed_(seed) {
+  explicit RandomMechanism(std::uint64_t seed, const Vec3& gravity = Vec3(0.4, -1.1, -9.0)) : draw_(seed), seed_(seed) {
     system.set_gravity(gravity);
   }
 

@@ -16,7 +16,7 @@ namespace {
 
 /// Three bodies and a particle in a loop, ground to ground, redundant, with springs; any state, off the constraints.
 struct Loop {
-  inputs::Mechanism mechanism{5};
+  inputs::RandomMechanism mechanism{5};
   std::unique_ptr<Dynamics> dynamics;
   State state;
   VecX lambda;
@@ -241,7 +241,7 @@ TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say"
   for (int seed = 1; seed <= 4; ++seed)
     for (const bool grounded : {false, true}) {
       CAPTURE(seed, grounded);
-      inputs::Mechanism mechanism(static_cast<std::uint64_t>(seed));
+      inputs::RandomMechanism mechanism(static_cast<std::uint64_t>(seed));
       mechanism.add_body(), mechanism.add_body();
       if (seed % 2 == 0)
         mechanism.link(0, grounded ? -1 : 1, Mask::all, oracle::kAllLaws);

@@ -118,7 +118,7 @@ TEST_CASE("schur, sparse and dense agree on random mechanisms, hubs, laws and pa
           "[unit][kkt][schur]") {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
-    inputs::Mechanism m(seed);
+    inputs::RandomMechanism m(seed);
     const int hub = m.add_body();
     m.link(hub, -1, Mask::xyz | (seed % 2 ? Mask::none : Mask::e1 | Mask::e2), seed % 3 ? oracle::kP : 0u);
     int last = hub;
@@ -145,7 +145,7 @@ TEST_CASE("schur, sparse and dense agree on random mechanisms, hubs, laws and pa
 TEST_CASE("a hub at the end of an arm, beside a loop, and a particle as a hub", "[unit][kkt][schur]") {
   const int kind = GENERATE(0, 1, 2);
   CAPTURE(kind);
-  inputs::Mechanism m(40u + static_cast<unsigned>(kind));
+  inputs::RandomMechanism m(40u + static_cast<unsigned>(kind));
   const int arm = m.add_body(), hub = kind == 2 ? m.add_particle() : m.add_body();
   m.link(arm, -1, Mask::xyz | Mask::e1 | Mask::e2);
   m.link(hub, arm, kind == 2 ? Mask::xyz : Mask::xyz | Mask::e1 | Mask::e2);
@@ -170,7 +170,7 @@ TEST_CASE("a hub at the end of an arm, beside a loop, and a particle as a hub", 
 
 TEST_CASE("schur allocates nothing after the first evaluation", "[unit][kkt][schur]") {
   if (!allocations_are_counted()) return;
-  inputs::Mechanism m(5);
+  inputs::RandomMechanism m(5);
   const int a = m.add_body(), b = m.add_body(), c = m.add_body();
   m.link(a, -1, Mask::xyz | Mask::e1 | Mask::e2);
   m.link(b, a, Mask::xyz | Mask::e1 | Mask::e2);

@@ -25,7 +25,7 @@ struct Answer {
 };
 
 /// By the library. Link rows come in the order of the table; they are put back into the order of the links.
-Answer by_library(Mechanism& m, const State& state, Formulation formulation, Stabilization stabilization = {}) {
+Answer by_library(RandomMechanism& m, const State& state, Formulation formulation, Stabilization stabilization = {}) {
   Dynamics dynamics(m.system, std::make_unique<DenseSolver>(), {formulation, stabilization});
   const Evaluated& values = dynamics.evaluate(state);
   Answer s{values.a, VecX(values.lambda.size())};
@@ -42,7 +42,7 @@ Answer by_library(Mechanism& m, const State& state, Formulation formulation, Sta
 
 /// By the paper's equations: (2.1) with (2.3)-(2.7), rows (3.6), (4.8), right sides (3.7), (4.6). A particle's rotation
 /// is held.
-Answer by_paper(Mechanism& m, const State& state) {
+Answer by_paper(RandomMechanism& m, const State& state) {
   const int n = static_cast<int>(m.bodies.size());
   int n_rows = 0;
   for (const LinkSpec& l : m.links) n_rows += count(l.rows);
@@ -106,7 +106,7 @@ double apart(const VecX& a, const VecX& b) {
   return a.size() == 0 ? 0.0 : (a - b).lpNorm<Eigen::Infinity>() / std::max(1.0, b.lpNorm<Eigen::Infinity>());
 }
 
-void check_three_ways(Mechanism& m) {
+void check_three_ways(RandomMechanism& m) {
   m.system.setup();
   const State state = m.system.start();
   const Answer omega = by_library(m, state, Formulation::omega),
@@ -125,7 +125,7 @@ const char* const kMasks[] = {"x y z e1 e2", "x y z",        "x y e1 e2", "x y z
 TEST_CASE("chains of mixed joints: three formulations, one motion", "[verification][dynamics]") {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     const int n = 2 + static_cast<int>(seed % 4);
     for (int k = 0; k < n; ++k) {
       m.add_body();
@@ -139,7 +139,7 @@ TEST_CASE("chains of mixed joints: three formulations, one motion", "[verificati
 TEST_CASE("chains with all six laws and drives: three formulations, one motion", "[verification][dynamics]") {
   for (std::uint64_t seed = 21; seed <= 28; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     m.add_body(), m.add_body(), m.add_body();
     m.link(0, -1, mask_from("x y z e1 e2"), 63);
     m.driven(1, 0, mask_from("x y z e1 e2"), Axis::rz, 15);
@@ -152,7 +152,7 @@ TEST_CASE("chains with all six laws and drives: three formulations, one motion",
 TEST_CASE("loops: three formulations, one motion", "[verification][dynamics]") {
   for (std::uint64_t seed = 41; seed <= 48; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     for (int k = 0; k < 4; ++k) {
       m.add_body();
       m.link(k, k - 1, mask_from(kMasks[static_cast<std::size_t>(k + static_cast<int>(seed)) % 4]));
@@ -164,7 +164,7 @@ TEST_CASE("loops: three formulations, one motion", "[verification][dynamics]") {
 }
 
 TEST_CASE("free bodies and particles: three formulations, one motion", "[verification][dynamics]") {
-  Mechanism free(61);
+  RandomMechanism free(61);
   free.add_body(), free.add_body();
   check_three_ways(free);
   // a body by itself: J al = -w x J w, a = g
@@ -178,7 +178,7 @@ TEST_CASE("free bodies and particles: three formulations, one motion", "[verific
 
   for (std::uint64_t seed = 71; seed <= 74; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     const int b = m.add_body(), p = m.add_particle(), r = m.add_particle();
     m.link(b, -1, mask_from("x y z e1 e2"));
     m.link(p, b, mask_from("x z"), 21);
@@ -192,7 +192,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
   s.kind = Stabilization::Kind::baumgarte, s.alpha = 7, s.beta = 11;
   for (std::uint64_t seed = 81; seed <= 84; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     m.add_body(), m.add_body();
     m.link(0, -1, mask_from("x y z e1 e2"), 63);
     m.link(1, 0, mask_from("x y e1 e2"), 16);
@@ -222,7 +222,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
 
 TEST_CASE("redundant rows: both formulations share one set of multipliers", "[verification][dynamics]") {
   // a plane four-bar of four revolutes at rest: 20 rows, rank 17
-  Mechanism m(91);
+  RandomMechanism m(91);
   const Pose p0 = pose_at(Vec3(0, 0, 0)), p1 = pose_at(Vec3(0, 1, 0)), p2 = pose_at(Vec3(1.5, 1.6, 0)), p3 = pose_at(Vec3(2, 0, 0));
   System& s = m.system;
   Body& crank = s.add_body("crank", shapes::rod(1.0, p0.x, p1.x));
@@ -245,7 +245,7 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
           "[verification][dynamics]") {
   for (std::uint64_t seed = 101; seed <= 106; ++seed) {
     CAPTURE(seed);
-    Mechanism m(seed);
+    RandomMechanism m(seed);
     m.add_body(), m.add_body();
     m.link(0, 1, Mask::all, 63);
     m.system.setup();
