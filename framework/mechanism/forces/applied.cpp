@@ -139,6 +139,10 @@ std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
   return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
+// For callers that the compiler lets inline FormulaForce's functions.
+template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::WrenchLoad&) const;
+template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::AccountLoad&) const;
+template LOCKSTEP_API void Applied::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<Applied>;
 
 }  // namespace lockstep

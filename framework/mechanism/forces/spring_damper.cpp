@@ -63,6 +63,10 @@ void SpringDamper::act(const Ends<T>& at, Load& load) const {
   load.shows(length, rate, apart ? pull : T(0));
 }
 
+// For callers that the compiler lets inline FormulaForce's functions.
+template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::WrenchLoad&) const;
+template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::AccountLoad&) const;
+template LOCKSTEP_API void SpringDamper::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<SpringDamper>;
 
 }  // namespace lockstep
