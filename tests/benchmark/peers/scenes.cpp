@@ -22,7 +22,7 @@ struct Draft {
   std::vector<std::string> bodies, links, record;
   std::string integrator = "\"dop853\"";
 
-  void shapes::rod(const std::string& name, double mass, const Vec3& from, const Vec3& to, double axial,
+  void rod(const std::string& name, double mass, const Vec3& from, const Vec3& to, double axial,
            const std::string& motion = "") {
     bodies.push_back("{\"name\": \"" + name + "\", \"rod\": {\"mass\": " + number(mass) + ", \"from\": " + list(from) +
                      ", \"to\": " + list(to) + ", \"axial_inertia\": " + number(axial) + "}" + motion + "}");
