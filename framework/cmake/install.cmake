@@ -1,4 +1,4 @@
-# Headers keep their paths, so an include line is the same here and in a client: #include "framework/include/lockstep/kernel.h".
+# What a client includes is <lockstep/...>, here and installed alike.
 # Four components, which packages.cmake makes Debian packages of: library, development, program, plugins.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)

@@ -44,7 +44,7 @@ refused() {
   fi
 }
 
-echo '#include "framework/include/lockstep/math.h"' >"$place/right.cpp"
+echo '#include <lockstep/math.h>' >"$place/right.cpp"
 cp "$place/right.cpp" "$place/wrong.cpp"
 echo 'int main() {}' >>"$place/right.cpp"
 "$compiler" -std=c++20 $flags $settings -c "$place/right.cpp" -o "$place/right.o" || exit 1
