@@ -40,7 +40,7 @@ double difference(Family& family, std::vector<State> states, Instructions set = 
 template <class Links>
 Family random_family(int bodies, Links&& links, int particles = 0) {
   return Family(8, [&](int k) {
-    inputs::Mechanism m(static_cast<std::uint64_t>(100 + k), Vec3(0.1 * k, -1, -9));
+    inputs::RandomMechanism m(static_cast<std::uint64_t>(100 + k), Vec3(0.1 * k, -1, -9));
     for (int i = 0; i < bodies; ++i) m.add_body();
     for (int i = 0; i < particles; ++i) m.add_particle();
     links(m);
@@ -62,12 +62,12 @@ TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]
   }
   SECTION("free bodies and particles") {
     Family family = random_family(
-        2, [](inputs::Mechanism&) {}, 1);
+        2, [](inputs::RandomMechanism&) {}, 1);
     CHECK(difference(family, family.starts()) < 1e-12);
   }
   SECTION("every mask") {
     for (int mask = 1; mask < 64; ++mask) {
-      Family family = random_family(2, [&](inputs::Mechanism& m) {
+      Family family = random_family(2, [&](inputs::RandomMechanism& m) {
         m.link(0, -1, Mask(mask));
         m.link(0, 1, Mask(64 - mask));
       });
@@ -78,7 +78,7 @@ TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]
   SECTION("a side on the ground, particles, and a loop") {
     Family family = random_family(
         3,
-        [](inputs::Mechanism& m) {
+        [](inputs::RandomMechanism& m) {
           m.link(-1, 0, Mask::xyz);
           m.link(0, 1, Mask::xyz | Mask::e1 | Mask::e2);
           m.link(2, 1, Mask::x | Mask::y | Mask::e3);
@@ -89,7 +89,7 @@ TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]
     CHECK(difference(family, family.starts()) < 1e-11);  // a loop: the proximal term leaves its own trace
   }
   SECTION("imposed laws and drives") {
-    Family family = random_family(3, [](inputs::Mechanism& m) {
+    Family family = random_family(3, [](inputs::RandomMechanism& m) {
       m.link(0, -1, Mask::all, oracle::kP | oracle::kQD);
       m.link(1, 0, Mask::x | Mask::z | Mask::e1, oracle::kP | oracle::kQD);
       m.driven(2, 1, Mask::xyz | Mask::e1 | Mask::e2, Axis::rz);
@@ -117,7 +117,7 @@ TEST_CASE("rows that are redundant do not disturb the lanes", "[unit][copies]") 
 }
 
 TEST_CASE("plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
-  Family family = random_family(3, [](inputs::Mechanism& m) {
+  Family family = random_family(3, [](inputs::RandomMechanism& m) {
     m.link(0, -1, Mask::xyz | Mask::e1 | Mask::e2);
     m.link(1, 0, Mask::x | Mask::y | Mask::e3, oracle::kP);
     m.link(2, 1, Mask::all, oracle::kQD);
@@ -348,7 +348,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     check_words(Copies::unsuited(*planar), {"planar"});
   }
   {
-    inputs::Mechanism m(1);
+    inputs::RandomMechanism m(1);
     m.add_body();
     m.link(0, -1, Mask::xyz, oracle::kUP);
     check_words(Copies::unsuited(m.system), {"link 0.P", "slides"});

@@ -146,7 +146,8 @@ TEST_CASE("the library's allocations are counted", "[unit][integrators]") {
 TEST_CASE("a step of an implicit integrator with dampers allocates nothing", "[unit][integrators]") {
   each_adaptive([](const IntegratorCase& c) {
     if (!c.fixed()->info().implicit) return;
-    check_allocations<SprungLoop>(*c.fixed(), 0.00123456789);
     check_allocations<SprungLoop>(*c.adaptive(), 0.00123456789);
+    check_allocations<SprungLoop>(*c.fixed(), 1e-4);  // radau5 does not converge at ten times that, unless it may shrink
+    if (c.name == std::string("generalized_alpha")) check_allocations<SprungLoop>(*c.fixed(), 0.00123456789);
   });
 }

@@ -5,6 +5,8 @@
 
 #include <lockstep/text.h>
 
+#include "framework/foundation/support/thrown.h"
+
 namespace lockstep {
 namespace {
 
@@ -40,6 +42,8 @@ void Error::attribute(const Thing& whose, const std::string& label) {
   labelled_ = true;
   const std::string place = place_words(*this);
   sentence_.insert(sentence_.starts_with(place) ? place.size() : 0, label + ": ");
+  if (const auto* outer = dynamic_cast<const std::nested_exception*>(this); outer != nullptr && outer->nested_ptr())
+    sentence_ += ": " + thrown_words(outer->nested_ptr());
 }
 
 ParameterError::ParameterError(Thing whose, std::string its_key, std::string its_problem)

@@ -24,7 +24,7 @@ void misbehave(const std::string& does) {
   }
 }
 
-Key does_key() { return {"does", Form::text, Unit::none, kRequired, "what it does wrong"}; }
+Key does_key() { return {"does", Form::text, Unit::none, "", "what it does wrong"}; }
 
 TypeInfo info_of(const char* name) { return {name, "does what it must not", {does_key()}}; }
 
