@@ -86,6 +86,7 @@ void SchurFactorization::size(const KktPattern& pattern) {
   for (Aligned<double>* v : {&inverse_, &mass_})
     v->assign((plane_ ? schur::Planar::mass : schur::Spatial::mass) * pattern.n_slots(), 0.0);
   given_.assign(plan_.n_rows + kPad, 0.0);
+  relative_.reserve(plan_.n_rows);
   kinds_.assign(3 * plan_.size_x + kPad, 0.0);
   for (const schur::Node& node : plan_.nodes)
     for (int k = 0; node.link >= 0 && k < node.m; ++k)
