@@ -52,6 +52,7 @@ double Projection::project_velocity(Evaluation& e, Factor& factor, State& state,
 // From Cd_ at this state; one factor for all rounds. The jacobians are those of the pose, which stays.
 double Projection::velocities(const Evaluation& e, Factor& factor, bool factored, State& state, double goal) {
   goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
+  d_.resize(state.v.size()), lambda_.resize(e.rows().n_rows);  // before the first round, which may come late in a run
   for (int round = 0; round < kVelocityRounds && !(e.norm(Cd_) <= goal); ++round) {
     if (!factored) factor.compute(e);
     factored = true;
