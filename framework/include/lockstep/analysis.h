@@ -21,6 +21,7 @@ struct Shard {
 /// "2/8". Throws ModelError for anything else, and for an index beyond the count.
 LOCKSTEP_API Shard read_shard(const std::string& text);
 
+/// Values of several parameters, and their combinations in order.
 class LOCKSTEP_API Grid {
  public:
   static constexpr long kMostRuns = 1'000'000'000;
@@ -45,6 +46,7 @@ class LOCKSTEP_API Grid {
 // Mobility: rank, freedoms and redundant rows of a mechanism in one pose, by name.
 
 
+/// Freedoms of a mechanism, and how many of its rows are redundant.
 struct MobilityReport {
   int bodies = 0;                            ///< that move
   int unknowns = 0;                          ///< velocities: 6 a body, 3 a particle

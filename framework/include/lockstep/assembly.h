@@ -16,6 +16,7 @@ struct VelocityTarget {
   double value = 0;
 };
 
+/// What assembling a start changed.
 struct AssemblyReport {
   double before = 0, after = 0;      ///< |C|, m
   double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
@@ -28,6 +29,7 @@ struct AssemblyReport {
   std::string text() const;  ///< one sentence
 };
 
+/// When assembling ends.
 struct AssemblyOptions {
   double tolerance = 1e-12;  ///< of |C|, m (not below the round-off of the largest position)
   int iterations = 60;

@@ -20,6 +20,7 @@ class Registry;
 /// Instructions of the processor; `best` takes the widest that the machine has.
 enum class Instructions { best, plain, fma, avx512 };
 
+/// Method, tolerances and instruction set of a batch.
 struct CopiesOptions {
   std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step), or any with a scheme()
   Tolerance tolerance;                ///< where there is error control
@@ -41,6 +42,7 @@ struct CopyReport {
   std::string error;     ///< why it did not finish; "" if it did
 };
 
+/// Many copies of one mechanism that run at once, one per vector lane.
 class LOCKSTEP_API Copies {
  public:
   static constexpr int kLanes = 8;

@@ -69,6 +69,7 @@ enum class Freedoms { spatial, particle };
 /// Slot of everything that never moves: no columns, no mass, no unknowns.
 inline constexpr int kGround = -1;
 
+/// A rigid body, a particle, or what is fixed; its motion is in the State.
 struct Body {
   std::string name;
   MassProperties mass;
@@ -85,6 +86,7 @@ struct Body {
 // Plane: of a mechanism that moves in one. Three velocities a body: along i, along j, about n.
 
 
+/// The plane of a planar mechanism, by its normal.
 struct Plane {
   int n = -1;  ///< its normal: 0 x, 1 y, 2 z of the world; -1: motion in space
 
@@ -100,6 +102,7 @@ struct Plane {
 // Slot: what moves as one: a body, or several that are bolted together. Its origin is the common mass centre.
 
 
+/// Bodies that move as one: mass, inertia and mass centre.
 struct Slot {
   std::vector<Body*> bodies;  ///< the first gives it its name in messages
   double mass = 0;            ///< kg
@@ -113,6 +116,7 @@ struct Slot {
 // in a plane the two or three velocities of it.
 
 
+/// Mass and inertia of what moves as one: a body, a particle, or a body in a plane.
 class LOCKSTEP_API BodyMass {
  public:
   BodyMass() = default;
@@ -153,6 +157,7 @@ inline std::array<int, 6> unknown_velocities(Plane plane) {
 // Marker: a frame on a body, still or moving by two laws.
 
 
+/// A frame on a body, at rest there or moved by laws.
 struct Marker {
   std::string name;
   Body* body = nullptr;

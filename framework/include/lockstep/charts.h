@@ -14,6 +14,7 @@ namespace lockstep {
 /// band: broad and pale, for what lies under other curves; crosses: points that failed.
 enum class SeriesStyle { lines, dashes, points, linespoints, band, crosses };
 
+/// One curve of a chart.
 struct Series {
   std::string label;         ///< in the legend; "": not there
   std::vector<double> x, y;  ///< of equal length; what is not finite makes a gap
@@ -29,6 +30,7 @@ struct Note {
 
 using Range = std::pair<double, double>;
 
+/// One pair of axes of a chart, with its curves.
 struct Panel {
   std::string y_label;
   std::vector<Series> series;
@@ -55,6 +57,7 @@ struct MapSpec {
   std::vector<double> x, y;           ///< centres of the columns and of the rows, both rising
   bool log_x = false, log_y = false;  ///< centres evenly spaced in the logarithm
   std::vector<double> cells;          ///< row after row from the lowest y: number of the kind, or value; NaN: empty
+  /// A colour of a map and what it stands for.
   struct Kind {
     std::string label, color;  ///< color "": green, amber, red, then grey
   };
@@ -70,6 +73,7 @@ struct MapSpec {
 struct BarSpec {
   std::string title, y_label;
   std::vector<std::string> categories;
+  /// Bars that are drawn side by side.
   struct Group {
     std::string label;
     std::vector<double> values;  ///< one a category

@@ -30,6 +30,7 @@ struct CheckOptions {
   int pairs = 1;            ///< marker pairs of a type that is made from a registry
 };
 
+/// One thing that a check found, in words.
 struct Finding {
   std::string what;  ///< the entry, what it is, and what it should be
   std::string look;  ///< where to look

@@ -16,6 +16,7 @@ namespace lockstep {
 class LOCKSTEP_API CamProfile {
  public:
   using Vec2 = Eigen::Vector2d;
+  /// A point of the profile with its derivatives.
   struct Point {
     Vec2 c, c1, c2;    ///< c and its derivatives by u
     double curvature;  ///< above zero where the cam is convex, 1/m
@@ -129,6 +130,7 @@ class LOCKSTEP_API CurvePoint {
   CurvePoint(LawPtr<TranslationLaw> path, double near) : path_(std::move(path)), near_(near) {}
   const LawPtr<TranslationLaw>& path() const { return path_; }
 
+  /// Point, tangent and bend of the curve at a parameter.
   struct Frame {
     Vec3 t, n1, n2;
   };
@@ -237,6 +239,7 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observab
 /// Free: moving along the curve. The axes of P are those of S turned by q(s).
 class LOCKSTEP_API PathFollower final : public PhiLock<OnPath>, public Observable {
  public:
+  /// Where and how the follower runs.
   struct Options {
     LawPtr<TranslationLaw> path;  ///< c(s) in S axes, m, of any parameter s on which it moves without a halt
     LawPtr<RotationLaw> turn;     ///< q(s) in S axes
@@ -317,6 +320,7 @@ class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
 /// or stretch.
 class LOCKSTEP_API Belt final : public PhiCoupling<TurnsOfTwo> {
  public:
+  /// Radii of the pulleys, m, and whether the belt is crossed.
   struct Options {
     double radius1, radius2;  ///< of the pulleys, m, above zero
     bool crossed = false;     ///< the pulleys turn against each other

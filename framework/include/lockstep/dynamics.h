@@ -85,6 +85,7 @@ class LOCKSTEP_API Evaluation {
 // How drift off the constraints is fought.
 
 
+/// How drift off the constraints is removed.
 struct Stabilization {
   enum class Kind { project, baumgarte, none };
   Kind kind = Kind::project;
@@ -105,6 +106,7 @@ enum class Formulation { omega, quaternion };
 //                          it and -k |qd|^2 q to the right side, which the unit-length row makes void (2.7).
 
 
+/// Writes rows and masses as the saddle-point matrix of a formulation.
 class LOCKSTEP_API KktAssembler {
  public:
   KktAssembler(const System& system, Formulation formulation) : system_(system), formulation_(formulation) {}
@@ -190,6 +192,7 @@ class LOCKSTEP_API Factor {
 // Projection: brings a state onto the constraints by the least move in the mass metric, positions, then velocities.
 
 
+/// What a projection found and what it left.
 struct ProjectReport {
   double before = 0, after = 0;      ///< |C|, metres
   double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
@@ -248,6 +251,7 @@ class LOCKSTEP_API ReactionIteration {
 // Dynamics: what an integrator asks of a mechanism: rates, projections, and matrices of its own.
 
 
+/// Formulation and stabilisation.
 struct DynamicsOptions {
   Formulation formulation = Formulation::omega;
   Stabilization stabilization;
@@ -264,6 +268,7 @@ struct Solution : Evaluated {
   SolveReport full_report() const;
 };
 
+/// What an integrator may ask of a mechanism: rates, solutions, projections.
 class LOCKSTEP_API Dynamics {
  public:
   /// The system is set up if it was not. The solver must not be null.

@@ -68,6 +68,7 @@ struct ForceAccount {
 
 namespace formula {
 
+/// Takes what a formula says and does nothing with it.
 template <class T>
 struct Silent {
   void stores(const T&) {}
@@ -77,6 +78,7 @@ struct Silent {
   void shows(const Values&...) {}
 };
 
+/// Collects the wrench that a formula exerts.
 struct WrenchLoad : Silent<double> {
   const WrenchSum& sum;
   int P, S;
@@ -93,6 +95,7 @@ struct WrenchLoad : Silent<double> {
   }
 };
 
+/// Collects the energies and quantities of a formula.
 struct AccountLoad : ForceAccount {
   const Ends<double>& at;
   explicit AccountLoad(const Ends<double>& ends) : at(ends) {}
@@ -320,6 +323,7 @@ void check_force_facets() {
 // MarkerForce: what the forces between markers share: P, perhaps S, their folded frames, and the checks of parameters.
 
 
+/// A force on one marker, or between two.
 class LOCKSTEP_API MarkerForce : public Force {
  public:
   /// Throws ModelError: a marker without a body, or P and S on one body.

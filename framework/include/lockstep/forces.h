@@ -61,6 +61,7 @@ class LOCKSTEP_API Applied : public FormulaForce<Applied> {
 /// No dissipation.
 class LOCKSTEP_API AppliedForce final : public Applied {
  public:
+  /// The force, N: a constant part and laws, and the axes they are in.
   struct Options {
     Vec3 force = Vec3::Zero();                ///< N
     LawPtr<MotionLaw> law{};                  ///< N, along `direction`
@@ -83,6 +84,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
 /// No potential - a constant torque in space has none - and no dissipation.
 class LOCKSTEP_API AppliedTorque final : public Applied {
  public:
+  /// The torque, N m: a constant part and laws, and the axes they are in.
   struct Options {
     Vec3 torque = Vec3::Zero();               ///< N m
     LawPtr<MotionLaw> law{};                  ///< N m, about `direction`
@@ -119,6 +121,7 @@ extern template class LOCKSTEP_API FormulaForce<Bushing>;
 /// a particle; P may, when the rotational numbers are zero. Stiffness may be negative, damping not.
 class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
  public:
+  /// Stiffness and damping in six coordinates.
   struct Options {
     Vec3 stiffness = Vec3::Zero();          ///< K, N/m, along the axes of S
     Vec3 damping = Vec3::Zero();            ///< C, N s/m
@@ -160,6 +163,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
 /// for r in mu where r is zero. Refused: links that are no locks of markers, markers with laws of their own.
 class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
+  /// Coefficients and radii of the friction.
   struct Options {
     double mu = 0;                  ///< mu_k, not negative
     double mu_static = -1;          ///< mu_s; below zero: mu_k
@@ -272,6 +276,7 @@ class LOCKSTEP_API Motor : public FormulaForce<Motor> {
 /// No potential, no dissipation.
 class LOCKSTEP_API ForceMotor final : public Motor {
  public:
+  /// The law of the force, N.
   struct Options {
     LawPtr<MotionLaw> force{};  ///< N; needed
   };
@@ -290,6 +295,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
 /// No potential, no dissipation.
 class LOCKSTEP_API TorqueMotor final : public Motor {
  public:
+  /// The law of the torque, N m.
   struct Options {
     LawPtr<MotionLaw> torque{};  ///< N m; needed
   };
@@ -321,6 +327,7 @@ extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
 /// theirs.
 class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
  public:
+  /// Stiffness, damping and free length.
   struct Options {
     double stiffness = 0;       ///< k, N/m
     double damping = 0;         ///< c, N s/m, not negative
@@ -366,6 +373,7 @@ extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 /// c not.
 class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
+  /// Stiffness, damping and free angle.
   struct Options {
     double stiffness = 0;        ///< k, N m/rad
     double damping = 0;          ///< c, N m s/rad, not negative

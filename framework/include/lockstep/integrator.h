@@ -12,6 +12,7 @@ namespace lockstep {
 
 struct EmbeddedScheme;
 
+/// What a run has to know of a method.
 struct IntegratorInfo {
   std::string name;
   int order = 1;
@@ -25,6 +26,7 @@ struct Tolerance {
   double atol_x = 1e-8;
 };
 
+/// What one step did.
 struct StepReport {
   double h = 0;                ///< step made, s
   double h_next = 0;           ///< step advised, s; 0: none (fixed step)
@@ -36,6 +38,7 @@ struct StepReport {
   bool stiff = false;          ///< damped fast modes limit the step, not accuracy: an implicit method is cheaper
 };
 
+/// A method that makes steps.
 class LOCKSTEP_API Integrator {
  public:
   virtual ~Integrator();

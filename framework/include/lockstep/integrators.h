@@ -26,6 +26,7 @@ namespace lockstep {
 // step. An undamped oscillation must be followed by any method, a mode that is decaying now as well.
 
 
+/// Notices steps that damped fast modes limit.
 class LOCKSTEP_API StiffnessWatch {
  public:
   /// `limit`: h |lambda| at the end of the method's interval of stability on the negative axis.
@@ -149,6 +150,7 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
 // kept exactly (Dullweber, Leimkuhler & McLachlan 1997).
 
 
+/// The exact rotation of a free rigid body over a time.
 class LOCKSTEP_API FreeRotation {
  public:
   /// J about the mass centre, in the axes of the body.
@@ -173,6 +175,7 @@ class LOCKSTEP_API FreeRotation {
 // three stages has h^4 only.
 
 
+/// Dense output from values and two derivatives at both ends of a step.
 class LOCKSTEP_API QuinticOutput {
  public:
   /// Sizes everything and forgets the step; `at` then gives this state.
@@ -280,6 +283,7 @@ LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_veloci
 // out (9.15), and so is what the states s do to one another and to the forces: Newton then takes an iteration more.
 
 
+/// Tangent of the motion at a state, for implicit methods.
 class LOCKSTEP_API LinearizedMotion {
  public:
   using Complex = NewtonMatrix::Complex;

@@ -289,6 +289,7 @@ template <int N, class D, class Op>
 struct Eigen::ScalarBinaryOpTraits<lockstep::Jet<N, double, D>, double, Op> {
   using ReturnType = lockstep::Jet<N, double, D>;
 };
+/// A number times a jet is a jet.
 template <int N, class D, class Op>
 struct Eigen::ScalarBinaryOpTraits<double, lockstep::Jet<N, double, D>, Op> {
   using ReturnType = lockstep::Jet<N, double, D>;
@@ -303,14 +304,17 @@ namespace lockstep {
 
 template <int N>
 struct PackOf;
+/// Two numbers in one register.
 template <>
 struct PackOf<2> {
   typedef double type __attribute__((vector_size(16), may_alias));
 };
+/// Four numbers in one register.
 template <>
 struct PackOf<4> {
   typedef double type __attribute__((vector_size(32), may_alias));
 };
+/// Eight numbers in one register.
 template <>
 struct PackOf<8> {
   typedef double type __attribute__((vector_size(64), may_alias));

@@ -223,6 +223,7 @@ struct StopAbout {
 /// Free: everything, until the coordinate x, y or z of P seen from S comes to its limit.
 class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
  public:
+  /// Where the travel ends, m.
   struct Options {
     int axis = 0;      ///< of S: 0 x, 1 y, 2 z
     double limit = 0;  ///< m
@@ -237,6 +238,7 @@ class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
 /// half a turn of zero).
 class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
  public:
+  /// Where the turn ends, rad.
   struct Options {
     double limit = 0;  ///< rad
     bool low = true;   ///< the angle stays above the limit, else below it

@@ -80,6 +80,7 @@ Row(V, W1, W2) -> Row<V, W1, W2>;
 
 // ---------------------------------------------------------------------------------------------------------- translation
 
+/// Relative position of P against S.
 template <class S, class R, class W>
 struct Position {
   S s;          ///< O2's origin -> P, O2 axes
@@ -110,6 +111,7 @@ LOCKSTEP_INLINE auto translation_row(const M& A1, const U& uP, const Arm& s, con
   return Row{n, cross(uP, transpose_times(A1, n)), cross(n2, s)};
 }
 
+/// Relative velocity of P against S, and its parts.
 template <class W1, class W2, class S>
 struct Velocity {
   W1 w1_uP;  ///< w1 x uP

@@ -30,6 +30,7 @@ struct TranslationValue {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), a = Vec3::Zero();
 };
 
+/// A law of a translation: position, velocity and acceleration at a time, m.
 class LOCKSTEP_API TranslationLaw {
  public:
   virtual ~TranslationLaw();
@@ -44,6 +45,7 @@ struct RotationValue {
   Vec3 w = Vec3::Zero(), a = Vec3::Zero();
 };
 
+/// A law of a rotation: unit quaternion, angular velocity and acceleration at a time.
 class LOCKSTEP_API RotationLaw {
  public:
   virtual ~RotationLaw();

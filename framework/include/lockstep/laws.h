@@ -156,6 +156,7 @@ inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const 
 // Law 'fourier'.
 
 
+/// Circular frequency, rad/s, offset and coefficients.
 struct FourierSettings {
   double omega = 1;               ///< base circular frequency, rad/s
   double offset = 0;              ///< unit of the coordinate
@@ -216,6 +217,7 @@ class FromFunction : public Law {
   std::vector<double> breaks_;
 };
 
+/// A scalar law made from a function.
 template <class F>
 class LawFrom final : public FromFunction<MotionLaw, F> {
  public:
@@ -226,6 +228,7 @@ class LawFrom final : public FromFunction<MotionLaw, F> {
   }
 };
 
+/// A law of a translation made from a function.
 template <class F>
 class TranslationFrom final : public FromFunction<TranslationLaw, F> {
  public:
@@ -237,6 +240,7 @@ class TranslationFrom final : public FromFunction<TranslationLaw, F> {
   }
 };
 
+/// A law of a rotation made from a function.
 template <class F>
 class RotationFrom final : public FromFunction<RotationLaw, F> {
  public:
@@ -316,6 +320,7 @@ inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
 // Law 'repeat'.
 
 
+/// Where the first period begins, s, and whether the law drifts on.
 struct RepeatSettings {
   double t0 = 0;       ///< a start of the period, s
   bool drift = false;  ///< each period adds what the law gained over one: y(period) - y(0)
@@ -348,6 +353,7 @@ inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const Repe
 // Laws 'poly345', 'cycloid' and 'harmonic_rise': a rise in a given time, constant before and after.
 
 
+/// From where, by how much, and in which time.
 struct RiseSettings {
   double rise = 1;      ///< h, unit of the coordinate; may be negative
   double duration = 1;  ///< T > 0, s
@@ -418,6 +424,7 @@ struct Piece {
   LawPtr<MotionLaw> law;
 };
 
+/// Where the sequence begins, s, and what holds outside of it.
 struct SequenceSettings {
   double t0 = 0;         ///< start of the first piece, s
   bool chained = false;  ///< each piece goes on from the value at which the one before ended
@@ -480,6 +487,7 @@ inline LawValue held(double y) { return {y, 0.0, 0.0}; }
 // Law 'sine'.
 
 
+/// Amplitude, circular frequency, rad/s, phase, rad, and offset.
 struct SineSettings {
   double amplitude = 1;  ///< unit of the coordinate
   double omega = 1;      ///< rad/s

@@ -290,6 +290,7 @@ struct Drive {
   int state = 0;       ///< then: which of the link's states
 };
 
+/// The lock of one pair of markers: a mask, imposed laws, drives.
 class LOCKSTEP_API MarkerLock : public Lock,
                                 public Jointed,
                                 public Driven,
@@ -411,6 +412,7 @@ struct LinkWrench {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
 };
 
+/// Multipliers as forces and moments on slots and markers.
 class LOCKSTEP_API Reactions {
  public:
   Reactions(const RowTable& rows, std::span<const double> lambda) : rows_(rows), lambda_(lambda) {}

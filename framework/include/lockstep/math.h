@@ -53,6 +53,7 @@ inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
 // Quaternions, scalar first (theory, section 1). A unit quaternion of a frame takes its axes to those of its parent.
 
 
+/// A quaternion, scalar first.
 template <class T>
 struct QuatT {
   T w{1}, x{0}, y{0}, z{0};

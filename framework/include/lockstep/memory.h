@@ -11,6 +11,7 @@ namespace lockstep {
 // Aligned: a vector whose first number stands at a boundary that the widest vector registers like.
 
 
+/// Memory that is aligned for the widest vector registers.
 template <class T>
 struct AlignedAllocator {
   using value_type = T;
@@ -33,6 +34,7 @@ using Aligned = std::vector<T, AlignedAllocator<T>>;
 // Snapshot: numbers saved in order and restored in the same order; what an integrator keeps beside the State.
 
 
+/// The numbers that an integrator saves and restores.
 class Snapshot {
  public:
   void put(double x) { numbers_.push_back(x); }

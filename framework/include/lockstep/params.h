@@ -26,6 +26,7 @@ namespace lockstep {
 /// ModelError for anything else.
 LOCKSTEP_API Quat from_angles(const std::string& sequence, const Vec3& angles);
 
+/// Three angles about axes in sequence.
 struct Angles {
   Vec3 value = Vec3::Zero();  ///< rad
   bool gimbal =
@@ -95,6 +96,7 @@ class Value {
   std::variant<std::monostate, bool, double, std::string, List, Object> data_;
 };
 
+/// A key of an object with its value.
 struct Value::Member {
   std::string key;
   Value value;
@@ -154,6 +156,7 @@ enum class Unset { required, optional };  // optional: may be left out, asked by
 inline constexpr Unset kRequired = Unset::required, kOptional = Unset::optional;
 using Default = std::variant<Unset, Value>;
 
+/// One key of a type: its form, unit, default and help.
 struct Key {
   std::string name;
   Form form = Form::number;

@@ -177,6 +177,7 @@ struct Misspellings {
   int breakpoint, break_points, breakPoints;
   int blame, diagnosis, diagnostic, diagnoses;
 };
+/// How many functions an object returns.
 struct Functions {
   int initialise, reset, accept_step, breakpoints, diagnose;
 };
@@ -186,6 +187,7 @@ struct Beside : Phi, Names {};
 template <class Phi>
 concept IsClass = std::is_class_v<Phi> && !std::is_final_v<Phi>;
 
+/// Names near a hook that are refused in words.
 template <class Phi>
 struct Spelling {
   static_assert(IsClass<Phi>, "a function of a joint is a class or struct that is not final");
@@ -233,6 +235,7 @@ struct Spelling {
 
 // ----------------------------------------------------------------------------------------------------------- functions
 
+/// Which hooks a function has.
 template <class Phi>
 struct Hooks {
   using F = Beside<Phi, Functions>;
@@ -330,6 +333,7 @@ constexpr int probe() {
   return -1 - bits;
 }
 
+/// A number without derivatives, for checks at compile time.
 struct NoGradient {
   NoGradient operator-() const { return {}; }
   NoGradient& operator+=(NoGradient) { return *this; }
@@ -345,6 +349,7 @@ struct NoGradient {
 
 namespace lockstep {
 
+/// The jet of functions of relative coordinates.
 template <int N>
 requires(N < 0) struct Jet<N, double> {
   double v{0}, d{0}, h{0};
@@ -354,6 +359,7 @@ requires(N < 0) struct Jet<N, double> {
   Jet(double value, double first, double second) : v(value), d(first), h(second) {}
 };
 
+/// Relative coordinates as jets.
 template <int N>
 requires(N < 0) struct LockCoords<Jet<N>> {
   using T = Jet<N>;
@@ -375,6 +381,7 @@ requires(N < 0) struct LockCoords<Jet<N>> {
 
 namespace phi_check {
 
+/// Whether a function can be called with these coordinates.
 template <class Phi, class T>
 struct Call {
   template <std::size_t... k>
@@ -393,6 +400,7 @@ inline constexpr int kReturned = std::convertible_to<R, T> ? 1 : 0;
 template <class R, std::size_t n, class T>
 inline constexpr int kReturned<std::array<R, n>, T> = static_cast<int>(n);
 
+/// Which coordinates a function reads.
 template <class Phi>
 struct Reading {
   using Traits = PhiTraits<Phi>;

@@ -84,6 +84,7 @@ LOCKSTEP_API Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFr
 // (7.2), (7.3)). PhiLock and PhiCoupling are links around it.
 
 
+/// A function of relative coordinates with its rows.
 template <class Phi>
 class PhiFunction {
  public:

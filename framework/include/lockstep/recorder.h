@@ -16,6 +16,7 @@ namespace lockstep {
 // Channels: what can be recorded, by name. "crank.angle_z", "B.force_on_p_world_x", "energy.total".
 
 
+/// A quantity that can be recorded, by name.
 struct Channel {
   std::string name, unit;
   std::function<double(const Sample&)> value;
@@ -44,11 +45,13 @@ LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 // Table: columns of numbers with name and unit; what a recorder fills, a CSV file holds and a chart draws.
 
 
+/// One column of a table.
 struct Column {
   std::string name, unit;  ///< "Bx", "N"; a number without dimension has the unit ""
   std::vector<double> values;
 };
 
+/// Columns of numbers with name and unit.
 class LOCKSTEP_API Table {
  public:
   /// A new column at the right. Throws ModelError: a name that is empty or taken, or rows are there already.
@@ -102,6 +105,7 @@ struct Request {
   Request(std::string given, std::string of) : name(std::move(given)), channel(std::move(of)) {}
 };
 
+/// An observer that fills a table.
 class LOCKSTEP_API Recorder : public Observer {
  public:
   /// Before the run, and before StepLoop takes the start: some channels integrate with the motion. The first column

@@ -32,6 +32,7 @@ template <class Product, class... Args>
 class LOCKSTEP_API Shelf {
  public:
   using Maker = std::function<Product(Args..., const Params&)>;
+  /// One type of a shelf: description, maker and origin.
   struct Entry {
     TypeInfo info;
     Maker make;
@@ -61,6 +62,7 @@ class LOCKSTEP_API Shelf {
   friend class Registry;
 };
 
+/// Links, laws, forces, integrators and solvers by name.
 class LOCKSTEP_API Registry {
  public:
   Registry();
@@ -103,6 +105,7 @@ LOCKSTEP_API Registry builtin_registry();
 // MethodSpec: an integrator or a solver by name, with the keys of its type.
 
 
+/// An integrator or solver by name, with the keys of its type.
 struct MethodSpec {
   std::string type;  ///< name in the registry
   Value keys{};      ///< an object, or null for the defaults

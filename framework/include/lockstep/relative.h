@@ -10,6 +10,7 @@ namespace lockstep {
 // share one or that are fixed.
 
 
+/// A marker folded into the slot of its body.
 struct MarkerFrame {
   int slot = kGround;
   Vec3 u0 = Vec3::Zero();  ///< home origin in the slot, m

@@ -271,6 +271,7 @@ struct Evaluated {
   const RowTable& rows;
 };
 
+/// States that are integrated along with the mechanism.
 class LOCKSTEP_API Auxiliary {
  public:
   explicit Auxiliary(std::string name) : name_(std::move(name)) {}
@@ -360,8 +361,10 @@ struct LOCKSTEP_API Differences {
   bool fresh = false;  ///< motions are those of the inputs
 };
 
+/// Sum of stiffness and damping tangents, by pairs of slots.
 class LOCKSTEP_API TangentSum {
  public:
+  /// A pair of slots with its two blocks.
   struct Pair {
     int row, column;  ///< slots
   };

@@ -36,6 +36,7 @@ struct RunSettings {
   Where where{};
 };
 
+/// A mechanism as data.
 struct Scene {
   Value root;
   std::string file;  ///< as it was asked for; "" when given in C++
@@ -79,6 +80,7 @@ LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const
 // Variables: one quantity of a scene each, and the values it takes from run to run.
 
 
+/// A number of a scene and the values it takes.
 struct Variable {
   std::string path;           ///< as it was asked for: "bodies.rod.mass"
   std::string place;          ///< the same, however it was asked for: things of a list by their name

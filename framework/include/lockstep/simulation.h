@@ -12,6 +12,7 @@
 
 namespace lockstep {
 
+/// Methods by name, tolerances and outputs of a simulation.
 struct SimulationOptions {
   std::string integrator = "dopri5";  ///< a name of the registry, with keys where wanted: "dop853:stages=auto"
   std::string solver = "schur";       ///< likewise

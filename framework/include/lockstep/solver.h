@@ -65,6 +65,7 @@ struct LOCKSTEP_API Kkt {
 // redundant the rows.
 
 
+/// What a solution met and how it was reached.
 struct SolveReport {
   double residual = 0;  ///< largest |J a - c| over the rows, each against its own scale
   int worst_row = -1;   ///< the row of that residual

@@ -44,6 +44,7 @@ enum class SplineOutside {
   repeat,  ///< for periodic ends only: over and over
 };
 
+/// Ends and degree of a spline.
 struct SplineSettings {
   int degree = 3;  ///< 3 or 5
   SplineEnds ends = SplineEnds::natural;

@@ -24,6 +24,7 @@ struct MotionT {
 };
 using Motion = MotionT<double>;
 
+/// What links and forces see of a state.
 template <class T>
 struct InputsT {
   T t{0};

@@ -50,6 +50,7 @@ class Sample {
   mutable Asked last_;
 };
 
+/// Is shown accepted states; never changes them.
 class LOCKSTEP_API Observer {
  public:
   virtual ~Observer();
@@ -69,6 +70,7 @@ class LOCKSTEP_API Observer {
 // Event: changes the set of links in force between two steps, by time or by a condition located to tolerance.
 
 
+/// An instant at which the set of links or the state changes.
 struct Event {
   enum class Crossing { any, rising, falling };
   std::string name;
@@ -87,6 +89,7 @@ struct Event {
 // StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 
 
+/// Steps, tolerances and outputs of a run.
 struct StepLoopOptions {
   double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
   Tolerance tolerance{};               ///< adaptive methods
@@ -95,6 +98,7 @@ struct StepLoopOptions {
   double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
 };
 
+/// Counters, warnings and the end of a run.
 struct SimulationReport {
   long steps = 0, rejected = 0;
   double largest_violation = 0;                                  ///< |C| after accepted steps, m
@@ -106,6 +110,7 @@ struct SimulationReport {
   std::vector<std::string> warnings{};  ///< in the order in which they came
 };
 
+/// Runs a mechanism: steps, events, outputs, observers.
 class LOCKSTEP_API StepLoop {
  public:
   StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options = {});

@@ -76,6 +76,7 @@ struct Conditioning {
   double indicator() const { return detector < std::numeric_limits<double>::infinity() ? detector : pivot; }
 };
 
+/// Stages of a Runge-Kutta step.
 class LOCKSTEP_API Stages {
  public:
   /// Sizes everything; the only place that allocates. `watch`: conditioning() is needed, which costs the solver time.
@@ -270,6 +271,7 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
 //   a(+-d) at P(q (+) +-d v/|v|),  m(d) = (a(d) + a(-d))/2,  a = (15 m(d) - 6 m(2 d) + m(3 d))/10 + O(d^6)
 
 
+/// Rates at a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
   /// Sizes the scratch.
@@ -300,6 +302,7 @@ class LOCKSTEP_API SingularRate {
 /// above 3e-2.
 enum class StagesWhen { plain, manifold, automatic };
 
+/// How steps go through a singular position.
 class LOCKSTEP_API SingularPassage {
  public:
   SingularPassage(StagesWhen when, const char* method) : when_(when), method_(method) {}

@@ -58,8 +58,10 @@ struct PlanarRows {
   bool by_link = false;  ///< the link gathers them itself
 };
 
+/// Who exists and how they are connected.
 class LOCKSTEP_API System {
  public:
+  /// Gravity.
   struct Options {
     Vec3 gravity = Vec3::Zero();  ///< m/s^2, world
   };
