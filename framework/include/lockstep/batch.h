@@ -20,7 +20,7 @@ class Registry;
 /// Instructions of the processor; `best` takes the widest that the machine has.
 enum class Instructions { best, plain, fma, avx512 };
 
-/// Method, tolerances and instruction set of a batch.
+/// Method, tolerances and steps of a batch.
 struct CopiesOptions {
   std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step), or any with a scheme()
   Tolerance tolerance;                ///< where there is error control

@@ -130,7 +130,7 @@ class LOCKSTEP_API CurvePoint {
   CurvePoint(LawPtr<TranslationLaw> path, double near) : path_(std::move(path)), near_(near) {}
   const LawPtr<TranslationLaw>& path() const { return path_; }
 
-  /// Point, tangent and bend of the curve at a parameter.
+  /// Unit tangent t of the curve and two normals, n1 and n2.
   struct Frame {
     Vec3 t, n1, n2;
   };
@@ -239,7 +239,7 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observab
 /// Free: moving along the curve. The axes of P are those of S turned by q(s).
 class LOCKSTEP_API PathFollower final : public PhiLock<OnPath>, public Observable {
  public:
-  /// Where and how the follower runs.
+  /// The path, the turn along it, and where P begins.
   struct Options {
     LawPtr<TranslationLaw> path;  ///< c(s) in S axes, m, of any parameter s on which it moves without a halt
     LawPtr<RotationLaw> turn;     ///< q(s) in S axes

@@ -320,7 +320,7 @@ inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
 // Law 'repeat'.
 
 
-/// Where the first period begins, s, and whether the law drifts on.
+/// Where a period begins, s, and whether each period adds what the law gained over one.
 struct RepeatSettings {
   double t0 = 0;       ///< a start of the period, s
   bool drift = false;  ///< each period adds what the law gained over one: y(period) - y(0)

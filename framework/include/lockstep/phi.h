@@ -349,7 +349,7 @@ struct NoGradient {
 
 namespace lockstep {
 
-/// The jet of functions of relative coordinates.
+/// A jet without a gradient, for checks at compile time.
 template <int N>
 requires(N < 0) struct Jet<N, double> {
   double v{0}, d{0}, h{0};

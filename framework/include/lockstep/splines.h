@@ -44,7 +44,7 @@ enum class SplineOutside {
   repeat,  ///< for periodic ends only: over and over
 };
 
-/// Ends and degree of a spline.
+/// Degree of a spline, what holds at its ends and what outside of them.
 struct SplineSettings {
   int degree = 3;  ///< 3 or 5
   SplineEnds ends = SplineEnds::natural;
