@@ -34,7 +34,7 @@ void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
 }
 
 // Largest change of a position or turn, L times the radians; the same of a velocity.
-double size_of(const VecX& d, double length) {
+double largest_change(const VecX& d, double length) {
   double most = 0;
   for (Eigen::Index i = 0; i < d.size(); i += 6)
     most = std::max({most, d.segment<3>(i).norm(), length * d.segment<3>(i + 3).norm()});
@@ -240,7 +240,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   lambda1_ += mu_;
   du_ += bh2 * al_;
   al_ *= gh * h;
-  return std::max({change, size_of(du_, length), size_of(al_, length)});
+  return std::max({change, largest_change(du_, length), largest_change(al_, length)});
 }
 
 // What friction changes with the multipliers is in no matrix: al and mu are solved again with the friction at
@@ -255,7 +255,7 @@ void GeneralizedAlpha::settle_reactions(const Evaluation& e) {
     friction1_.setZero();
     e.react(lambda_try_, friction1_);
     friction_ = friction1_ - friction_;
-    const double change = size_of(friction_, 1 / e.system().length());
+    const double change = largest_change(friction_, 1 / e.system().length());
     if (i == 1) first = change;
     if (change <= kReactions * first) return;
     friction_.swap(friction1_);

@@ -11,6 +11,15 @@ function(lockstep_precompile target)
   endif()
 endfunction()
 
+# Sources are compiled several at once: most of a small file's time is its headers.
+option(LOCKSTEP_UNITY "Compile sources in batches (OFF: one by one, as development and tools that read one file want)" ON)
+function(lockstep_unity target batch)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${LOCKSTEP_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
+endfunction()
+set_source_files_properties(integrators/rk4.cpp integrators/dopri5.cpp integrators/dop853.cpp
+                            framework/tools/charts/chart_grid.cpp
+                            PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # their private names are those of a sibling
+
 # Code that no inner loop calls: compiled quickly.
 function(lockstep_cold target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
@@ -27,10 +36,10 @@ function(lockstep_add_library part file)
   target_link_libraries(lockstep_${part} PRIVATE lockstep_own)
   target_link_options(lockstep_${part} PRIVATE
                       "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
+  lockstep_unity(lockstep_${part} 10)
   if(part STREQUAL "core")
     lockstep_precompile(lockstep_core ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/registry.h>)
   else()
-    lockstep_precompile(lockstep_${part} ${lockstep_common_headers} <lockstep/lockstep.h>)
     lockstep_cold(lockstep_${part})
   endif()
 endfunction()

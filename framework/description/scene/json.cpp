@@ -44,9 +44,9 @@ bool begins_with_word(std::string_view text, std::string_view word) {
 
 // Takes nlohmann's events and builds the tree. Each event is one token that ends where the parser has read to, and the
 // next one begins behind it and the spaces, commas and colons there.
-class Builder {
+class TreeBuilder {
  public:
-  Builder(const std::string& text, const std::string& file)
+  TreeBuilder(const std::string& text, const std::string& file)
       : text_(text), file_(std::make_shared<const std::string>(file)) {
     if (text_.starts_with("\xEF\xBB\xBF")) end_ = counted_ = 3;  // a byte order mark
   }
@@ -176,7 +176,7 @@ class Builder {
   Value root_;
 };
 
-std::string Builder::syntax_problem(std::size_t byte, const ParseError& error) const {
+std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& error) const {
   const std::string_view rest = std::string_view(text_).substr(byte);
   if (error.id == kOutOfRange)
     return "the number " +
@@ -219,7 +219,7 @@ Value read_json(const std::string& text, const std::string& file_name) {
            "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
                "; put large tables into CSV files");
   }
-  Builder builder(text, file_name);
+  TreeBuilder builder(text, file_name);
   builder.parse();
   return builder.take();
 }

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kMostSolutions = 50;
 constexpr double kSettled = 1e-12;   // of the friction: the change that ends the search
-constexpr double kRoundOff = 1e-15;  // of all other forces: nor is it followed below that
+constexpr double kForceRoundOff = 1e-15;  // of all other forces: nor is it followed below that
 constexpr double kStalled = 1e-9;    // of the friction: what shrinks no more is round-off below this
 
 // The largest force on a slot, N; moments are divided by the length.
-double size_of(const VecX& f, double length) {
+double largest_force(const VecX& f, double length) {
   double most = 0;
   for (Eigen::Index i = 0; i < f.size(); i += 6)
     most = std::max(most, f.segment<3>(i).norm() + f.segment<3>(i + 3).norm() / length);
@@ -36,7 +36,7 @@ double dot(const VecX& a, const VecX& b, double length) {
 // solution on x is taken where the line through the last two changes r = g(x) - x is nearest to zero (Anderson's method
 // with one earlier try, Aitken's for one number): a friction that is stiff to its own reaction costs few solutions more.
 void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
-  const double length = e.system().length(), applied = size_of(e.force(), length);
+  const double length = e.system().length(), applied = largest_force(e.force(), length);
   const Unsettled all{e, factor, c, a, lambda, report};
   added_.setZero(e.force().size());
   double before = HUGE_VAL;
@@ -44,8 +44,8 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
     change_ = -added_;
     e.react(lambda, change_);
     if (!change_.allFinite()) diagnose(all, 1);
-    const double left = size_of(change_, length), size = std::max(size_of(added_, length), left);
-    if (left <= kSettled * size + kRoundOff * applied && n > 1) return;
+    const double left = largest_force(change_, length), size = std::max(largest_force(added_, length), left);
+    if (left <= kSettled * size + kForceRoundOff * applied && n > 1) return;
     if (left == 0) return;
     if (n > 2 && left > 0.5 * before && left <= kStalled * size) return;
     if (n > kMostSolutions) diagnose(all, left / size);
@@ -88,7 +88,7 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   std::size_t worst = 0;
   double most = -1;
   for (std::size_t i = 0; i < first.size(); ++i)
-    if (const double size = size_of(share(*u.e.reacting()[i]) - first[i], u.e.system().length()); !(size <= most))
+    if (const double size = largest_force(share(*u.e.reacting()[i]) - first[i], u.e.system().length()); !(size <= most))
       most = size, worst = i;
   const Force& force = *u.e.reacting()[worst];
   const Thing culprit = thing_of(force);

@@ -20,7 +20,7 @@ double speed_of(const VecX& v, double L) {
 }
 
 // Largest number, turns as lengths.
-double size_of(const VecX& a, double L) {
+double largest_component(const VecX& a, double L) {
   double most = 0;
   for (Eigen::Index i = 0; i < a.size(); ++i) most = std::max(most, (i % 6 < 3 ? 1.0 : L) * std::abs(a[i]));
   return most;
@@ -74,8 +74,8 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, d
     dynamics.rate(off_, sign > 0 ? ahead_ : behind_);
   }
   const double L = dynamics.system().length(), speed = delta / time;
-  const double scale = std::max({size_of(ahead_.v, L), size_of(behind_.v, L), speed * speed * L});
-  if (!(size_of(ahead_.v - behind_.v, L) <= kDisagree * scale)) return false;
+  const double scale = std::max({largest_component(ahead_.v, L), largest_component(behind_.v, L), speed * speed * L});
+  if (!(largest_component(ahead_.v - behind_.v, L) <= kDisagree * scale)) return false;
   mean.v = 0.5 * (ahead_.v + behind_.v);
   mean.s = 0.5 * (ahead_.s + behind_.s);
   return true;

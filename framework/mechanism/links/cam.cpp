@@ -9,7 +9,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoContact = std::numeric_limits<double>::quiet_NaN();
 
 // Newton for f(u) = 0 from a near start; steps of at most 0.3 rad, and uphill ones (f' of the wrong sign) turned round.
 template <class F>
@@ -18,12 +18,12 @@ double root(double u, F&& f) {
   for (int i = 0; i < 60; ++i) {
     const auto [value, slope] = f(u);  // slope < 0 at what is looked for
     const double step = slope < 0 ? -value / slope : std::copysign(0.1, value);
-    if (!std::isfinite(step)) return kNaN;
+    if (!std::isfinite(step)) return kNoContact;
     u += std::clamp(step, -0.3, 0.3);
     if (std::abs(step) < 1e-15 || (std::abs(step) < 1e-12 && std::abs(step) >= std::abs(last))) return u;
     last = step;
   }
-  return std::abs(last) < 1e-11 ? u : kNaN;
+  return std::abs(last) < 1e-11 ? u : kNoContact;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN();
 
 // What the user's parameter measures is unknown; these names say no unit.
 std::vector<Quantity> of_curve() { return {{"s", ""}, {"rate", "1/s"}}; }
@@ -48,14 +48,14 @@ double CurvePoint::in_plane(const Vec3& t, const Vec3& rho, double s) const {
   for (int i = 0; i < 50; ++i) {
     const TranslationValue c = path_->at(s);
     const double step = t.dot(rho - c.x) / t.dot(c.v);
-    if (!std::isfinite(step)) return kNaN;
+    if (!std::isfinite(step)) return kNoPoint;
     s += step;
     const double small = 4 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(s));
     if (std::abs(step) <= small || (std::abs(step) < 1e-10 * std::max(1.0, std::abs(s)) && std::abs(step) >= last))
       return s;
     last = std::abs(step);
   }
-  return kNaN;
+  return kNoPoint;
 }
 
 double CurvePoint::nearest(const Vec3& rho, double s) const {
@@ -64,17 +64,17 @@ double CurvePoint::nearest(const Vec3& rho, double s) const {
     const Vec3 g = rho - c.x;
     const double full = c.v.squaredNorm() - c.a.dot(g), slope = full > 0 ? full : c.v.squaredNorm();
     double step = c.v.dot(g) / slope;
-    if (!std::isfinite(step)) return kNaN;
+    if (!std::isfinite(step)) return kNoPoint;
     for (int half = 0; half < 40 && (rho - path_->at(s + step).x).norm() > g.norm() * (1 + 1e-15); ++half) step *= 0.5;
     s += step;
     if (std::abs(step) <= 1e-14 * std::max(1.0, std::abs(s))) return s;
   }
-  return kNaN;
+  return kNoPoint;
 }
 
 void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) const {
   const std::string who = "link '" + link + "': ";
-  double s = kNaN;
+  double s = kNoPoint;
   try {
     s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
   } catch (const ModelError& end) {

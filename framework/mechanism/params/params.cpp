@@ -40,8 +40,6 @@ const Value::List& law_list(const Value& v, const std::string& context) {
   return *items;
 }
 
-std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
-
 // What a getter of this form does, without its result.
 void check_value(const Value& v, const Key& key, const std::string& context) {
   switch (key.form) {

@@ -35,8 +35,6 @@ const Value::List& read_list(const Value& v, std::size_t n, const std::string& c
   return *items;
 }
 
-std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
-
 Quat read_quaternion(const Value& v, const std::string& context) {
   const std::vector<double> c = read_numbers(v, Unit::none, context);
   const Vec4 e(c[0], c[1], c[2], c[3]);

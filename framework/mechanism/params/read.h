@@ -21,6 +21,9 @@ namespace lockstep {
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
 LOCKSTEP_API std::string shown(const Value&);
 
+/// The context of one item of a list: "link 'A', points[2]".
+inline std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
+
 // All throw SceneError by `refuse`; `context` names the thing that is read: "link 'A', law.slope".
 // Numbers are finite; with a unit other than Unit::none a text like "12 mm" stands for a number, the result is in SI.
 LOCKSTEP_API double read_number(const Value&, Unit, const std::string& context);

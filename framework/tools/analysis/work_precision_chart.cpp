@@ -12,7 +12,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNothing = 1e-9;  // m, m/s, J, N
+constexpr double kNegligible = 1e-9;  // m, m/s, J, N
 constexpr double kLeast = 1e-16;   // nothing is zero on a logarithmic axis
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
@@ -157,7 +157,7 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
   const Range y = extent(panel.series, false);
   // Nothing of this kind: no link, no energy, or round-off alone.
-  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNothing)) return std::nullopt;
+  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);
   std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });

@@ -10,8 +10,6 @@
 namespace lockstep::lanes {
 namespace {
 
-constexpr std::size_t kL = kLanes;
-
 void put_number(Aligned<double>& to, std::size_t at, int lane, double value) { to[kL * at + lane] = value; }
 template <class M>
 void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values) {

@@ -9,8 +9,6 @@
 namespace lockstep::lanes {
 namespace {
 
-constexpr std::size_t kL = kLanes;
-
 bool any(const Flags8& f) {
   return std::any_of(f.begin(), f.end(), [](bool x) { return x; });
 }

@@ -15,6 +15,7 @@ class MarkerLock;
 namespace lockstep::lanes {
 
 inline constexpr int kLanes = 8;
+inline constexpr std::size_t kL = kLanes;  // as an index
 
 /// How the rotational half of a link is calculated.
 enum class Turn : unsigned char { none, parallel, plain, law };

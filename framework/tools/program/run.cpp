@@ -45,7 +45,7 @@ std::exception_ptr write_table(const std::string& csv, const Table& table) {
   }
 }
 
-std::string what_of(const std::exception_ptr& error) {
+std::string words_of(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
   } catch (const std::exception& e) {
@@ -179,7 +179,7 @@ int run_command(const Words& w) {
   const Ended ended = go(sim, m.run.until, w.quiet, seconds);
   const std::exception_ptr unwritten = write_table(csv, recorder->table());
   if (ended.error) {
-    const std::string rows = unwritten ? "the rows up to there could not be written: " + what_of(unwritten)
+    const std::string rows = unwritten ? "the rows up to there could not be written: " + words_of(unwritten)
                                        : rows_of(recorder->table()) + " up to there are in " + csv;
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, rows);
     std::rethrow_exception(ended.error);
