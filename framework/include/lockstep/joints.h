@@ -15,243 +15,264 @@ namespace lockstep {
 // Link 'distance'.
 
 
-/// (7.4) |rho| - f(t). The multiplier is the axial force: positive pulls the two points together.
+/// (7.4) phi = |rho| - f(t), m. The multiplier is the axial force, N: positive pulls the two points together.
 struct DistanceFunction {
-  LawPtr<MotionLaw> law;  ///< f(t), m; null: `length`
-  double length = 0;      ///< m
-  static constexpr Reads kReads = Reads::translation;
-  static constexpr RowKind kKind = RowKind::translation;
+  LawPtr<MotionLaw> law;                                  ///< f(t), m; null: `length`
+  double length = 0;                                      ///< constant f, m
+  static constexpr Reads kReads = Reads::translation;     ///< x y z
+  static constexpr RowKind kKind = RowKind::translation;  ///< a length
+  /// phi, m.
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     using std::sqrt;
     return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - (law ? law_at(*law, y.t) : T(length));
   }
+  /// f(t), m.
   double length_at(double t) const { return law ? law->at(t).y : length; }
+  /// As Driven::breakpoints.
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
     if (law) law->breakpoints(t0, t1, out);
   }
+  /// As Driven::diagnose.
   std::string diagnose(double t) const { return law ? law_fault("the law of its length", law, t) : ""; }
 };
 
-/// Distance between the origins of P and S, constant or by a law (m). Free: everything that keeps the distance; without
-/// a direction, hence refused, at length zero.
+/// A distance between the origins of P and S, constant or by a law. Free: everything that keeps the distance. It has no
+/// direction at length zero: setup() throws ModelError where the length at t = 0 or the distance at the start is zero.
 class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
  public:
+  /// Of constant length, m, above zero.
   Distance(std::string name, Marker& p, Marker& s, double length);
+  /// Of a length by a law, m, above zero. Throws ModelError: no law.
   Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length);
-  /// At the distance of the start.
+  /// Of the length that the distance has at the start.
   Distance(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "distance"; }
-  static TypeInfo info();
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static TypeInfo info();                                         ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
 
  protected:
   RowPlan plan_rows() override;
 };
 
 
-// The joints: each a mask and a name. P is on O1, S on O2; axes are those of S. "Free" says what P may do seen from S.
+// The joints: each is a mask and a name. P is on body 1, S on body 2; axes are those of S. "Free" lists the motions of
+// P that are left free, seen from S.
 
 
-/// A joint that is nothing but a mask: the class says its name, its rows and one line of help.
+/// A joint that is only a mask. The class Self defines kType, its type in scenes, and kHelp, a line of help.
 template <class Self, Mask kMask>
 class MaskJoint : public MarkerLock {
  public:
+  /// Holds P at S in the coordinates of kMask. Throws ModelError: both markers are on one body.
   MaskJoint(std::string name, Marker& p, Marker& s) : MarkerLock(std::move(name), p, s, kMask) {}
+  /// Self::kType.
   std::string_view type() const override { return Self::kType; }
+  /// Its line of help; it has no keys in scenes.
   static TypeInfo info() { return {Self::kType, Self::kHelp, {}}; }
+  /// Its maker for the registry.
   static std::unique_ptr<Lock> make(const Site& site, const Params&) {
     return std::make_unique<Self>(site.name, site.p(), site.s());
   }
 };
 
-/// Free: nothing. Holds P in S, position and orientation (table 1: fixed). With move() and turn() it is the full
+/// A weld: P coincides with S in position and orientation. Free: nothing. With move() and turn() it imposes a whole
 /// motion.
 struct LOCKSTEP_API Fixed final : MaskJoint<Fixed, Mask::all> {
-  static constexpr const char* kType = "fixed";
-  static constexpr const char* kHelp = "holds P in S; free: nothing";
+  static constexpr const char* kType = "fixed";                        ///< type
+  static constexpr const char* kHelp = "holds P in S; free: nothing";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along z of S, all turns. The origin of P stays on the z axis of S.
+/// The origin of P stays on the z axis of S. Free: sliding along z, all turns.
 struct LOCKSTEP_API PointOnLine final : MaskJoint<PointOnLine, Mask::x | Mask::y> {
-  static constexpr const char* kType = "point_on_line";
-  static constexpr const char* kHelp = "origin of P on the z axis of S; free: sliding along z, all turns";
+  static constexpr const char* kType = "point_on_line";                                                     ///< type
+  static constexpr const char* kHelp = "origin of P on the z axis of S; free: sliding along z, all turns";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along x and y of S, all turns. The origin of P stays in the xy plane of S.
+/// The origin of P stays in the xy plane of S. Free: sliding along x and y, all turns.
 struct LOCKSTEP_API PointOnPlane final : MaskJoint<PointOnPlane, Mask::z> {
-  static constexpr const char* kType = "point_on_plane";
+  static constexpr const char* kType = "point_on_plane";  ///< type
+  /// Help.
   static constexpr const char* kHelp = "origin of P in the xy plane of S; free: sliding along x and y, all turns";
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along x and y of S, turning about z of S. The xy planes of P and S coincide.
+/// A planar joint: the xy planes of P and S coincide. Free: sliding along x and y, turning about z.
 struct LOCKSTEP_API PlaneOnPlane final : MaskJoint<PlaneOnPlane, Mask::z | Mask::e1 | Mask::e2> {
-  static constexpr const char* kType = "plane_on_plane";
+  static constexpr const char* kType = "plane_on_plane";  ///< type
   static constexpr const char* kHelp =
-      "planar joint, xy planes of P and S coincide; free: sliding along x and y, turning about z";
+      "planar joint, xy planes of P and S coincide; free: sliding along x and y, turning about z";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: turning about z of S.
+/// A hinge. Free: turning about z.
 struct LOCKSTEP_API Revolute final : MaskJoint<Revolute, Mask::xyz | Mask::e1 | Mask::e2> {
-  static constexpr const char* kType = "revolute";
-  static constexpr const char* kHelp = "hinge; free: turning about z of S";
+  static constexpr const char* kType = "revolute";                           ///< type
+  static constexpr const char* kHelp = "hinge; free: turning about z of S";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: turning about and sliding along z of S.
+/// A shaft in a bore. Free: turning about z, sliding along z.
 struct LOCKSTEP_API Cylindrical final : MaskJoint<Cylindrical, Mask::x | Mask::y | Mask::e1 | Mask::e2> {
-  static constexpr const char* kType = "cylindrical";
-  static constexpr const char* kHelp = "shaft in a bore; free: turning about and sliding along z of S";
+  static constexpr const char* kType = "cylindrical";                                                    ///< type
+  static constexpr const char* kHelp = "shaft in a bore; free: turning about and sliding along z of S";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along x, y and z of S. No turns.
+/// The axes of P stay parallel to those of S. Free: sliding along x, y and z.
 struct LOCKSTEP_API AngularAlignment final : MaskJoint<AngularAlignment, Mask::e123> {
-  static constexpr const char* kType = "angular_alignment";
-  static constexpr const char* kHelp = "axes of P parallel to those of S; free: sliding along x, y and z";
+  static constexpr const char* kType = "angular_alignment";                                                 ///< type
+  static constexpr const char* kHelp = "axes of P parallel to those of S; free: sliding along x, y and z";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along x and y of S. Two parallel shafts along z turn together (the paper's Oldham joint as one lock).
+/// An Oldham coupling: two parallel shafts along z turn together. Free: sliding along x and y.
 struct LOCKSTEP_API Oldham final : MaskJoint<Oldham, Mask::z | Mask::e123> {
-  static constexpr const char* kType = "oldham";
+  static constexpr const char* kType = "oldham";  ///< type
+  /// Help.
   static constexpr const char* kHelp = "parallel shafts along z turn together; free: sliding along x and y of S";
   using MaskJoint::MaskJoint;
 };
-/// Free: sliding along z of S.
+/// A slider. Free: sliding along z.
 struct LOCKSTEP_API Prismatic final : MaskJoint<Prismatic, Mask::x | Mask::y | Mask::e123> {
-  static constexpr const char* kType = "prismatic";
-  static constexpr const char* kHelp = "slider; free: sliding along z of S";
+  static constexpr const char* kType = "prismatic";                           ///< type
+  static constexpr const char* kHelp = "slider; free: sliding along z of S";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: swinging about every axis normal to z of S. Shafts along z_P and z_S meet in one point and turn at equal rates
-/// at every bend (4.21), short of a half turn.
+/// A constant-velocity joint: shafts along z_P and z_S meet in one point and turn at equal rates at every bend below
+/// half a turn (4.21). Free: swinging about all axes normal to z.
 struct LOCKSTEP_API Rzeppa final : MaskJoint<Rzeppa, Mask::xyz | Mask::e3> {
-  static constexpr const char* kType = "rzeppa";
+  static constexpr const char* kType = "rzeppa";  ///< type
   static constexpr const char* kHelp =
-      "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z";
+      "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z";  ///< help
   using MaskJoint::MaskJoint;
 };
-/// Free: all translations, swinging about every axis normal to z of S. The orientation half of the Rzeppa joint.
+/// The rotational row of a Rzeppa joint: shafts along z_P and z_S turn at equal rates wherever they are. Free: sliding
+/// along x, y and z, swinging about all axes normal to z.
 struct LOCKSTEP_API Homokinetic final : MaskJoint<Homokinetic, Mask::e3> {
-  static constexpr const char* kType = "homokinetic";
+  static constexpr const char* kType = "homokinetic";  ///< type
+  /// Help.
   static constexpr const char* kHelp =
       "shafts along z turn at equal rates wherever they are; free: all translations, swinging about axes normal to z";
   using MaskJoint::MaskJoint;
 };
-/// Free: all turns. The origins of P and S coincide.
+/// A ball joint: the origins of P and S coincide. Free: all turns.
 struct LOCKSTEP_API Spherical final : MaskJoint<Spherical, Mask::xyz> {
-  static constexpr const char* kType = "spherical";
-  static constexpr const char* kHelp = "ball joint, origins coincide; free: all turns";
+  static constexpr const char* kType = "spherical";                                      ///< type
+  static constexpr const char* kHelp = "ball joint, origins coincide; free: all turns";  ///< help
   using MaskJoint::MaskJoint;
 };
 
-/// The lock itself, by its mask in words: "x y z e1 e2".
+/// The lock of any mask; in scenes the type "lock", with the mask in words: "x y z e1 e2".
 class LOCKSTEP_API GenericLock final : public MarkerLock {
  public:
   using MarkerLock::MarkerLock;
   std::string_view type() const override { return "lock"; }
-  static TypeInfo info();
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static TypeInfo info();                                         ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
 };
 
 
 // Link 'screw'.
 
 
-/// (7.4) phi = z - lead theta / 2 pi - reference - f(t), m. Its multiplier is the axial force of the thread.
+/// (7.4) phi = z - lead theta / 2 pi - reference - f(t), m. The multiplier is the axial force of the thread, N.
 struct LOCKSTEP_API ScrewThread {
-  double lead;               ///< advance per turn, m; negative for a left-hand thread
-  LawPtr<MotionLaw> slip{};  ///< f(t), distance from the thread, m; null: none
-  double reference = 0;      ///< z - lead theta / 2 pi of the start, m
-  static constexpr bool kCountsTurns = true;
-  static constexpr RowKind kKind = RowKind::translation;
-  static constexpr std::array<const char*, 1> kNames = {"thread"};
+  double lead;                                                      ///< advance per turn, m; negative: left-hand thread
+  LawPtr<MotionLaw> slip{};                                         ///< f(t), distance from the thread, m; null: none
+  double reference = 0;                                             ///< z - lead theta / 2 pi at the start, m
+  static constexpr bool kCountsTurns = true;                        ///< theta runs on past full turns
+  static constexpr RowKind kKind = RowKind::translation;            ///< a length
+  static constexpr std::array<const char*, 1> kNames = {"thread"};  ///< name of the row
+  /// z - lead theta / 2 pi, m.
   template <class T>
   T advance(const LockCoords<T>& y) const {
     return y.z - lead / kTwoPi * y.angle_z();
   }
+  /// phi, m.
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     const T phi = advance(y) - reference;
     return slip ? phi - law_at(*slip, y.t) : phi;
   }
+  /// Sets the reference, so that the start is on the thread.
   void initialise(const std::string&, const LockCoords<Time>& y) { reference = advance(y).v; }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const;
-  std::string diagnose(double t) const;
+  void breakpoints(double t0, double t1, std::vector<double>& out) const;  ///< as Driven::breakpoints
+  std::string diagnose(double t) const;                                    ///< as Driven::diagnose
 };
 
-/// Free: turning about z of S, and with it sliding along z. Turns are counted without end.
+/// A screw on a thread about z of S. Free: turning about z, and with it sliding along z, for any number of turns.
 class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable {
  public:
-  /// `lead`: m per turn, negative for a left-hand thread; `slip`: law of the distance from the thread, m. The poses of
-  /// the start lie on the thread. Throws ModelError: a lead that is not finite.
+  /// `lead`: m per turn, negative for a left-hand thread; `slip`: law of the distance from the thread through the poses
+  /// of the start, m. Throws ParameterError: a lead that is not finite.
   Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip = {});
   std::string_view type() const override { return "screw"; }
   const Observable* observable() const override { return this; }
-  std::vector<Quantity> quantities() const override;  ///< angle (counted), rate
+  std::vector<Quantity> quantities() const override;  ///< "angle", counted, rad, and "rate", rad/s
   double quantity(int k, const Inputs&) const override;
-  static TypeInfo info();
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static TypeInfo info();                                         ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
 };
 
 
 // Link 'stop': one end of the travel of one coordinate; a unilateral link.
 
 
-/// +-(coordinate - limit), so that C >= 0 is the free side: above a low end, below a high one.
+/// phi = +-(coordinate - limit), m: phi >= 0 is the free side, above a low end and below a high one.
 struct StopAlong {
-  int axis;      ///< of S: 0 x, 1 y, 2 z
-  double limit;  ///< m
-  double sign;   ///< +1: a low end, -1: a high one
-  static constexpr Reads kReads = Reads::translation;
-  static constexpr RowKind kKind = RowKind::translation;
+  int axis;                                               ///< of S: 0 x, 1 y, 2 z
+  double limit;                                           ///< m
+  double sign;                                            ///< +1: a low end, -1: a high one
+  static constexpr Reads kReads = Reads::translation;     ///< x y z
+  static constexpr RowKind kKind = RowKind::translation;  ///< a length
+  /// phi, m.
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return sign * ((axis == 0 ? y.x : axis == 1 ? y.y : y.z) - limit);
   }
 };
-/// The same of the turn about z of S, counted past full turns.
+/// phi = +-(theta - limit), rad, with the turn theta about z of S; phi >= 0 is the free side.
 struct StopAbout {
-  double limit;  ///< rad
-  double sign;   ///< +1: a low end, -1: a high one
-  static constexpr Reads kReads = Reads::rotation;
-  static constexpr bool kCountsTurns = true;
+  double limit;                                     ///< rad
+  double sign;                                      ///< +1: a low end, -1: a high one
+  static constexpr Reads kReads = Reads::rotation;  ///< the relative quaternion
+  static constexpr bool kCountsTurns = true;        ///< theta runs on past full turns
+  /// phi, rad.
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return sign * (y.angle_z() - limit);
   }
 };
 
-/// Free: everything, until the coordinate x, y or z of P seen from S comes to its limit.
+/// One end of a travel along x, y or z of S; a unilateral link, by default without restitution. Free: everything on one
+/// side of the limit.
 class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
  public:
   /// Where the travel ends, m.
   struct Options {
     int axis = 0;      ///< of S: 0 x, 1 y, 2 z
     double limit = 0;  ///< m
-    bool low = true;   ///< the coordinate stays above the limit, else below it
+    bool low = true;   ///< whether the coordinate stays above the limit; otherwise below it
   };
   /// Throws ModelError: a limit that is not finite.
   SlideStop(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "stop"; }
 };
 
-/// Free: everything, until the turn about z of S comes to its limit (rad, counted past full turns; at the start within
-/// half a turn of zero).
+/// One end of a turn about z of S; a unilateral link, by default without restitution. The angle is within half a turn
+/// of zero at the start, and runs on past full turns. Free: everything on one side of the limit.
 class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
  public:
   /// Where the turn ends, rad.
   struct Options {
     double limit = 0;  ///< rad
-    bool low = true;   ///< the angle stays above the limit, else below it
+    bool low = true;   ///< whether the angle stays above the limit; otherwise below it
   };
   /// Throws ModelError: a limit that is not finite.
   TurnStop(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "stop"; }
 };
 
-/// Type "stop" of files. Unilateral by itself, without restitution until set_unilateral() says more.
+/// The type "stop" of scenes: a SlideStop or a TurnStop.
 struct LOCKSTEP_API Stop {
-  static TypeInfo info();
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static TypeInfo info();                                         ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -260,21 +281,23 @@ struct LOCKSTEP_API Stop {
 
 /// (7.4) phi = x_S . y_P = 2 (e1 e2 - e0 e3): the two pins of the cross stay normal to each other.
 struct Cross {
-  static constexpr Reads kReads = Reads::rotation;
-  static constexpr std::array<const char*, 1> kNames = {"cross"};
+  static constexpr Reads kReads = Reads::rotation;                 ///< the relative quaternion
+  static constexpr std::array<const char*, 1> kNames = {"cross"};  ///< name of the row
+  /// phi, the cosine of the angle between the pins.
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
   }
 };
 
-/// Hooke's joint: free to turn about x of S and about y of P, the pins of its cross; origins coincide.
+/// Hooke's joint: origins coincide, and x of S and y of P are the pins of its cross. Free: turning about both pins.
 class LOCKSTEP_API Universal final : public PhiLock<Cross> {
  public:
+  /// Throws ModelError: both markers are on one body.
   Universal(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "universal"; }
-  static TypeInfo info();
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static TypeInfo info();                                         ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
 };
 
 }  // namespace lockstep

@@ -9,39 +9,40 @@
 #include <lockstep/math.h>
 #include <lockstep/state.h>
 
-// The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory: the one text of them. The rows of a link in
-// space (kernel.h) and in the plane (marker_lock_plane.cpp), the relative kinematics (relative_kinematics.h), functions
-// of them (relative.h), their stiffness, and the copies in lanes (tools/batch/lane_rows.h) are made of these functions.
+// The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory, written once. All code that needs them calls
+// these functions: the rows of a link in space (below) and in a plane (marker_lock_plane.cpp), relative kinematics
+// (relative.h), geometric stiffness (phi_function.h), and batches (tools/batch/lane_rows.h).
 //
-// Arguments are structs of math/vec.h. Which laws there are is said by their types: an absent rate is vec::None,
-// parallel axes are vec::Identity, a mechanism in its plane has Zero beside the two numbers in the plane and the one
-// along its normal. Nothing of it costs anything. In which axes s, C and Qhat come out is said by the arguments too:
+// Arguments are structs of lockstep::vec (math.h). Their types show which laws are present: an absent rate is
+// vec::None, parallel axes are vec::Identity, and in a planar mechanism the components that vanish are vec::Zero. What
+// is known from the type costs nothing. The axes of s, C and Qhat follow from the arguments:
 //
-//   S axes   everything as it is
-//   world    O.A = 1, and w, u of both sides in world axes; with S.A = 1 as well C and Qhat are in world axes
+//   arguments as declared below                           s in O2 axes, C and Qhat in S axes
+//   O.A = 1, and w, u of both sides in world axes         s in world axes; with S.A = 1 C and Qhat too
 namespace lockstep::kernel {
 
-/// Motion of a body: x, v of its origin in world axes; A, e its axes -> world; w in its own axes.
+/// Motion of a body.
 template <class X, class M, class E, class V, class W>
 struct Body {
-  X x;
-  M A;
-  E e;
-  V v;
-  W w;
+  X x;  ///< origin, world axes, m
+  M A;  ///< body axes -> world
+  E e;  ///< quaternion of A
+  V v;  ///< velocity of the origin, world axes, m/s
+  W w;  ///< angular velocity, body axes, rad/s
 };
 template <class X, class M, class E, class V, class W>
 Body(X, M, E, V, W) -> Body<X, M, E, V, W>;
 
-/// A marker in its body: origin u; A, q its axes -> the body's; rates of u; w, a: its angular velocity and acceleration
-/// against the body, in its own axes (pi, pid for P; sigma, sigmad for S). Marker{u, A, q} is at rest.
+/// A marker on its body. Marker{u, A, q} is at rest there.
 template <class U, class M, class Q, class Ud = vec::None, class W = vec::None>
 struct Marker {
-  U u;
-  M A;
-  Q q;
-  Ud ud{}, udd{};
-  W w{}, a{};
+  U u;        ///< origin, body axes, m
+  M A;        ///< marker axes -> body axes
+  Q q;        ///< quaternion of A
+  Ud ud{},    ///< velocity of the origin on the body, body axes, m/s
+      udd{};  ///< its acceleration, m/s^2
+  W w{},      ///< angular velocity relative to the body, marker axes, rad/s: pi of P, sigma of S
+      a{};    ///< its derivative, rad/s^2: pid of P, sigmad of S
 };
 template <class U, class M, class Q>
 Marker(U, M, Q) -> Marker<U, M, Q>;
@@ -51,41 +52,46 @@ Marker(U, M, Q, Ud, Ud, W, W) -> Marker<U, M, Q, Ud, W>;
 /// Imposed translation p(t), S axes.
 template <class X>
 struct Shift {
-  X p, pd, pdd;
+  X p,      ///< m
+      pd,   ///< m/s
+      pdd;  ///< m/s^2
 };
 template <class X>
 Shift(X, X, X) -> Shift<X>;
-/// Imposed rotation q_D(t) of D against S; w, a (delta, deltad) in D axes.
+/// Imposed rotation q_D(t) of the frame D relative to S.
 template <class Q, class M, class W>
 struct Turn {
-  Q q;
-  M A;
-  W w, a;
+  Q q;    ///< D axes -> S axes
+  M A;    ///< A(q)
+  W w,    ///< angular velocity delta of D relative to S, D axes, rad/s
+      a;  ///< its derivative deltad, rad/s^2
 };
 template <class Q, class M, class W>
 Turn(Q, M, W, W) -> Turn<Q, M, W>;
 
+/// No imposed translation.
 using NoShift = Shift<vec::None>;
+/// No imposed rotation: D is S.
 using NoTurn = Turn<vec::NoTurn, vec::Identity, vec::None>;
 
-/// A row: columns on v1 (world; those on v2 are minus these), w1 and w2 (body axes).
+/// Jacobian of one row.
 template <class V, class W1, class W2>
 struct Row {
-  V v;
-  W1 w1;
-  W2 w2;
+  V v;    ///< columns on v1, world axes; those on v2 are minus these
+  W1 w1;  ///< columns on w1, O1 axes
+  W2 w2;  ///< columns on w2, O2 axes
 };
 template <class V, class W1, class W2>
 Row(V, W1, W2) -> Row<V, W1, W2>;
 
-// ---------------------------------------------------------------------------------------------------------- translation
+// --------------------------------------------------------------------------------------------------------- translation
 
-/// Relative position of P against S.
+/// Position of P relative to S.
 template <class S, class R, class W>
 struct Position {
-  S s;          ///< O2's origin -> P, O2 axes
-  R rho;        ///< S -> P, S axes
-  W sigma_rho;  ///< sigma x rho
+  S s;          ///< from the origin of O2 to P, O2 axes, m
+  R rho;        ///< from S to P, S axes, m
+  W sigma_rho;  ///< sigma x rho, S axes, m/s
 };
 template <class S, class R, class W>
 Position(S, R, W) -> Position<S, R, W>;
@@ -103,7 +109,7 @@ LOCKSTEP_INLINE auto position(const B1& O1, const B2& O2, const P& p, const S& m
   return Position{s, rho, cross(m.w, rho)};
 }
 
-/// (3.9) The row of P's displacement along a direction: n in world axes, n2 in O2 axes.
+/// (3.9) The row of the displacement of P along a direction, which is n in world axes and n2 in O2 axes:
 ///
 ///   n | uP x (A1^T n) | -n | n2 x s
 template <class M, class U, class Arm, class N, class N2>
@@ -111,12 +117,12 @@ LOCKSTEP_INLINE auto translation_row(const M& A1, const U& uP, const Arm& s, con
   return Row{n, cross(uP, transpose_times(A1, n)), cross(n2, s)};
 }
 
-/// Relative velocity of P against S, and its parts.
+/// Velocity of P as seen from O2, and two products that Qhat needs again.
 template <class W1, class W2, class S>
 struct Velocity {
-  W1 w1_uP;  ///< w1 x uP
-  W2 w2_s;   ///< w2 x s
-  S sd;
+  W1 w1_uP;  ///< w1 x uP, O1 axes, m/s
+  W2 w2_s;   ///< w2 x s, O2 axes, m/s
+  S sd;      ///< d/dt of s, O2 axes, m/s
 };
 template <class W1, class W2, class S>
 Velocity(W1, W2, S) -> Velocity<W1, W2, S>;
@@ -141,7 +147,7 @@ LOCKSTEP_INLINE auto translation_Ct(const B1& O1, const B2& O2, const P& p, cons
   return transpose_times(m.A, transpose_times(O2.A, O1.A * p.ud) - m.ud) - at.sigma_rho - d.pd;
 }
 
-/// (3.12) with the bodies' own accelerations zero
+/// (3.12), the bodies' own accelerations being zero:
 ///
 ///   b      = w1 x (w1 x uP + 2 uPd) + uPdd
 ///   sdd0   = A2^T A1 b - w2 x (2 sd + w2 x s)
@@ -161,7 +167,7 @@ LOCKSTEP_INLINE auto translation_Qhat(const B1& O1, const B2& O2, const P& p, co
   }
 }
 
-// ------------------------------------------------------------------------------------------------------------- rotation
+// ------------------------------------------------------------------------------------------------------------ rotation
 
 /// (4.1), (4.2) r = q_S' q_2' q_1 q_P,  e = q_D' r;  C = vec(e)
 template <class B1, class B2, class P, class S, class D>
@@ -169,7 +175,7 @@ LOCKSTEP_INLINE auto rotation_error(const B1& O1, const B2& O2, const P& p, cons
   return conjugate(m.q * d.q) * ((conjugate(O2.e) * O1.e) * p.q);
 }
 
-/// (4.12) The row of g.e, g a quaternion; h = e/2, A_SD = A_S A_D.
+/// (4.12) The row of g.e for a quaternion g; h = e/2, A_SD = A_S A_D:
 ///
 ///   0 | A_P (h0 gv - g0 hv - hv x gv) | 0 | -A_SD (h0 gv - g0 hv + hv x gv)
 template <class H, class AP, class ASD, class G>
@@ -179,18 +185,18 @@ LOCKSTEP_INLINE auto rotation_row(const H& h, const AP& A_P, const ASD& A_SD, co
   return Row{vec::None{}, A_P * (even - odd), -(A_SD * (even + odd))};
 }
 
-/// W_P - W_D, W_P + W_D and the same of their rates with al1 = al2 = 0.
+/// Difference and sum of the angular velocities of P and D, each in its own axes, rad/s, and of their rates.
 template <class L, class S, class Ld, class Sd>
 struct AngularVelocities {
-  L less;
-  S sum;
-  Ld less_d;
-  Sd sum_d;
+  L less;     ///< W_P - W_D
+  S sum;      ///< W_P + W_D
+  Ld less_d;  ///< W_P0d - W_D0d: with al1 = al2 = 0
+  Sd sum_d;   ///< W_P0d + W_D0d
 };
 template <class L, class S, class Ld, class Sd>
 AngularVelocities(L, S, Ld, Sd) -> AngularVelocities<L, S, Ld, Sd>;
 
-/// (4.10) of P and D against the world, each in its own axes
+/// (4.10) Angular velocities of P and D relative to the world, each in its own axes:
 ///
 ///   W_P = A_P^T w1 + pi      W_P0d = pid - pi x (A_P^T w1)
 ///   W_S = A_S^T w2 + sigma   W_S0d = sigmad - sigma x (A_S^T w2)
@@ -207,18 +213,18 @@ LOCKSTEP_INLINE auto angular_velocities(const B1& O1, const B2& O2, const P& p, 
   return AngularVelocities{WP - WD, WP + WD, WPd - WDd, WPd + WDd};
 }
 
-/// (4.10) The angular velocity of P against S, S axes: A_S^T (A2^T A1 (w1 + A_P pi) - w2) - sigma
+/// (4.10) Angular velocity of P relative to S, S axes, rad/s: A_S^T (A2^T A1 (w1 + A_P pi) - w2) - sigma
 template <class B1, class B2, class P, class S>
 LOCKSTEP_INLINE auto relative_angular_velocity(const B1& O1, const B2& O2, const P& p, const S& m) {
   return transpose_times(m.A, transpose_times(O2.A, O1.A * (O1.w + p.A * p.w)) - O2.w) - m.w;
 }
-/// Its row along a direction: n in world axes, n2 in O2 axes.
+/// The row of that angular velocity along a direction, which is n in world axes and n2 in O2 axes.
 template <class M, class N, class N2>
 LOCKSTEP_INLINE auto angular_velocity_row(const M& A1, const N& n, const N2& n2) {
   return Row{vec::None{}, transpose_times(A1, n), -n2};
 }
 
-/// (1/2) (q a - b q) by the difference and the sum of the vectors a, b.
+/// (1/2) (q a - b q) for vectors a and b: less = a - b, sum = a + b.
 template <class Q, class L, class S>
 LOCKSTEP_INLINE auto turning(const Q& q, const L& less, const S& sum) {
   return vec::Quaternion{-0.5 * dot(q.v, less), 0.5 * (q.w * less + cross(q.v, sum))};
@@ -237,8 +243,8 @@ LOCKSTEP_INLINE auto rotation_Ct(const E& e, const P& p, const S& m, const D& d)
   return turning(e, p.w - w, p.w + w);
 }
 
-/// (4.14) Qhat = -(1/2) (ed W_P - W_D ed) - (1/2) (e W_P0d - W_D0d e): (4.11) once more, which is the theory's
-/// (1/4)(|W_P|^2 + |W_D|^2) e + (1/2) W_D e W_P - ... with nothing left to cancel where P turns with D.
+/// (4.14) Qhat = -(1/2) (ed W_P - W_D ed) - (1/2) (e W_P0d - W_D0d e), which is (4.11) applied twice. It equals the
+/// form (1/4)(|W_P|^2 + |W_D|^2) e + (1/2) W_D e W_P - ..., without its cancellation where P turns with D.
 template <class E, class Ed, class W>
 LOCKSTEP_INLINE auto rotation_Qhat(const E& e, const Ed& ed, const W& w) {
   return -(turning(ed, w.less, w.sum) + turning(e, w.less_d, w.sum_d));
@@ -248,127 +254,160 @@ LOCKSTEP_INLINE auto rotation_Qhat(const E& e, const Ed& ed, const W& w) {
 
 namespace lockstep {
 
-// Mask: which of the six rows of a lock are in force. All 64 combinations are joints (theory, (4.23)).
+// Mask: which of the six coordinates a lock holds. All 64 masks are valid joints (theory, (4.23)).
 
 
-/// x y z: translations of P in S's axes; e1 e2 e3: components of the error quaternion (half turns about x y z of S).
+/// A set of rows of a lock: x y z, translations of P in S axes, m; e1 e2 e3, the vector part of the error quaternion,
+/// which is half the rotation vector for small turns.
 enum class Mask : std::uint8_t {
-  none = 0,
-  x = 1,
-  y = 2,
-  z = 4,
-  e1 = 8,
-  e2 = 16,
-  e3 = 32,
-  xyz = 7,
-  e123 = 56,
-  all = 63
+  none = 0,   ///< no row
+  x = 1,      ///< along x of S
+  y = 2,      ///< along y of S
+  z = 4,      ///< along z of S
+  e1 = 8,     ///< about x
+  e2 = 16,    ///< about y
+  e3 = 32,    ///< about z
+  xyz = 7,    ///< all translations
+  e123 = 56,  ///< all turns
+  all = 63    ///< all six
 };
+/// Rows of a or of b.
 constexpr Mask operator|(Mask a, Mask b) { return Mask(std::uint8_t(a) | std::uint8_t(b)); }
+/// Rows of both.
 constexpr Mask operator&(Mask a, Mask b) { return Mask(std::uint8_t(a) & std::uint8_t(b)); }
+/// Whether a has all rows of `bits`.
 constexpr bool has(Mask a, Mask bits) { return (a & bits) == bits; }
+/// Whether a has at least one row of `bits`.
 constexpr bool any(Mask a, Mask bits) { return (a & bits) != Mask::none; }
+/// The mask of row k alone; k = 0..5 for x y z e1 e2 e3.
 constexpr Mask row_bit(int k) { return Mask(1u << k); }
+/// Number of rows.
 constexpr int count(Mask a) {
   int n = 0;
   for (int k = 0; k < 6; ++k) n += has(a, row_bit(k));
   return n;
 }
 
-/// The six coordinates of P seen from S: translations along, turns about the axes of S.
+/// The six coordinates of P seen from S: translations along the axes of S, m, and turns about them, rad.
 enum class Axis : std::uint8_t { x, y, z, rx, ry, rz };
+/// 0..5 for x y z rx ry rz.
 constexpr int index(Axis a) { return static_cast<int>(a); }
+/// Whether the coordinate is a turn.
 constexpr bool is_rotation(Axis a) { return index(a) >= 3; }
 /// The row that a drive on this axis adds.
 constexpr Mask row_of(Axis a) { return row_bit(index(a)); }
 
-/// "x y z e1 e2" -> Mask; throws ParameterError (key "mask") naming the word that is not a row.
+/// "x y z e1 e2" -> Mask; commas and | separate words as well. Throws ParameterError (key "mask"): a word that is not a
+/// row, a row named twice.
 LOCKSTEP_API Mask mask_from(std::string_view words);
+/// Mask -> "x y z e1 e2"; "" for an empty mask.
 LOCKSTEP_API std::string to_string(Mask);
-/// "x", "rz" -> Axis; throws ParameterError (key "axis").
+/// "x", "rz" -> Axis; throws ParameterError (key "axis") for any other word.
 LOCKSTEP_API Axis axis_from(std::string_view word);
+/// Axis -> "x", "rz".
 LOCKSTEP_API std::string_view to_string(Axis);
 /// "x" "y" "z" "e1" "e2" "e3" for k = 0..5.
 LOCKSTEP_API std::string_view row_name(int k);
 
 
-// The rows of one marker pair in space: C, Ct, Qhat and jacobian of the translational and of the rotational half, by
-// the equations of equations.h on numbers of any kind (double, jet, complex, counting number).
+// The rows of one pair of markers in space: C, Ct, Qhat and jacobian, by the equations above on numbers of any kind
+// (double, jet, complex, counting number).
 //
-// Two functions, translation and rotation, so that a joint with one half never pays for the other; templates on the
-// scalar and on the laws that are present. A law that is absent costs nothing; a row that is masked costs no jacobian.
+// Translation and rotation are separate functions, so that a joint with rows of one kind does not pay for the other.
+// Both are templates on the laws that are present: an absent law costs nothing, and a row that is left out costs no
+// jacobian.
 
 
-/// Marker in its slot at one instant: origin u (slot axes) with rates; A, q marker axes -> slot axes; w, a: angular
-/// velocity and acceleration of the marker against the slot, in marker axes (pi, pid for P; sigma, sigmad for S).
+/// Motion of a marker on its slot at one instant.
 template <class T>
 struct MarkerMotionT {
-  Vec3T<T> u = Vec3T<T>::Zero(), ud = Vec3T<T>::Zero(), udd = Vec3T<T>::Zero();
-  Mat3T<T> A = Mat3T<T>::Identity();
-  QuatT<T> q;
-  Vec3T<T> w = Vec3T<T>::Zero(), a = Vec3T<T>::Zero();
+  Vec3T<T> u = Vec3T<T>::Zero(),      ///< origin, slot axes, m
+      ud = Vec3T<T>::Zero(),          ///< its velocity on the slot, slot axes, m/s
+      udd = Vec3T<T>::Zero();         ///< its acceleration, m/s^2
+  Mat3T<T> A = Mat3T<T>::Identity();  ///< marker axes -> slot axes
+  QuatT<T> q;                         ///< quaternion of A
+  Vec3T<T> w = Vec3T<T>::Zero(),  ///< angular velocity relative to the slot, marker axes, rad/s: pi of P, sigma of S
+      a = Vec3T<T>::Zero();       ///< its derivative, rad/s^2: pid of P, sigmad of S
 };
+/// On doubles.
 using MarkerMotion = MarkerMotionT<double>;
 
-/// Imposed translation p(t), S axes (q_Delta of the paper).
+/// Imposed translation p(t) of P, S axes (q_Delta of the paper).
 template <class T>
 struct ImposedTranslationT {
-  Vec3T<T> p = Vec3T<T>::Zero(), pd = Vec3T<T>::Zero(), pdd = Vec3T<T>::Zero();
+  Vec3T<T> p = Vec3T<T>::Zero(),  ///< m
+      pd = Vec3T<T>::Zero(),      ///< m/s
+      pdd = Vec3T<T>::Zero();     ///< m/s^2
 };
+/// On doubles.
 using ImposedTranslation = ImposedTranslationT<double>;
-/// Imposed rotation q_D(t) of frame D against S (q_sDelta of the paper); A = A(q); w, a: delta, deltad in D axes.
+/// Imposed rotation q_D(t) of the frame D relative to S (q_sDelta of the paper).
 template <class T>
 struct ImposedRotationT {
-  QuatT<T> q;
-  Mat3T<T> A = Mat3T<T>::Identity();
-  Vec3T<T> w = Vec3T<T>::Zero(), a = Vec3T<T>::Zero();
+  QuatT<T> q;                         ///< D axes -> S axes
+  Mat3T<T> A = Mat3T<T>::Identity();  ///< A(q)
+  Vec3T<T> w = Vec3T<T>::Zero(),      ///< angular velocity delta of D relative to S, D axes, rad/s
+      a = Vec3T<T>::Zero();           ///< its derivative deltad, rad/s^2
 };
+/// On doubles.
 using ImposedRotation = ImposedRotationT<double>;
 
-/// What the kernel is compiled for. Laws that are present; `parallel`: none on the markers and A_P = A_S = 1; `rates`:
-/// yd = d/dt of the rows' values as well; `scalar_row`: the fourth component of e too (section 7 of the theory);
-/// `world_rows`: the angular jacobians of a full translational triple turned into world axes by R, where they are
-/// simpler.
+/// What an instance of the kernel is compiled for.
 namespace with {
+/// A set of laws and of outputs, combined by |.
 enum Bits : unsigned {
-  nothing = 0,
-  uP = 1,
-  qP = 2,
-  uS = 4,
-  qS = 8,
-  p = 16,
-  qD = 32,
-  all_laws = 63,
-  parallel = 64,
-  rates = 128,
-  scalar_row = 256,
-  world_rows = 512
+  nothing = 0,       ///< no law, no extra output
+  uP = 1,            ///< P slides on its body
+  qP = 2,            ///< P turns on its body
+  uS = 4,            ///< S slides on its body
+  qS = 8,            ///< S turns on its body
+  p = 16,            ///< a translation is imposed
+  qD = 32,           ///< a rotation is imposed
+  all_laws = 63,     ///< all six laws
+  parallel = 64,     ///< the markers are at rest on their slots, with parallel axes: A_P = A_S = 1
+  rates = 128,       ///< computes yd as well, d/dt of the values of the rows
+  scalar_row = 256,  ///< computes the scalar component of e as well (theory, section 7)
+  world_rows = 512   ///< w1 and w2 of a translational row k are those of axis k of the world, where they are simpler
 };
 }  // namespace with
 
-/// Translational rows k = 0..2 (only those asked for are filled in the jacobians). Columns of v2 are minus those of v1.
+/// Translational rows k = 0..2 for x, y, z of S. Only the jacobian rows asked for are filled; columns on v2 are minus
+/// those on v1.
 template <class T>
 struct TranslationRowsT {
-  Vec3T<T> C, Ct, Qhat, yd;
-  Mat3T<T> Jv, Jw1, Jw2;  ///< row k is row k; Jv: v1 (world), Jw: w in slot axes
+  Vec3T<T> C,   ///< residual rho - p, S axes, m
+      Ct,       ///< its partial derivative in time, m/s
+      Qhat,     ///< right side of the acceleration rows, m/s^2
+      yd;       ///< d/dt of C, m/s; with::rates
+  Mat3T<T> Jv,  ///< row k on v1 (world)
+      Jw1,      ///< row k on w1 (slot axes)
+      Jw2;      ///< row k on w2 (slot axes)
 };
-/// Rotational rows; index 0 of the scalars and of J..0 is the scalar row.
+/// Rotational rows k = 0..2 for e1, e2, e3, and the scalar row of e0. Only the jacobian rows asked for are filled.
 template <class T>
 struct RotationRowsT {
-  QuatT<T> e;
-  Vec3T<T> C, Ct, Qhat, yd;
-  Mat3T<T> Jw1, Jw2;
-  T Ct0{0}, Qhat0{0}, yd0{0};
-  Vec3T<T> Jw1_0, Jw2_0;
+  QuatT<T> e;      ///< error quaternion q_D' r
+  Vec3T<T> C,      ///< vec(e)
+      Ct,          ///< its partial derivative in time, 1/s
+      Qhat,        ///< right side of the acceleration rows, 1/s^2
+      yd;          ///< d/dt of C, 1/s; with::rates
+  Mat3T<T> Jw1,    ///< row k on w1 (slot axes)
+      Jw2;         ///< row k on w2 (slot axes)
+  T Ct0{0},        ///< Ct of the scalar row; with::scalar_row
+      Qhat0{0},    ///< Qhat of the scalar row; with::scalar_row
+      yd0{0};      ///< d/dt of e0; with::rates
+  Vec3T<T> Jw1_0,  ///< the scalar row on w1; with::scalar_row
+      Jw2_0;       ///< the scalar row on w2; with::scalar_row
 };
 
 namespace kernel {
 
-/// What the equations take, from Eigen's types.
+/// The motion of a slot as a Body.
 template <class T>
 LOCKSTEP_INLINE auto body(const MotionT<T>& O) {
   return Body{vec::vector(O.x), vec::matrix(O.A), vec::quaternion(O.e), vec::vector(O.v), vec::vector(O.w)};
 }
+/// The vector a where it is present, otherwise vec::None.
 template <bool kPresent, class T>
 LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
   if constexpr (kPresent)
@@ -376,13 +415,13 @@ LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
   else
     return vec::None{};
 }
-/// Whether the marker's origin and its axes move on their body.
+/// A marker whose origin moves on its body if kSlides, and whose axes turn if kSpins.
 template <bool kSlides, bool kSpins, class T>
 LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
   return Marker{vec::vector(m.u),        vec::matrix(m.A),     vec::quaternion(m.q), present<kSlides>(m.ud),
                 present<kSlides>(m.udd), present<kSpins>(m.w), present<kSpins>(m.a)};
 }
-/// A marker for the laws of kWith, of which kSlides and kSpins are its own.
+/// A marker for the laws kWith (with::Bits); kSlides and kSpins are the bits of the laws on the marker.
 template <unsigned kWith, unsigned kSlides, unsigned kSpins, class T>
 LOCKSTEP_INLINE auto marker_for(const MarkerMotionT<T>& m) {
   static_assert(!(kWith & with::parallel) || !(kWith & kSpins), "a marker that turns is not parallel to its body");
@@ -391,6 +430,7 @@ LOCKSTEP_INLINE auto marker_for(const MarkerMotionT<T>& m) {
   else
     return marker<(kWith & kSlides) != 0, (kWith & kSpins) != 0>(m);
 }
+/// The imposed translation, or NoShift where kWith has none.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE auto imposed(const ImposedTranslationT<T>& D) {
   if constexpr (kWith & with::p)
@@ -398,6 +438,7 @@ LOCKSTEP_INLINE auto imposed(const ImposedTranslationT<T>& D) {
   else
     return NoShift{};
 }
+/// The imposed rotation, or NoTurn where kWith has none.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE auto imposed(const ImposedRotationT<T>& D) {
   if constexpr (kWith & with::qD)
@@ -405,7 +446,7 @@ LOCKSTEP_INLINE auto imposed(const ImposedRotationT<T>& D) {
   else
     return NoTurn{};
 }
-/// f<k>() for the axes k = 0, 1, 2 whose bit is in the mask.
+/// Calls f<k>() for those k = 0, 1, 2 whose row first + k is in the mask.
 template <class F>
 LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
   if (has(rows, row_bit(first))) f.template operator()<0>();
@@ -415,8 +456,8 @@ LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
 
 }  // namespace kernel
 
-/// Translational half: take(C, Ct, Qhat, row, rate), row(k) the jacobian of row k, an Axis<k>, rate() = d/dt C.
-/// What `take` does not ask for is not computed.
+/// The translational rows, given to take(C, Ct, Qhat, row, rate): three vectors, row(vec::Unit<k>{}) the jacobian of
+/// row k, a kernel::Row, and rate() = d/dt C. What `take` does not use is not computed.
 template <unsigned kWith, class T, class Take>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                                  const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Take&& take) {
@@ -440,7 +481,7 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
       row, [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
 }
 
-/// The same on matrices; rows: bits 0..2 of a Mask say which jacobian rows are wanted.
+/// The translational rows, written into `out`; x, y, z of `rows` select the jacobian rows.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                                  const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Mask rows,
@@ -459,8 +500,8 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
   translation<kWith>(O1, O2, P, S, D, take);
 }
 
-/// Rotational half: take(C, Ct, Qhat, row, rate), all but the rows quaternions of which C = e; row(g) the jacobian of
-/// g.e, g a quaternion (for row k its k-th unit vector).
+/// The rotational rows, given to take(e, Ct, Qhat, row, rate): three quaternions, row(g) the jacobian of g.e for a
+/// quaternion g, a kernel::Row, and rate() = d/dt e. Row k has the k-th imaginary unit for g, the scalar row 1.
 template <unsigned kWith, class T, class Take>
 LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                               const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Take&& take) {
@@ -479,7 +520,7 @@ LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const 
       [&]() __attribute__((always_inline)) { return ed; });
 }
 
-/// The same on matrices; rows: bits 3..5 of a Mask say which jacobian rows are wanted.
+/// The rotational rows, written into `out`; e1, e2, e3 of `rows` select the jacobian rows.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                               const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Mask rows,

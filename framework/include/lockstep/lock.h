@@ -21,8 +21,8 @@
 
 namespace lockstep {
 
-// Facets: what a link may have beside its rows. Lock has an accessor for each that returns null; a class with the facet
-// derives from it and lets the accessor return `this`:
+// Facets: what a link may have in addition to its rows. Lock has an accessor for each, which returns null; a class with
+// the facet derives from it and overrides the accessor to return `this`:
 //
 //   class Thread : public Lock, public Observable {
 //    public:
@@ -31,75 +31,85 @@ namespace lockstep {
 
 
 class Lock;
-/// Links of one type and one pattern, gathered by one call.
+/// Links of one type, pattern, row count and slot count, gathered by one call.
 using Group = std::span<const Lock* const>;
 
-/// A number that a link or a force reports beyond what every one has: name and unit of a recorder channel.
+/// A number that a link or a force reports: a channel of the recorder, or the coordinate of a drive.
 struct Quantity {
-  std::string name, unit;
+  std::string name,  ///< last word of the channel: "angle", "rz"
+      unit;          ///< "m", "rad/s"; "" for none
 };
 
-/// A link with laws of time: of its drives, of its rows, of its markers.
+/// Facet of a link with laws of time: of its drives, of its rows, of its markers.
 class LOCKSTEP_API Driven {
  public:
-  /// Drives, each with exactly one row: LinkRow::drive.
+  /// Number of drives, each of which has exactly one row: LinkRow::drive.
   virtual int n_drives() const { return 0; }
-  virtual Quantity drive(int) const { return {}; }  ///< name ("rz") and unit (rad, m) of drive d
-  /// Instants in (t0, t1) where one of its laws jumps.
+  /// The coordinate that drive d moves: name ("rz") and unit ("rad", "m").
+  virtual Quantity drive(int) const { return {}; }
+  /// Appends the instants in (t0, t1) where one of its laws jumps.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const = 0;
-  /// Which of its laws is not finite at time t, in words; "" when none is (then the link itself made the NaN).
+  /// Which of its laws throws or is not finite at time t, in words; "" when none does.
   virtual std::string diagnose(double t) const = 0;
 
  protected:
   ~Driven() = default;
 };
 
-/// A link of one pair of markers that holds coordinates by a mask and takes laws on held and on free ones. Laws are
-/// given before the system is set up.
+/// Facet of a link of one pair of markers that holds coordinates by a mask and takes laws on held and on free ones.
+/// Laws are given before the system is set up: move, turn, drive and drive_speed throw ModelError afterwards.
 class LOCKSTEP_API Jointed {
  public:
-  virtual Mask mask() const = 0;    ///< the joint's own rows
-  virtual Mask rows() const = 0;    ///< with the drives'
+  virtual Mask mask() const = 0;    ///< rows of the joint itself
+  virtual Mask rows() const = 0;    ///< the same with those of the drives
   virtual bool turned() const = 0;  ///< whether turn() imposed a law
+  /// Imposes p(t), S axes, m: where P is held on the rows x y z. Throws ModelError: the mask has none of them.
   virtual void move(LawPtr<TranslationLaw> law) = 0;
+  /// Imposes q_D(t): P is held at S turned by it. Throws ModelError: the mask has none of e1 e2 e3.
   virtual void turn(LawPtr<RotationLaw> law) = 0;
+  /// Adds a row that moves a free coordinate by a law, m or rad. Throws ModelError: the mask holds the axis, or it is
+  /// driven already; no law; a turn while the other two turns are not both held, which has no fixed axis.
   virtual void drive(Axis axis, LawPtr<MotionLaw> law) = 0;
+  /// The same with a law of the speed, m/s or rad/s. The coordinate begins at its value at the start and is integrated.
   virtual void drive_speed(Axis axis, LawPtr<MotionLaw> law) = 0;
 
  protected:
   ~Jointed() = default;
 };
 
-/// A link that integrates states of its own: numbers in State::s, from Lock::first_state().
+/// Facet of a link with integrated states: numbers in State::s, from Lock::first_state() on.
 class LOCKSTEP_API Stateful {
  public:
-  virtual int n_states() const = 0;
-  virtual void start_states(std::span<double> s) const = 0;
-  virtual void state_rates(const Inputs&, std::span<double> sd) const = 0;
-  /// Its states when it comes into force in this pose (an event): a driven speed begins where the mechanism is.
+  virtual int n_states() const = 0;                                         ///< number of states
+  virtual void start_states(std::span<double> s) const = 0;                 ///< writes them at the start
+  virtual void state_rates(const Inputs&, std::span<double> sd) const = 0;  ///< writes d/dt of them
+  /// Writes them when an event puts the link in force: a driven coordinate goes on from its present value. Default:
+  /// leaves them.
   virtual void engage(const Inputs&, std::span<double>) const {}
 
  protected:
   ~Stateful() = default;
 };
 
-/// A link that remembers: numbers in State::z, from Lock::first_memory(), constant during a step.
+/// Facet of a link or force with a memory: numbers in State::z, from first_memory() on, constant during a step.
 class LOCKSTEP_API Remembering {
  public:
-  virtual int n_memory() const = 0;
-  virtual void start_memory(std::span<double> z) const = 0;
-  virtual void accept_step(const Inputs&, std::span<double> z) const = 0;  ///< updates them after an accepted step
+  virtual int n_memory() const = 0;                                        ///< length of the memory
+  virtual void start_memory(std::span<double> z) const = 0;                ///< writes it at the start
+  virtual void accept_step(const Inputs&, std::span<double> z) const = 0;  ///< updates it after an accepted step
 
  protected:
   ~Remembering() = default;
 };
 
-/// A link that gathers its rows in the plane of a planar mechanism itself. Without it, or where it declines, they are
-/// taken from gather().
+/// Facet of a link that can gather its rows in the plane of a planar mechanism. For all other links they are taken from
+/// those of gather().
 class LOCKSTEP_API Planar {
  public:
-  virtual bool setup_plane(Plane) = 0;                                   ///< after setup(); false: it declines
-  virtual RowLayout planar_layout() const { return RowLayout::planar; }  ///< or pair
+  /// Prepares for this plane; called after setup(). False: the link declines, and gather() is used. Throws ModelError:
+  /// the link cannot be in this plane.
+  virtual bool setup_plane(Plane) = 0;
+  virtual RowLayout planar_layout() const { return RowLayout::planar; }  ///< planar or pair
   /// As Lock::gather, for the rows that lie in the plane, in their order.
   virtual void gather_plane(Group, const Inputs&, RowSpan) const = 0;
 
@@ -107,22 +117,22 @@ class LOCKSTEP_API Planar {
   ~Planar() = default;
 };
 
-/// A link that has a formula for its geometric stiffness. Without it, implicit methods take central differences
-/// (difference_tangent).
+/// Facet of a link with a formula for its geometric stiffness. For all other links implicit methods take central
+/// differences (difference_tangent).
 class LOCKSTEP_API TangentFormula {
  public:
-  /// K = d(Jh^T lambda)/d(dx, dth) with lambda (one per row of this link) and time fixed; conventions of TangentSum.
+  /// Adds K = d(Jh^T lambda)/d(dx, dth), lambda (one per row of this link) and time fixed; conventions of TangentSum.
   virtual void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const = 0;
 
  protected:
   ~TangentFormula() = default;
 };
 
-/// A link with recorder channels of its own.
+/// Facet of a link or force with additional recorder channels.
 class LOCKSTEP_API Observable {
  public:
-  virtual std::vector<Quantity> quantities() const = 0;
-  virtual double quantity(int k, const Inputs&) const = 0;
+  virtual std::vector<Quantity> quantities() const = 0;     ///< name and unit of each channel
+  virtual double quantity(int k, const Inputs&) const = 0;  ///< present value of quantities()[k], in its unit
 
  protected:
   ~Observable() = default;
@@ -132,13 +142,13 @@ class LOCKSTEP_API Observable {
 // Unilateral: what makes a link of one row push and not pull.
 
 
-/// C >= 0 in place of C = 0. The link is out of force until C falls to zero; then the simulation gives the impact, and
-/// where that leaves no speed worth an impact, the link holds until it would have to pull.
+/// A one-sided constraint: C >= 0 in place of C = 0. The link is not in force while C > 0. Where C falls to zero there
+/// is an impact; one that would leave a speed below rest_speed puts the link in force, until it would have to pull.
 struct Unilateral {
-  double restitution = 0;    ///< speed of C after an impact to that before it, 0 to 1
-  double rest_speed = 1e-3;  ///< impacts that leave less end at rest, m/s (rad/s); above zero
-  bool below = false;        ///< C <= 0 is free in place of C >= 0 (a rope: the distance may be less than its length)
-  double sign() const { return below ? -1.0 : 1.0; }
+  double restitution = 0;    ///< rate of C after an impact over that before it, 0 to 1
+  double rest_speed = 1e-3;  ///< smallest rate of C with which an impact ends, above zero; m/s where C is a length
+  bool below = false;        ///< the free side is C <= 0 (a rope: the distance may be less than its length)
+  double sign() const { return below ? -1.0 : 1.0; }  ///< sign of C on the free side
 };
 
 
@@ -146,39 +156,43 @@ struct Unilateral {
 // it is made of.
 
 
-/// What one row of a link is.
+/// One row of a link.
 struct LinkRow {
-  RowKind kind = RowKind::function;
-  std::string name;  ///< "x", "e1", "phi": for messages and channels; unique within the link
-  int drive = -1;    ///< number of the drive that it belongs to; -1: the joint itself
+  RowKind kind = RowKind::function;  ///< what it measures
+  std::string name;                  ///< "x", "e1", "phi": for messages and channels; unique within the link
+  int drive = -1;                    ///< number of the drive that it belongs to; -1: the joint itself
 };
 
-/// What a kernel is chosen by. Links of equal dynamic type, pattern, row count and slot count make a group.
+/// What the code that gathers a link depends on. Links of equal dynamic type, pattern, row count and slot count make a
+/// group.
 struct LinkPattern {
-  unsigned laws = 0;           ///< of MarkerLock: with::Bits of the laws present, and of parallel markers
-  Mask rows{}, mask{};         ///< with the drives', without them
-  unsigned char grounded = 0;  ///< 1: P's body, 2: S's
+  unsigned laws = 0;           ///< of a MarkerLock: with::Bits of its laws, and of parallel markers
+  Mask rows{},                 ///< of a MarkerLock: all rows of the lock, with those of drives
+      mask{};                  ///< of a MarkerLock: without those of drives
+  unsigned char grounded = 0;  ///< 1 if the body of P is fixed, plus 2 if that of S is
+  /// A total order, so that patterns can be keys of a map.
   friend auto operator<=>(const LinkPattern&, const LinkPattern&) = default;
 };
 
-/// The rows of a link, as its setup finds them.
+/// The rows of a link, as plan_rows() reports them.
 struct RowPlan {
-  std::vector<LinkRow> rows;  ///< 1 to kMaxRows
-  SlotList slots;             ///< whose columns the rows touch
-  LinkPattern pattern;
-  RowLayout layout = RowLayout::dense;  ///< how the jacobians are kept (rows.h)
-  double sign = 1;                      ///< triple: +1 where the first slot is that of P's body
+  std::vector<LinkRow> rows;            ///< 1 to kMaxRows
+  SlotList slots;                       ///< moving slots that the rows have columns on
+  LinkPattern pattern;                  ///< what its group is found by
+  RowLayout layout = RowLayout::dense;  ///< how the jacobian is stored: dense or triple
+  double sign = 1;                      ///< of a triple, as in RowShape
 
-  /// One row more, with columns on v and w. A triple becomes dense by it.
+  /// Adds a row with columns on v and w; a triple becomes dense.
   void add(LinkRow row) { rows.push_back(std::move(row)), layout = RowLayout::dense; }
-  /// One row more, with columns on w alone: a triple stays one.
+  /// Adds a row with columns on w only; a triple remains one.
   void add_turning(LinkRow row) { rows.push_back(std::move(row)); }
 };
 
-/// Four questions make a constraint: type(), pairs(), plan_rows() and gather(). All else is a facet (facets.h), which a
-/// link has or has not.
+/// A constraint between bodies, the root of all links. A class answers four questions: type(), pairs(), plan_rows() and
+/// gather(). All else is a facet, which a link has or has not.
 class LOCKSTEP_API Lock {
  public:
+  /// `name` is unique in its system.
   explicit Lock(std::string name);
   virtual ~Lock();
   Lock(const Lock&) = delete;
@@ -186,62 +200,63 @@ class LOCKSTEP_API Lock {
 
   // -- the four questions
   virtual std::string_view type() const = 0;  ///< "revolute": the name in files, logs and errors
-  /// Marker pairs, P before S; the first is the one whose P carries the reaction in the recorder.
+  /// Marker pairs, P before S. The recorder reports the reaction at P of the first.
   virtual std::vector<std::pair<const Marker*, const Marker*>> pairs() const = 0;
-  /// Rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians; every number is written.
+  /// Writes the rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians, every number of them.
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
 
  protected:
-  /// Folds markers into their slots, which the bodies have by now, and says what rows there are; throws ModelError
-  /// naming the link.
+  /// Prepares the link, whose bodies have their slots by now, and reports its rows. Throws ModelError, naming the link.
   virtual RowPlan plan_rows() = 0;
 
  public:
-  // -- facets; null: it has not
-  virtual const Driven* driven() const { return nullptr; }
-  virtual const Stateful* stateful() const { return nullptr; }
-  virtual const Remembering* remembering() const { return nullptr; }
-  virtual const TangentFormula* tangent_formula() const { return nullptr; }
-  virtual const Observable* observable() const { return nullptr; }
-  virtual const Planar* planar() const { return nullptr; }
-  virtual Planar* planar() { return nullptr; }
-  virtual const Jointed* jointed() const { return nullptr; }
-  virtual Jointed* jointed() { return nullptr; }
-  /// Whether it holds its two bodies to each other for ever, nothing moving: then they may be merged into one slot.
+  // -- facets: `this` of a class that has the facet, else null
+  virtual const Driven* driven() const { return nullptr; }                   ///< laws of time
+  virtual const Stateful* stateful() const { return nullptr; }               ///< integrated states
+  virtual const Remembering* remembering() const { return nullptr; }         ///< memory in State::z
+  virtual const TangentFormula* tangent_formula() const { return nullptr; }  ///< a formula for its geometric stiffness
+  virtual const Observable* observable() const { return nullptr; }           ///< additional recorder channels
+  virtual const Planar* planar() const { return nullptr; }                   ///< rows gathered in a plane
+  virtual Planar* planar() { return nullptr; }                               ///< rows gathered in a plane
+  virtual const Jointed* jointed() const { return nullptr; }                 ///< a mask, imposed laws and drives
+  virtual Jointed* jointed() { return nullptr; }                             ///< a mask, imposed laws and drives
+  /// Whether it holds its two bodies rigidly together, without any law: they may be merged into one slot.
   virtual bool is_weld() const { return false; }
 
   // -- what the user sets, before the system's setup
-  bool active_at_start() const { return active_at_start_; }
-  void set_active_at_start(bool active) { active_at_start_ = active; }
-  /// Null: the link pushes and pulls.
+  bool active_at_start() const { return active_at_start_; }  ///< whether it is in force, or watched, at the start
+  void set_active_at_start(bool active) { active_at_start_ = active; }  ///< default: it is
+  /// Null for a link that pushes and pulls.
   const Unilateral* unilateral() const { return unilateral_ ? &*unilateral_ : nullptr; }
-  /// Asks for a link of exactly one row. Throws ModelError when a number is out of its range.
+  /// Makes the link one-sided, which must have exactly one row (checked by setup()). Throws ModelError: a number out of
+  /// its range.
   void set_unilateral(const Unilateral&);
 
-  const std::string& name() const { return name_; }
-  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  const std::string& name() const { return name_; }  ///< name in the system
+  /// Where its class comes from: "built in", a plugin's name, or "" for a class of the host's own.
   const std::string& origin() const { return origin_; }
-  void set_origin(std::string origin) { origin_ = std::move(origin); }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< called by the registry
 
   // -- after the system's setup
-  /// Called by System::setup: keeps what plan_rows() says. Throws ModelError: no rows or too many of them.
+  /// Stores what plan_rows() reports; called by System::setup. Throws ModelError: no row, more than kMaxRows, or more
+  /// than one of a unilateral link.
   void setup();
-  void set_indices(int number, int first_state, int first_memory);  ///< called by System::setup
-  int row_count() const { return static_cast<int>(plan_.rows.size()); }
-  const LinkRow& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }
-  RowKind row_kind(int k) const { return row(k).kind; }
-  const std::string& row_name(int k) const { return row(k).name; }
-  const SlotList& slots() const { return plan_.slots; }
-  const LinkPattern& pattern() const { return plan_.pattern; }
-  RowLayout layout() const { return plan_.layout; }
-  /// Of its rows in space.
+  void set_indices(int number, int first_state, int first_memory);                     ///< called by System::setup
+  int row_count() const { return static_cast<int>(plan_.rows.size()); }                ///< number of rows, in space
+  const LinkRow& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }  ///< row k in space
+  RowKind row_kind(int k) const { return row(k).kind; }                                ///< what row k measures
+  const std::string& row_name(int k) const { return row(k).name; }                     ///< "x", "e1", "phi"
+  const SlotList& slots() const { return plan_.slots; }                                ///< moving slots that it touches
+  const LinkPattern& pattern() const { return plan_.pattern; }                         ///< what its group is found by
+  RowLayout layout() const { return plan_.layout; }  ///< how its jacobian in space is stored
+  /// Shape of its rows in space.
   RowShape shape() const { return {row_count(), plan_.slots.n, plan_.layout, plan_.sign, {}}; }
-  int number() const { return number_; }  ///< in the system; index of its bit in State::modes
-  int n_own_states() const { return stateful() ? stateful()->n_states() : 0; }
-  int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }
-  int first_state() const { return first_state_; }
-  int first_memory() const { return first_memory_; }
-  /// Of a unilateral link: one more number in State::z, kept by the simulation: J lost in its impacts.
+  int number() const { return number_; }  ///< in the system: index in State::modes; -1 before setup
+  int n_own_states() const { return stateful() ? stateful()->n_states() : 0; }        ///< numbers in State::s
+  int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }  ///< numbers in State::z
+  int first_state() const { return first_state_; }    ///< where its states begin in State::s
+  int first_memory() const { return first_memory_; }  ///< where its memory begins in State::z
+  /// Of a unilateral link: index in State::z of the energy lost in its impacts, J, which the simulation counts.
   int impact_memory() const { return first_memory_ + n_own_memory(); }
 
  private:
@@ -252,13 +267,14 @@ class LOCKSTEP_API Lock {
   int number_ = -1, first_state_ = 0, first_memory_ = 0;
 };
 
-/// The geometric stiffness of a link into `out`: its formula, or differences where it has none.
+/// Adds the geometric stiffness of a link, by its formula or, where it has none, by differences.
 LOCKSTEP_API void add_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
-/// The same by central differences of the link's own gather(), good to some 1e-9 of K; moves of 6e-6 of the distance
-/// between its bodies, turns of 6e-6 rad.
+/// Adds the geometric stiffness of a link by central differences of its gather(), to some 1e-9 of K: moves of 6e-6 of
+/// the distance between its bodies, turns of 6e-6 rad.
 LOCKSTEP_API void difference_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
 
-/// Whether L overrides the accessor of each facet that it derives from: a facet without it would never be found.
+/// Whether L overrides the accessor of each of these five facets that it derives from: without it the facet would never
+/// be found.
 template <class L>
 constexpr bool facets_are_found() {
   const auto found = []<class Facet>(auto accessor, std::type_identity<Facet>) {
@@ -270,6 +286,7 @@ constexpr bool facets_are_found() {
          found(&L::observable, std::type_identity<Observable>{});
 }
 
+/// Does not compile for a link whose facets would not be found.
 template <class L>
 void check_facets() {
   if constexpr (std::derived_from<L, Lock>)
@@ -279,18 +296,18 @@ void check_facets() {
 }
 
 
-// MarkerLock: the paper's lock. Two markers, a mask, imposed laws, drives: one constraint from which joints are made.
+// MarkerLock: the paper's lock, the one constraint from which the joints are made.
 
 
-/// A drive: a law on a coordinate that the mask leaves free; exactly one row more.
+/// A drive: a law on a coordinate that the mask leaves free. It adds exactly one row.
 struct Drive {
-  Axis axis = Axis::rz;
-  LawPtr<MotionLaw> law;
-  bool speed = false;  ///< the law is the speed; the coordinate is integrated in State::s
-  int state = 0;       ///< then: which of the link's states
+  Axis axis = Axis::rz;   ///< the coordinate
+  LawPtr<MotionLaw> law;  ///< its value, m or rad, or its speed, m/s or rad/s
+  bool speed = false;     ///< whether the law is the speed; the coordinate is then integrated in State::s
+  int state = 0;          ///< of a speed: which of the link's states
 };
 
-/// The lock of one pair of markers: a mask, imposed laws, drives.
+/// The lock of one pair of markers P and S: rows by a mask, imposed laws, drives.
 class LOCKSTEP_API MarkerLock : public Lock,
                                 public Jointed,
                                 public Driven,
@@ -298,29 +315,27 @@ class LOCKSTEP_API MarkerLock : public Lock,
                                 public Planar,
                                 public TangentFormula {
  public:
-  /// P on O1, S on O2; rows of `mask` hold P at S. Both markers' bodies must differ.
+  /// Holds P at S in the coordinates of `mask`. Throws ModelError: both markers are on one body.
   MarkerLock(std::string name, Marker& p, Marker& s, Mask mask);
   ~MarkerLock() override;
 
   // -- laws; before the system is set up
-  void move(LawPtr<TranslationLaw> law) override;  ///< p(t), S axes: where P is held, on the rows x y z of the mask
-  void turn(LawPtr<RotationLaw> law) override;     ///< q_D(t): P is held at S turned by it
-  /// A law on a free coordinate. Throws ModelError: the axis is held by the mask or driven already; a turn whose other
-  /// two turns are not held has no axis of its own.
+  void move(LawPtr<TranslationLaw> law) override;
+  void turn(LawPtr<RotationLaw> law) override;
   void drive(Axis axis, LawPtr<MotionLaw> law) override;
-  /// The same with the speed given, m/s or rad/s; the coordinate starts where the mechanism does and is integrated.
   void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
 
   bool turned() const override { return turn_ != nullptr; }
   Mask mask() const override { return mask_; }
   Mask rows() const override { return rows_; }
-  /// with::Bits of the laws present, and of parallel markers; after setup().
+  /// with::Bits of its laws, and of parallel markers; after setup().
   unsigned laws() const { return laws_; }
-  /// Values of all its laws now: moved and driven by, turned and driven by.
+  /// p and its rates at these inputs, by move() and the drives along axes.
   ImposedTranslation imposed_translation(const Inputs&) const;
+  /// q_D and its rates at these inputs, by turn() and the drive about an axis.
   ImposedRotation imposed_rotation(const Inputs&) const;
-  const Marker& p() const { return *p_; }
-  const Marker& s() const { return *s_; }
+  const Marker& p() const { return *p_; }  ///< marker on body 1
+  const Marker& s() const { return *s_; }  ///< marker on body 2
 
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
   void gather(Group, const Inputs&, RowSpan out) const override;
@@ -354,7 +369,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
  protected:
-  /// A class with rows of its own adds them to what this returns.
+  /// Rows of the mask and of the drives; a derived class adds its own. Throws ModelError: neither body can move, or a
+  /// turn of a particle is held.
   RowPlan plan_rows() override;
 
  private:
@@ -389,39 +405,43 @@ class LOCKSTEP_API MarkerLock : public Lock,
   unsigned laws_ = 0;         // with::Bits of the laws present
   std::vector<double> speed_start_;
 
-  /// The lock in the plane of a planar mechanism: numbers in the plane's axes i and j, in place of x and y.
+  /// The lock in the plane of a planar mechanism: vectors by their components along the plane's axes i and j.
   struct Flat {
     Plane plane;
-    int turn_axis = 0;                            ///< the axis of S and P along the normal
-    bool pair = false;                            ///< both axes of S in the plane are held
-    int n_translations = 0, axes[2] = {0, 0};     ///< those that are held, and which
-    bool turn = false;                            ///< the turn is held
-    double uP[2] = {0, 0}, uS[2] = {0, 0};        ///< origins
-    double S[2][2] = {};                          ///< axes[k] of S in its slot
-    double sign = 1;                              ///< of the turn axis along the normal
-    double q[2] = {1, 0};                         ///< q_S' q_P: scalar part, and along the turn axis
+    int turn_axis = 0;                         ///< the axis of S and P along the normal
+    bool pair = false;                         ///< both translations in the plane are held
+    int n_translations = 0, axes[2] = {0, 0};  ///< how many are held, and along which axes of S
+    bool turn = false;                         ///< the turn is held
+    double uP[2] = {0, 0}, uS[2] = {0, 0};     ///< origins
+    double S[2][2] = {};                       ///< axes[k] of S in its slot
+    double sign = 1;                           ///< of the turn axis along the normal
+    double q[2] = {1, 0};                      ///< q_S' q_P: scalar part, and along the turn axis
   } flat_;
 };
 
 
-// Reactions: the multipliers of the links in force, as a force that depends on them sees them.
+// Reactions: the multipliers of the links in force, as forces that depend on them read them.
 
 
-/// Force, N, and moment about a point, N m.
+/// A force and a moment about a point.
 struct LinkWrench {
-  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  Vec3 force = Vec3::Zero(),  ///< world axes, N
+      moment = Vec3::Zero();  ///< world axes, N m
 };
 
-/// Multipliers as forces and moments on slots and markers.
+/// A view of multipliers as reactions of links.
 class LOCKSTEP_API Reactions {
  public:
+  /// One multiplier per row of the table; both must outlive this.
   Reactions(const RowTable& rows, std::span<const double> lambda) : rows_(rows), lambda_(lambda) {}
+  /// Of a solution.
   explicit Reactions(const Evaluated& v)
       : Reactions(v.rows, {v.lambda.data(), static_cast<std::size_t>(v.lambda.size())}) {}
 
+  /// Whether the link has rows in the table.
   bool in_force(const Lock& link) const { return entry(link) >= 0; }
-  /// Multipliers of the link, by its own rows; zero for rows that a planar mechanism leaves out and while the link is
-  /// not in force. The generalised force on the bodies is -Jh^T lambda (2.1).
+  /// Multipliers of the link, in the order of its rows in space; zero for rows that a planar mechanism leaves out, and
+  /// while the link is not in force. The generalised force on the bodies is -Jh^T lambda (2.1).
   std::array<double, kMaxRows> of(const Lock& link) const {
     std::array<double, kMaxRows> lambda{};
     if (entry(link) < 0) return lambda;
@@ -431,13 +451,17 @@ class LOCKSTEP_API Reactions {
     return lambda;
   }
 
-  /// Rows of a link that count: the joint's own, those of all its drives, or those of drive number 0, 1, ...
-  enum Part : int { kJoint = -2, kDrives = -1 };
+  /// A part of a link's rows. 0, 1, ... is the drive of that number.
+  enum Part : int {
+    kJoint = -2,  ///< rows of the joint itself
+    kDrives = -1  ///< rows of all drives
+  };
+  /// Whether a row belongs to a part.
   static bool belongs(const LinkRow& row, int part) {
     return part == kJoint ? row.drive < 0 : part == kDrives ? row.drive >= 0 : row.drive == part;
   }
-  /// What the link does to the body of one of its markers, about the origin of that marker; world axes. Zero while it
-  /// is not in force. The rows must be those gathered at `in`.
+  /// Force and moment of a part of the link on the body of one of its markers, about the origin of that marker. Zero
+  /// while the link is not in force. The rows must be those gathered at `in`.
   LinkWrench on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part = kJoint) const;
 
  private:

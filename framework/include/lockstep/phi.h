@@ -1,4 +1,4 @@
-// Joints from functions of relative coordinates: what the function sees and says.
+// Joints from functions of relative coordinates: what the function is given and what it defines.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 
 namespace lockstep {
 
-// phi: a function of the relative coordinates of marker pairs: what it is given, and what it may say about itself
-// (theory, section 7).
+// phi: a function of the relative coordinates of pairs of markers: what it is given, and what it may define about
+// itself (theory, section 7).
 //
 //   struct ScrewThread {                                       // advance per turn along z
 //     double lead;
@@ -29,7 +29,7 @@ namespace lockstep {
 // A function of several pairs takes one LockCoords for each; several rows come as std::array<T, n>.
 
 
-/// Turn of P about the z axis of S from its quaternion, 2 atan2(e3, e0): the branch nearest to `near` (7.9).
+/// (7.9) Turn of P about the z axis of S, rad: 2 atan2(e3, e0) on the branch nearest to `near`. T is a jet.
 template <class T>
 T angle_about_z(const T& e0, const T& e3, double near) {
   using std::atan2;
@@ -38,20 +38,26 @@ T angle_about_z(const T& e0, const T& e3, double near) {
   return a;
 }
 
-/// What phi sees of a pair: P from S in S's axes, before any imposed law. x y z in m; r = (e0 e1 e2 e3) the unit
-/// relative quaternion; t in s.
+/// What phi sees of a pair: the pose of P seen from S, to which no imposed law is applied, and the time.
 template <class T>
 struct LockCoords {
-  T x, y, z, e0, e1, e2, e3, t;
-  double near_angle = 0;           ///< where angle_z is expected: the last accepted one, carried on at its rate
-  const double* memory = nullptr;  ///< numbers of phi's own in State::z, kMemory of them
+  T x,                    ///< position of P along x of S, m
+      y,                  ///< along y of S, m
+      z,                  ///< along z of S, m
+      e0,                 ///< scalar part of the relative quaternion r, |r| = 1
+      e1,                 ///< its component along x of S
+      e2,                 ///< along y of S
+      e3,                 ///< along z of S
+      t;                  ///< time, s
+  double near_angle = 0;  ///< where angle_z() is expected, rad: the last accepted angle, carried on at its rate
+  const double* memory = nullptr;  ///< the kMemory numbers of phi itself in State::z
 
-  /// Turn of P about the z axis of S. With kCountsTurns it runs on past full turns; with kCountsTurns = false it is the
-  /// one within half a turn of zero. Singular where z_P = -z_S.
+  /// Turn of P about the z axis of S, rad. With kCountsTurns = true it runs on past full turns, with false it is within
+  /// half a turn of zero. Singular where z_P = -z_S.
   T angle_z() const { return angle_about_z(e0, e3, near_angle); }
 };
 
-/// Law of time, or of any other number, on a jet: f(t) with its exact derivatives.
+/// A law on a jet t, the time or any other number: f(t) with its exact derivatives.
 template <int N>
 inline Jet<N> law_at(const MotionLaw& law, const Jet<N>& t) {
   const LawValue l = law.at(t.v);
@@ -67,42 +73,42 @@ inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa,
   return r;
 }
 
-/// What Phi may say about itself, all optional; what is misspelt, or does not fit the function, does not compile
-/// (phi_check.h).
-///   kPairs        pairs of markers that it takes, 1 to 3                                   default 1
-///   kRows         functions that it returns, as std::array<T, kRows> from 2 on             default 1
-///   kReads        which coordinates it reads: Reads::translation, rotation or both; with
-///                 several pairs a std::array of them, or one for all. What is not read
-///                 costs nothing                                                            default both
-///   kCountsTurns  whether angle_z() runs on past full turns, its memory in State::z        to be said with angle_z()
-///   kKind         what its rows measure: RowKind::translation (m) for lengths              default function
-///   kNames        names of its rows for messages and channels                              "phi", or "phi1" ...
-///   kMemory       numbers of its own in State::z, which it reads as y.memory; written by
-///                 reset(z, y...) at the start and accept_step(z, y...) after an accepted step   default 0
-///   initialise(link, y...)  called by setup() with the poses of the start: phase angles, refusals
-///   breakpoints(t0, t1, out), diagnose(t)  as in Driven, where it has laws
+/// What a function Phi may define about itself. All of it is optional; what is misspelt, or does not fit the function,
+/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kKind, kMemory as below, and kNames, the names of
+/// its rows in messages and channels. Functions:
+///   - initialise(link, y...) is called by setup() with the coordinates of the start: phase angles, refusals;
+///   - reset(z, y...) and accept_step(z, y...) write its kMemory numbers at the start and after accepted steps;
+///   - breakpoints(t0, t1, out) and diagnose(t) are those of Driven, for laws.
 template <class Phi>
 struct PhiTraits {
+  /// Pairs of markers that it takes, 1 to 3; default 1.
   static constexpr int kPairs = [] {
     if constexpr (requires { Phi::kPairs; }) return int(Phi::kPairs);
     return 1;
   }();
+  /// Functions that it returns, as std::array<T, kRows> from 2 on; default 1.
   static constexpr int kRows = [] {
     if constexpr (requires { Phi::kRows; }) return int(Phi::kRows);
     return 1;
   }();
+  /// Whether angle_z() runs on past full turns, by three numbers per pair in State::z. To be defined where angle_z() is
+  /// called; otherwise false.
   static constexpr bool kCountsTurns = [] {
     if constexpr (requires { Phi::kCountsTurns; }) return bool(Phi::kCountsTurns);
     return false;
   }();
+  /// Numbers that it keeps in State::z and reads as y.memory[0], ...; default 0.
   static constexpr int kMemory = [] {
     if constexpr (requires { Phi::kMemory; }) return int(Phi::kMemory);
     return 0;
   }();
+  /// What its rows measure: RowKind::translation for lengths, m; default function.
   static constexpr RowKind kKind = [] {
     if constexpr (requires { Phi::kKind; }) return RowKind(Phi::kKind);
     return RowKind::function;
   }();
+  /// Coordinates that it reads of each pair; in Phi a std::array of Reads, or one for all pairs; default both. What is
+  /// not read costs nothing.
   static constexpr std::array<Reads, static_cast<std::size_t>(kPairs)> kReads = [] {
     std::array<Reads, static_cast<std::size_t>(kPairs)> reads;
     reads.fill(Reads::both);
@@ -113,34 +119,38 @@ struct PhiTraits {
     return reads;
   }();
 
+  /// Whether it reads this half of the coordinates of a pair.
   static constexpr bool reads(int pair, Reads half) {
     return (unsigned(kReads[static_cast<std::size_t>(pair)]) & unsigned(half)) != 0;
   }
-  /// Of any pair.
+  /// Whether it reads this half of any pair.
   static constexpr bool reads(Reads half) {
     for (int k = 0; k < kPairs; ++k)
       if (reads(k, half)) return true;
     return false;
   }
-  /// Coordinates of a pair that are variables: [first, end) of y.
+  /// First of the seven coordinates of a pair that it reads.
   static constexpr int first(int pair) { return reads(pair, Reads::translation) ? 0 : 3; }
+  /// One past the last of them.
   static constexpr int end(int pair) { return reads(pair, Reads::rotation) ? 7 : 3; }
-  /// Number of the first variable of a pair among those of all pairs.
+  /// Where the coordinates of a pair begin among its variables, those it reads of all pairs.
   static constexpr int start(int pair) {
     int n = 0;
     for (int k = 0; k < pair; ++k) n += end(k) - first(k);
     return n;
   }
-  /// Whether turns of this pair are counted, and how many of the pairs before it have theirs.
+  /// Whether the turns of a pair are counted.
   static constexpr bool counts(int pair) { return kCountsTurns && reads(pair, Reads::rotation); }
+  /// Number of pairs before this one whose turns are counted.
   static constexpr int counted(int pair) {
     int n = 0;
     for (int k = 0; k < pair; ++k) n += counts(k);
     return n;
   }
-  static constexpr int kVariables = start(kPairs);
-  static constexpr int kWidth = (kVariables + 1) / 2 * 2;  // of gradients: whole packs
+  static constexpr int kVariables = start(kPairs);         ///< number of coordinates that it reads
+  static constexpr int kWidth = (kVariables + 1) / 2 * 2;  ///< length of gradients, an even number: whole packs
 
+  /// Row k: kKind, and the name that kNames gives it; default "phi", or "phi1", "phi2", ...
   static LinkRow row(int k) {
     if constexpr (requires { Phi::kNames[0]; })
       return {kKind, Phi::kNames[static_cast<std::size_t>(k)]};
@@ -153,15 +163,18 @@ struct PhiTraits {
 
 }  // namespace lockstep
 
+/// @cond
+/// Left out of the pages: only PhiFunction refers to these names.
+
 // Checks of a function joint at compile time: that its hooks are spelt as PhiTraits reads them and can be called, and
-// that it reads no coordinate that its kReads leaves out. PhiFunction asserts them; each message says what was meant.
+// that it reads no coordinate that its kReads leaves out. PhiFunction asserts them; each message names what was meant.
 // tests/compile_fail has one wrong function for each.
 namespace lockstep::phi_check {
 
 // ------------------------------------------------------------------------------------------------------------ spelling
 
-/// Names that are not ours, but mean one of ours. A class that derives from Phi and from this has two members of such a
-/// name, and its lookup fails, exactly where Phi has one: data, function or template.
+/// Names that are likely to be written in place of ours. If Phi has a member of such a name, be it data, a function or
+/// a template, a class that derives from Phi and from this has two of it, and its lookup fails.
 struct Misspellings {
   int kPair, kNPairs, kNumPairs, kPairCount, Pairs, kpairs;
   int kRow, kNRows, kNumRows, kRowCount, Rows, krows;
@@ -177,17 +190,19 @@ struct Misspellings {
   int breakpoint, break_points, breakPoints;
   int blame, diagnosis, diagnostic, diagnoses;
 };
-/// How many functions an object returns.
+/// Names of the functions that Phi may have, for the same use: their lookup fails if Phi has them with any signature.
 struct Functions {
   int initialise, reset, accept_step, breakpoints, diagnose;
 };
+/// Phi together with members of these names.
 template <class Phi, class Names>
 struct Beside : Phi, Names {};
 
+/// What one can derive from.
 template <class Phi>
 concept IsClass = std::is_class_v<Phi> && !std::is_final_v<Phi>;
 
-/// Names near a hook that are refused in words.
+/// Refuses misspelt names, and names the one that is meant.
 template <class Phi>
 struct Spelling {
   static_assert(IsClass<Phi>, "a function of a joint is a class or struct that is not final");
@@ -235,12 +250,12 @@ struct Spelling {
 
 // ----------------------------------------------------------------------------------------------------------- functions
 
-/// Which hooks a function has.
+/// Which of the functions that it may have Phi has; refuses one that cannot be called as PhiFunction calls it.
 template <class Phi>
 struct Hooks {
   using F = Beside<Phi, Functions>;
   using Traits = PhiTraits<Phi>;
-  /// f(y...) with one LockCoords<T> for each pair.
+  /// Whether it can be called with one LockCoords<T> for each pair.
   template <class T, class Call>
   static constexpr bool takes(Call) {
     return []<std::size_t... k>(std::index_sequence<k...>) {
@@ -289,7 +304,8 @@ struct Hooks {
 
 // ------------------------------------------------------------------------------------------------------------- reading
 
-/// Stand for what a function does not have by its kReads and kMemory; their names are part of the compiler's message.
+/// Types of the coordinates that kReads leaves out, and of a memory without kMemory; the compiler's message shows their
+/// names.
 struct add_translation_to_kReads {};
 struct add_rotation_to_kReads {};
 struct say_kMemory {};
@@ -318,8 +334,8 @@ requires(Unread<A> || Unread<B>) Time operator*(const A& a, const B& b) { return
 template <class A, class B>
 requires(Unread<A> || Unread<B>) Time operator/(const A& a, const B& b) { return operand(a, b); }
 
-/// Probes are jets of a negative N, whose bits say what the function has asked for. They are never computed with: a
-/// function is only compiled for them.
+/// Probes are jets of a negative N, whose bits encode what Phi defines. They never hold numbers: a function is only
+/// compiled for them.
 enum ProbeBits : int { kTranslation = 1, kRotation = 2, kTurnsSaid = 4, kMemorySaid = 8 };
 constexpr bool has(int probe, ProbeBits bit) { return ((-1 - probe) & bit) != 0; }
 
@@ -333,7 +349,7 @@ constexpr int probe() {
   return -1 - bits;
 }
 
-/// A number without derivatives, for checks at compile time.
+/// Gradient of a probe.
 struct NoGradient {
   NoGradient operator-() const { return {}; }
   NoGradient& operator+=(NoGradient) { return *this; }
@@ -349,7 +365,7 @@ struct NoGradient {
 
 namespace lockstep {
 
-/// A jet without a gradient, for checks at compile time.
+/// A probe.
 template <int N>
 requires(N < 0) struct Jet<N, double> {
   double v{0}, d{0}, h{0};
@@ -359,7 +375,7 @@ requires(N < 0) struct Jet<N, double> {
   Jet(double value, double first, double second) : v(value), d(first), h(second) {}
 };
 
-/// Relative coordinates as jets.
+/// Coordinates on a probe: using those that Phi does not define does not compile.
 template <int N>
 requires(N < 0) struct LockCoords<Jet<N>> {
   using T = Jet<N>;
@@ -381,7 +397,7 @@ requires(N < 0) struct LockCoords<Jet<N>> {
 
 namespace phi_check {
 
-/// Whether a function can be called with these coordinates.
+/// Calls of a function with one LockCoords<T> for each pair.
 template <class Phi, class T>
 struct Call {
   template <std::size_t... k>
@@ -395,12 +411,13 @@ struct Call {
   using Pairs = std::make_index_sequence<static_cast<std::size_t>(PhiTraits<Phi>::kPairs)>;
 };
 
+/// Number of rows in the returned type R: 1 for a T, n for an array, 0 for anything else.
 template <class R, class T>
 inline constexpr int kReturned = std::convertible_to<R, T> ? 1 : 0;
 template <class R, std::size_t n, class T>
 inline constexpr int kReturned<std::array<R, n>, T> = static_cast<int>(n);
 
-/// Which coordinates a function reads.
+/// Refuses a function that cannot be called, that reads what its kReads leaves out, or whose kRows does not fit.
 template <class Phi>
 struct Reading {
   using Traits = PhiTraits<Phi>;
@@ -416,6 +433,7 @@ struct Reading {
   static constexpr bool kChecked = true;
 };
 
+/// Whether kNames, if there is one, has kRows names.
 template <class Phi>
 constexpr bool names_fit() {
   if constexpr (requires { Phi::kNames[0]; }) return std::size(Phi::kNames) == std::size_t(PhiTraits<Phi>::kRows);
@@ -424,3 +442,4 @@ constexpr bool names_fit() {
 
 }  // namespace phi_check
 }  // namespace lockstep
+/// @endcond

@@ -18,11 +18,11 @@
 
 namespace lockstep {
 
-// Geometric stiffness of a lock: how its force Jh^T lambda changes with the poses, multipliers and laws fixed (theory,
-// (9.2), (9.3)). Laws enter as numbers: all of them may be active, none costs anything extra.
+// Geometric stiffness of a lock: the derivative of its force Jh^T lambda with respect to the poses; multipliers and
+// time are fixed (theory, (9.2), (9.3)). Laws enter by their values, and cost nothing extra.
 
 
-/// (9.2) Translational rows; lt: multipliers of x, y, z (S axes), zero where there is no row.
+/// (9.2) Adds the stiffness of translational rows. lt: multipliers of x, y, z (S axes), zero where there is no row.
 ///
 ///   n = A_S lt (O2 axes),  A2 n (world),  g = A1^T A2 n (O1 axes)         F = ( A2 n | uP x g | -A2 n | n x s )
 inline void add_translation_stiffness(const Inputs& in, int slot1, int slot2, const MarkerMotion& P,
@@ -44,8 +44,8 @@ inline void add_translation_stiffness(const Inputs& in, int slot1, int slot2, co
   out.add_K(slot2, slot2, K);
 }
 
-/// (9.3) Rotational rows; L: multipliers (l0, lr) of the four components of e; l0 = 0 for a lock, whose rows are
-/// vec(e). qD, A_D: the imposed rotation.
+/// (9.3) Adds the stiffness of rotational rows. qD: imposed rotation; L: multipliers (l0, lr) of the four components
+/// of e, with l0 = 0 for a lock, whose rows are vec(e).
 ///
 ///   F_th1 = +(1/2) A_P ( e0 lr - l0 ev - ev x lr )          F_th2 = -(1/2) A_SD ( e0 lr - l0 ev + ev x lr )
 inline void add_rotation_stiffness(const Inputs& in, int slot1, int slot2, const MarkerMotion& P, const MarkerMotion& S,
@@ -69,41 +69,46 @@ inline void add_rotation_stiffness(const Inputs& in, int slot1, int slot2, const
 }
 
 
-// What links of marker pairs ask at setup.
+// What links of pairs of markers check and measure at setup.
 
 
-/// Throws ModelError when one of the markers is on a particle, whose turn the link would hold by `rows` ("e1", "phi").
+/// Throws ModelError if one of the markers is on a particle, whose turn the rows `rows` ("e1", "phi") of the link would
+/// hold.
 LOCKSTEP_API void refuse_particles(const std::string& link, const std::string& rows, const Marker& p, const Marker& s);
 
-/// P seen from S in the reference poses of their bodies, the markers' own laws at t = 0 included. P and S are p and s,
-/// folded into their slots.
+/// Pose of p seen from s with their bodies at home, including the markers' own laws at t = 0. P and S are p and s as
+/// frames of their slots.
 LOCKSTEP_API Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFrame& P, const MarkerFrame& S);
 
 
-// PhiFunction: a function phi of one to three pairs of markers, evaluated with all that a link makes of it (theory,
-// (7.2), (7.3)). PhiLock and PhiCoupling are links around it.
+// PhiFunction: a function phi of one to three pairs of markers, with the rows and the stiffness that follow from it
+// (theory, (7.2), (7.3)). PhiLock and PhiCoupling are the links made of it.
 
 
-/// A function of relative coordinates with its rows.
+/// A function of the relative coordinates of its pairs, evaluated as rows of a link.
 template <class Phi>
 class PhiFunction {
  public:
-  using Traits = PhiTraits<Phi>;
-  using Hooks = phi_check::Hooks<Phi>;
+  using Traits = PhiTraits<Phi>;        ///< what phi defines about itself
+  using Hooks = phi_check::Hooks<Phi>;  ///< which functions phi has besides operator()
   static_assert(phi_check::Spelling<Phi>::kChecked && Hooks::kChecked && phi_check::Reading<Phi>::kChecked);
   static_assert(phi_check::names_fit<Phi>(), "kNames has one name for each of the kRows rows");
-  static constexpr int kPairs = Traits::kPairs, kRows = Traits::kRows;
-  using Grad = Jet<Traits::kWidth>;
-  using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;
-  using MarkerPair = std::pair<const Marker*, const Marker*>;
-  using Pairs = std::array<MarkerPair, static_cast<std::size_t>(kPairs)>;
+  static constexpr int kPairs = Traits::kPairs,                            ///< number of pairs
+      kRows = Traits::kRows;                                               ///< number of rows
+  using Grad = Jet<Traits::kWidth>;                                        ///< a number with its gradient
+  using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;          ///< the values of phi
+  using MarkerPair = std::pair<const Marker*, const Marker*>;              ///< P and S
+  using Pairs = std::array<MarkerPair, static_cast<std::size_t>(kPairs)>;  ///< the pairs that phi takes
 
+  /// phi of these pairs.
   PhiFunction(Phi phi, const Pairs& pairs) : phi_(std::move(phi)), pairs_(pairs) {}
 
-  const Phi& phi() const { return phi_; }
-  const Pairs& pairs() const { return pairs_; }
+  const Phi& phi() const { return phi_; }        ///< the function
+  const Pairs& pairs() const { return pairs_; }  ///< as given
 
-  /// Folds the markers into their slots. Throws ModelError, naming `link`, when the turn of a particle is asked for.
+  /// Takes the markers into their slots and calls phi.initialise(). Throws ModelError, naming `link`: phi reads the
+  /// rotation of a particle, counts turns about z axes that are opposed at the start, or reads coordinates that its
+  /// kReads leaves out.
   void setup(const std::string& link) {
     moving_ = false;
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -118,21 +123,24 @@ class PhiFunction {
     if constexpr (Hooks::kInitialises) std::apply([&](const auto&... each) { phi_.initialise(link, each...); }, y);
     if constexpr (kPairs > 1) refuse_unread(link, y);
   }
+  /// Adds the slots of all markers.
   void add_slots(SlotList& slots) const {
     for (const FramePair& frames : frames_) slots.add(frames.P.slot), slots.add(frames.S.slot);
   }
 
   // -- laws
+  /// Appends the instants in (t0, t1) where a law in phi jumps.
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
     if constexpr (Hooks::kHasBreakpoints) phi_.breakpoints(t0, t1, out);
   }
+  /// Which law in phi throws or is not finite at time t, in words; "" when none does.
   std::string diagnose(double t) const {
     if constexpr (Hooks::kDiagnoses) return phi_.diagnose(t);
     return {};
   }
 
   // -- evaluation; `memory`: what start_memory() and accept_step() wrote
-  /// Rows first, first + 1, ... of the block: each number of them.
+  /// Writes rows first, first + 1, ... of the block, every number of them. `slots`: those of the link.
   ///
   ///   (7.2)  C = phi,  Ct = phi_y Ct_y + phi_t,  Jh = phi_y Jh_y,  Qhat = phi_y Qhat_y - phi'' along the motion
   void fill(const Inputs& in, const double* memory, const SlotList& slots, int first, const RowBlock& block) const {
@@ -142,7 +150,7 @@ class PhiFunction {
       fill_still(in, memory, slots, first, block);
   }
 
-  /// (9.11), (9.12) K = lambda ( J_i^T phi_ij J_j + K_lock of each pair ), one multiplier per row.
+  /// (9.11), (9.12) Adds K = lambda ( J_i^T phi_ij J_j + K_lock of each pair ), one multiplier per row.
   void tangent(const Inputs& in, const double* memory, const double* lambda, TangentSum& out) const {
     const Points y = look_at(in);
     const Rows f = value(y, in, memory);
@@ -168,16 +176,18 @@ class PhiFunction {
                   J[static_cast<std::size_t>(a)].transpose() * full(H, a / 2, b / 2) * J[static_cast<std::size_t>(b)]);
   }
 
-  // -- memory: for each pair that counts turns the last angle, its rate and instant; then phi's own numbers
-  static constexpr int kAngles = 3 * Traits::counted(kPairs);
-  static constexpr int kOwn = Traits::kMemory;
-  static constexpr int kMemory = kAngles + kOwn;
+  // -- memory
+  static constexpr int kAngles = 3 * Traits::counted(kPairs);  ///< per counted pair: last angle, its rate, the instant
+  static constexpr int kOwn = Traits::kMemory;                 ///< then the numbers of phi itself
+  static constexpr int kMemory = kAngles + kOwn;               ///< length of the memory
 
+  /// Writes the memory at the start.
   void start_memory(std::span<double> z) const {
     const Coords<Time> y = at_start();
     each_counted([&](auto k, std::size_t at) { z[at] = y[k].angle_z().v, z[at + 1] = z[at + 2] = 0; });
     if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.reset(z.subspan(kAngles), each...); }, y);
   }
+  /// Updates the memory after an accepted step.
   void accept_step(const Inputs& in, std::span<double> z) const {
     const Coords<Time> y = along_motion(in, z.data());
     if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.accept_step(z.subspan(kAngles), each...); }, y);
@@ -187,7 +197,7 @@ class PhiFunction {
     });
   }
 
-  /// f(phi, y...) with the coordinates as they move: value and rate of each; for channels of the link's own.
+  /// f(phi, y...), where each coordinate is a jet with its value and its rate; for channels of a link.
   template <class F>
   auto seen(const Inputs& in, const double* memory, F&& f) const {
     return std::apply([&](const auto&... each) { return f(phi_, each...); }, along_motion(in, memory));
@@ -300,7 +310,7 @@ class PhiFunction {
     (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
   }
 
-  /// In one piece, phi included: half of the time would go into calls.
+  /// Inlined as a whole, phi included: calls would cost half of the time.
   [[gnu::flatten]] void fill_still(const Inputs& in, const double* memory, const SlotList& slots, int first,
                                    const RowBlock& block) const {
     fill_by(pairs_seen<StillPair>(in), in, memory, slots, first, block);
@@ -337,7 +347,7 @@ class PhiFunction {
     return call(coords(in.t, Grad(in.t, 1.0, 0.0), memory,
                        [&](int n, int i, std::size_t k) { return Grad::variable(n, y[k].y[i], y[k].yd[i]); }));
   }
-  /// sum of lambda phi'' along the variables' direction d, time fixed.
+  /// Sum of lambda phi'' along the direction d of the variables, time fixed.
   double bend(const Points& y, const Inputs& in, const double* memory, const double* lambda,
               const Eigen::Matrix<double, kV, 1>& d) const {
     const auto f = call(coords(in.t, Time(in.t, 0.0, 0.0), memory,
@@ -346,7 +356,7 @@ class PhiFunction {
     for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[static_cast<std::size_t>(r)].h;
     return sum;
   }
-  /// By its bends along each variable and along each pair of them: exact, and no more than what phi can give.
+  /// From bend() along each variable and along the sum of each two of them: exact.
   MatV second_derivatives(const Points& y, const Inputs& in, const double* memory, const double* lambda) const {
     using Vec = Eigen::Matrix<double, kV, 1>;
     MatV H = MatV::Zero();
@@ -402,8 +412,8 @@ class PhiFunction {
                          "' point against one another at the start, so that there is no angle about them; turn one "
                          "marker by half a turn about its x axis");
   }
-  /// One pair's reading is checked by the compiler (phi_check.h); of several pairs only what all of them leave out is,
-  /// and the rest here, by numbers that are none.
+  /// What phi reads of a single pair is checked by the compiler (phi.h). Of several pairs the compiler checks only what
+  /// all of them leave out; the rest is checked here, by coordinates that are NaN.
   void refuse_unread(const std::string& link, Coords<Time> y) const {
     std::array<double, static_cast<std::size_t>(kMemory + 1)> memory{};
     start_memory({memory.data(), static_cast<std::size_t>(kMemory)});
@@ -426,7 +436,7 @@ class PhiFunction {
   Phi phi_;
   Pairs pairs_;
   std::array<FramePair, static_cast<std::size_t>(kPairs)> frames_;
-  bool moving_ = false;  // a marker that has a law of its own
+  bool moving_ = false;  // whether a law moves one of the markers
 };
 
 }  // namespace lockstep

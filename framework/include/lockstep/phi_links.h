@@ -17,7 +17,7 @@
 namespace lockstep {
 
 // PhiCoupling: a link from functions of two or three pairs of markers, phi(y1, y2, y3, t) = 0 (theory, (7.3)): gears,
-// belts, differentials. The pairs' own joints are links of their own.
+// belts, differentials. The joints of the pairs are separate links.
 //
 //   struct Mesh {
 //     double r1, r2;
@@ -31,46 +31,52 @@ namespace lockstep {
 //   using Gear = PhiCoupling<Mesh>;
 
 
-/// The pairs of markers that a coupling takes, which it only reads: those of a site, or of joints (across).
+/// The name of a coupling and its pairs of markers, those of a site or of joints (across).
 struct CoupledPairs {
-  std::string name;  ///< of the coupling
-  std::vector<std::pair<const Marker*, const Marker*>> pairs;
+  std::string name;                                            ///< of the coupling
+  std::vector<std::pair<const Marker*, const Marker*>> pairs;  ///< P before S
 
+  /// Without pairs yet.
   explicit CoupledPairs(std::string of) : name(std::move(of)) {}
+  /// The name and the pairs of a site.
   CoupledPairs(const Site& site)
       : name(site.name), pairs(site.pairs.begin(), site.pairs.end()) {}  // NOLINT: a site is one
-  /// Of pair k; throw ModelError when the marker is not given.
+  /// P of pair k. Throws ModelError: it is not given.
   const Marker& p(std::size_t k) const {
     return Site::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
   }
+  /// S of pair k. Throws ModelError: it is not given.
   const Marker& s(std::size_t k) const {
     return Site::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k);
   }
 };
 
-/// The first pairs of these joints: sys.add(std::make_unique<Gear>(across("mesh", {one, two}), Gear::Settings{2.0})).
+/// The first pair of each of these joints: system.add(std::make_unique<Gear>(across("mesh", {one, two}), 2.0)).
 inline CoupledPairs across(std::string name, std::initializer_list<std::reference_wrapper<const Lock>> joints) {
   CoupledPairs coupled(std::move(name));
   for (const Lock& joint : joints) coupled.pairs.push_back(joint.pairs().front());
   return coupled;
 }
 
-/// Rows: those of phi. Derive, give it a type() and, for files, info() with the number of pairs, and make(). What phi
-/// may say about itself: PhiTraits.
+/// A link whose rows are those of a function phi of two or three pairs of markers. A derived class adds type() and, for
+/// scenes, info() and make(). PhiTraits lists what phi may define.
 template <class Phi>
 class PhiCoupling : public Lock, public Driven, public Remembering, public TangentFormula {
   using Function = PhiFunction<Phi>;
   using Traits = PhiTraits<Phi>;
 
  public:
-  /// Takes kPairs pairs, P before S. Throws ModelError when one is missing.
+  /// Of exactly kPairs pairs. Throws ModelError: a pair that is missing, too many or given twice, a pair on one body,
+  /// more than kMaxSlots bodies.
   PhiCoupling(const CoupledPairs& coupled, Phi phi)
       : Lock(coupled.name), function_(std::move(phi), pairs_of(coupled)) {}
 
-  const Phi& phi() const { return function_.phi(); }
+  const Phi& phi() const { return function_.phi(); }  ///< the function
+  /// The pairs that it couples.
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override {
     return {function_.pairs().begin(), function_.pairs().end()};
   }
+  /// Rows of phi.
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& link = static_cast<const PhiCoupling&>(*links[i]);
@@ -78,25 +84,35 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
     }
   }
 
+  /// This.
   const TangentFormula* tangent_formula() const override { return this; }
+  /// (9.12) From the second derivatives of phi.
   void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
     function_.tangent(in, memory(in), lambda.data(), out);
   }
 
+  /// This.
   const Driven* driven() const override { return this; }
+  /// Of the markers' laws and of those in phi.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     for (const auto& [p, s] : function_.pairs())
       MarkerFrame(*p).breakpoints(t0, t1, out), MarkerFrame(*s).breakpoints(t0, t1, out);
     function_.breakpoints(t0, t1, out);
   }
+  /// Of the laws in phi.
   std::string diagnose(double t) const override { return function_.diagnose(t); }
 
+  /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
+  /// Three numbers for each pair whose turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
+  /// The angles at the start, and what phi.reset() writes.
   void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  /// The angles with their rates, and what phi.accept_step() writes.
   void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
 
  protected:
+  /// Rows of phi. Throws ModelError: no body can move, a turn of a particle is read, or phi refuses the start.
   RowPlan plan_rows() override {
     function_.setup(name());
     RowPlan plan;
@@ -106,7 +122,9 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
     for (int k = 0; k < Function::kRows; ++k) plan.add(Traits::row(k));
     return plan;
   }
+  /// phi with its pairs, for channels of a derived class.
   const Function& function() const { return function_; }
+  /// Its numbers in State::z at these inputs.
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
@@ -138,29 +156,31 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
 };
 
 
-// PhiLock: a joint from functions of the relative coordinates, phi(y, t) = 0, beside the mask's rows (theory, section
-// 7). Constraint, rows, Ct, right side and geometric stiffness follow from the lock's own and phi's exact derivatives;
-// nobody writes a jacobian.
+// PhiLock: a joint whose rows are those of a mask and those of functions of the relative coordinates, phi(y, t) = 0
+// (theory, section 7). Jacobian, Ct, right side and geometric stiffness follow from those of the lock and the exact
+// derivatives of phi; nobody writes a jacobian.
 //
 //   struct ScrewThread { double lead; template <class T> T operator()(const LockCoords<T>& y) const; ... };  // phi.h
 //   using Screw = PhiLock<ScrewThread>;
 
 
-/// Rows: those of the mask and its drives as in MarkerLock, then phi. Derive, give it a type() and, for files, info()
-/// and make(). What phi may say about itself: PhiTraits.
+/// A joint whose rows are those of a mask and its drives, as in MarkerLock, and those of a function phi. A derived
+/// class adds type() and, for scenes, info() and make(). PhiTraits lists what phi may define.
 template <class Phi>
 class PhiLock : public MarkerLock, public Remembering {
   using Function = PhiFunction<Phi>;
   using Traits = PhiTraits<Phi>;
 
  public:
+  /// Of a function of one pair. Throws ModelError: both markers are on one body.
   PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi)
       : MarkerLock(std::move(name), p, s, mask), function_(std::move(phi), {{{&p, &s}}}) {
     static_assert(Function::kPairs == 1, "a function of several pairs makes a PhiCoupling");
   }
 
-  const Phi& phi() const { return function_.phi(); }
+  const Phi& phi() const { return function_.phi(); }  ///< the function
 
+  /// Rows of the mask and the drives, then of phi.
   void gather(Group links, const Inputs& in, RowSpan out) const override {
     if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
@@ -168,27 +188,35 @@ class PhiLock : public MarkerLock, public Remembering {
       link.function_.fill(in, link.memory(in), link.slots(), link.first_, out.lane(i));
     }
   }
+  /// That of the lock and (9.11) that of phi.
   void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
     MarkerLock::tangent(in, lambda, out);
     function_.tangent(in, memory(in), lambda.data() + first_, out);
   }
 
+  /// Of the lock's laws and of those in phi.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     MarkerLock::breakpoints(t0, t1, out);
     function_.breakpoints(t0, t1, out);
   }
+  /// Of the lock's laws and of those in phi.
   std::string diagnose(double t) const override {
     const std::string law = MarkerLock::diagnose(t);
     return law.empty() ? function_.diagnose(t) : law;
   }
 
+  /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
+  /// Three numbers where turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
+  /// The angle at the start, and what phi.reset() writes.
   void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  /// The angle with its rate, and what phi.accept_step() writes.
   void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
 
  protected:
-  /// A triple only beside functions of the turn alone: any other has columns on v.
+  /// Rows of the lock, then of phi. A triple remains one if phi reads the rotation alone, which has no columns on v.
+  /// Throws ModelError as MarkerLock does, and where phi refuses the start.
   RowPlan plan_rows() override {
     RowPlan plan = MarkerLock::plan_rows();
     first_ = static_cast<int>(plan.rows.size());
@@ -197,12 +225,14 @@ class PhiLock : public MarkerLock, public Remembering {
       Traits::reads(0, Reads::translation) ? plan.add(Traits::row(k)) : plan.add_turning(Traits::row(k));
     return plan;
   }
+  /// phi with its pair, for channels of a derived class.
   const Function& function() const { return function_; }
+  /// Its numbers in State::z at these inputs.
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
   Function function_;
-  int first_ = 0;  // row of the function
+  int first_ = 0;  // first row of the function
 };
 
 }  // namespace lockstep

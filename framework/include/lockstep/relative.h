@@ -6,28 +6,30 @@
 
 namespace lockstep {
 
-// MarkerFrame: a marker folded into its slot, so that kernels see slots only and need no special case for bodies that
-// share one or that are fixed.
+// MarkerFrame: a marker as a frame of its slot. Kernels see slots only, and need no special case for bodies that share
+// one or that are fixed.
 
 
-/// A marker folded into the slot of its body.
+/// A marker as a frame of the slot of its body.
 struct MarkerFrame {
-  int slot = kGround;
-  Vec3 u0 = Vec3::Zero();  ///< home origin in the slot, m
-  Quat q0;                 ///< home axes -> slot axes
-  Mat3 A0 = Mat3::Identity();
-  LawPtr<TranslationLaw> slide;  // shared, so that a marker whose law is replaced later leaves nothing dangling
-  LawPtr<RotationLaw> spin;
-  MarkerMotion home;  ///< at(t) of a marker without laws
+  int slot = kGround;            ///< slot of its body; kGround if that is fixed
+  Vec3 u0 = Vec3::Zero();        ///< origin without laws, slot axes, m
+  Quat q0;                       ///< marker axes without laws -> slot axes
+  Mat3 A0 = Mat3::Identity();    ///< A(q0)
+  LawPtr<TranslationLaw> slide;  ///< moves the origin along the axes of A0; null: none. Shared with the marker
+  LawPtr<RotationLaw> spin;      ///< turns the axes; null: none. Shared with the marker
+  MarkerMotion home;             ///< at(t) of a marker without laws
 
   MarkerFrame() = default;
+  /// Of a marker on a body that has its slot already (System::setup).
   explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide), spin(m.spin) {
     const Pose pose = m.body->in_slot * m.local;
     u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
     home.u = u0, home.q = q0, home.A = A0;
   }
 
-  /// Axes of the slot, with q0 = +1: q0 = -1 is the same turn, but gives e the other sign.
+  /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
+  /// e.
   bool parallel() const { return !slide && !spin && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
@@ -44,62 +46,79 @@ struct MarkerFrame {
     }
     return m;
   }
+  /// Appends the instants in (t0, t1) where one of its laws jumps.
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
     if (slide) slide->breakpoints(t0, t1, out);
     if (spin) spin->breakpoints(t0, t1, out);
   }
 };
 
-/// Motion of a marker in the world: x, v, A (marker axes -> world), w in world axes.
+/// Motion of a marker in the world.
 struct MarkerInWorld {
-  Vec3 x, v, w;
-  Mat3 A;
+  Vec3 x,  ///< origin, m
+      v,   ///< its velocity, world axes, m/s
+      w;   ///< angular velocity, world axes, rad/s
+  Mat3 A;  ///< marker axes -> world
 };
-/// A marker on its slot at one instant, on any scalar; each quantity is computed when asked for.
+/// A marker on its slot at one instant, on any scalar. Each quantity is computed when it is asked for.
 template <class T>
 struct MarkerOn {
-  const MotionT<T>& slot;
-  MarkerMotion marker;
+  const MotionT<T>& slot;  ///< motion of the slot; must outlive this
+  MarkerMotion marker;     ///< motion of the marker on the slot
 
-  Mat3T<T> A() const { return slot.A * marker.A; }                         ///< marker axes -> world
-  Vec3T<T> axis(int k) const { return slot.A * marker.A.col(k); }          ///< column k of A
-  Vec3T<T> x() const { return slot.x + slot.A * marker.u; }                ///< origin, world, m
+  Mat3T<T> A() const { return slot.A * marker.A; }                                        ///< marker axes -> world
+  Vec3T<T> axis(int k) const { return slot.A * marker.A.col(k); }                         ///< column k of A
+  Vec3T<T> x() const { return slot.x + slot.A * marker.u; }                               ///< origin, world, m
   Vec3T<T> v() const { return slot.v + slot.A * (cross(slot.w, marker.u) + marker.ud); }  ///< its velocity, m/s
-  Vec3T<T> w() const { return slot.A * (slot.w + marker.A * marker.w); }   ///< angular velocity, world, rad/s
+  Vec3T<T> w() const { return slot.A * (slot.w + marker.A * marker.w); }  ///< angular velocity, world, rad/s
+  /// Quaternion of A().
   QuatT<T> q() const { return slot.e * QuatT<T>{marker.q.w, marker.q.x, marker.q.y, marker.q.z}; }
-  /// Velocity (world) of the point of the slot that is at x now.
+  /// Velocity of the point of the slot that is at `at` now; both in world axes, m/s and m.
   Vec3T<T> slot_velocity(const Vec3T<T>& at) const { return slot.v + cross(slot_rate(), Vec3T<T>(at - slot.x)); }
-  /// Angular velocity of the slot, world axes.
+  /// Angular velocity of the slot, world axes, rad/s.
   Vec3T<T> slot_rate() const { return slot.A * slot.w; }
 };
+/// Motion of a marker in the world at these inputs.
 inline MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
   const MarkerOn<double> m{in.slot(f.slot), f.at(in.t)};
   return {m.x(), m.v(), m.w(), m.A()};
 }
 
 
-// The relative kinematics of a marker pair: the seven coordinates of P as seen from S, with all that a function of them
-// needs (theory, (7.1)). The markers' own laws are in; no imposed law is taken off.
+// Relative kinematics of a pair of markers: the seven coordinates of P seen from S, with everything that a function of
+// them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
 
 
+/// One number for each of the seven relative coordinates.
 template <class T>
 using Vec7T = Eigen::Matrix<T, 7, 1>;
+/// Jacobian of the seven relative coordinates on three velocities.
 template <class T>
 using Mat73T = Eigen::Matrix<T, 7, 3>;
 
-/// Which coordinates are wanted; the others stay zero and cost nothing.
-enum class Reads { translation = 1, rotation = 2, both = 3 };
+/// Which of the relative coordinates are wanted; the others cost nothing.
+enum class Reads {
+  translation = 1,  ///< x y z
+  rotation = 2,     ///< e0 e1 e2 e3
+  both = 3          ///< all seven
+};
 
-/// y = (x y z | e0 e1 e2 e3): position of P in S axes, relative quaternion r = q_S' q_2' q_1 q_P; yd, partial Ct and
-/// Qhat; jacobians on v1 (world), w1, w2 (slot axes); those on v2 are minus those on v1.
+/// The relative coordinates of P seen from S, their rates and their rows.
 template <class T>
 struct RelativeKinematicsT {
-  Vec7T<T> y = Vec7T<T>::Zero(), yd = Vec7T<T>::Zero(), Ct = Vec7T<T>::Zero(), Qhat = Vec7T<T>::Zero();
-  Mat73T<T> Jv1 = Mat73T<T>::Zero(), Jw1 = Mat73T<T>::Zero(), Jw2 = Mat73T<T>::Zero();
+  Vec7T<T> y = Vec7T<T>::Zero(),      ///< x y z, S axes, m; e0 e1 e2 e3, the relative quaternion r = q_S' q_2' q_1 q_P
+      yd = Vec7T<T>::Zero(),          ///< d/dt of y
+      Ct = Vec7T<T>::Zero(),          ///< partial derivative of y in time: the markers' own laws
+      Qhat = Vec7T<T>::Zero();        ///< right side of the acceleration rows: ydd = Jh acc - Qhat
+  Mat73T<T> Jv1 = Mat73T<T>::Zero(),  ///< on v1 (world); minus it on v2
+      Jw1 = Mat73T<T>::Zero(),        ///< on w1 (slot axes)
+      Jw2 = Mat73T<T>::Zero();        ///< on w2 (slot axes)
 };
+/// On doubles.
 using RelativeKinematics = RelativeKinematicsT<double>;
 
-/// Never throws. `laws`: with::Bits of the markers' own laws; zero for markers at rest on their bodies.
+/// The relative kinematics of P on the slot O1 and S on the slot O2; what `which` leaves out is zero. `laws`: zero if
+/// both markers are at rest on their slots, otherwise with::Bits of their laws. Never throws.
 template <class T>
 inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                                                   const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
@@ -133,19 +152,23 @@ inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const Mo
 }
 
 
-// The relative coordinates of a pair with their rates, and how a gradient of them becomes a row: the products that a
-// function of them needs, without the jacobians of the coordinates (theory, (7.1), (7.2), (9.2), (9.3)).
+// RelativePair: the relative coordinates of a pair with their rates, and the row of a function with a given gradient on
+// them. The jacobians of the coordinates themselves are never formed (theory, (7.1), (7.2)).
 
 
-/// What a pair adds to a row: columns on v1 (world; those on v2 are minus these), w1, w2 (slot axes), Ct and Qhat.
+/// What one pair of markers contributes to the row of a function.
 struct PulledRow {
-  Vec3 v = Vec3::Zero(), w1 = Vec3::Zero(), w2 = Vec3::Zero();
-  double Ct = 0, Qhat = 0;
+  Vec3 v = Vec3::Zero(),  ///< columns on v1 (world); minus these on v2
+      w1 = Vec3::Zero(),  ///< columns on w1 (slot axes)
+      w2 = Vec3::Zero();  ///< columns on w2 (slot axes)
+  double Ct = 0,          ///< phi_y Ct_y
+      Qhat = 0;           ///< phi_y Qhat_y
 };
 
+/// Whether `which` includes `half`, translation or rotation.
 constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
-/// The marker's motion now: of one without laws, where it is stored.
+/// Motion of a marker on its slot at time t: at(t) if kMoving, otherwise a reference to its `home`.
 template <bool kMoving>
 LOCKSTEP_INLINE decltype(auto) marker_motion(const MarkerFrame& m, [[maybe_unused]] double t) {
   if constexpr (kMoving)
@@ -154,10 +177,12 @@ LOCKSTEP_INLINE decltype(auto) marker_motion(const MarkerFrame& m, [[maybe_unuse
     return (m.home);
 }
 
-/// kMoving: the markers have laws of their own; without them half of the equations is zero.
+/// The relative coordinates of one pair of markers at one instant, and rows of functions of them. kMoving: a law moves
+/// one of the markers; without it half of the terms vanish.
 template <Reads kReads, bool kMoving>
 class RelativePair {
  public:
+  /// Evaluates the coordinates. Refers to the motions of `in` and to P and S as long as it lives.
   RelativePair(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in)
       : O1_(in.slot(P.slot)),
         O2_(in.slot(S.slot)),
@@ -185,11 +210,12 @@ class RelativePair {
     }
   }
 
-  /// What is not read stays unset.
+  /// x y z e0 e1 e2 e3; those that kReads leaves out are not set.
   const Vec7T<double>& y() const { return y_; }
+  /// d/dt of y().
   const Vec7T<double>& yd() const { return yd_; }
 
-  /// g: gradient on the coordinates that are read, 3, 4 or 7.
+  /// (7.2) The row of a function whose gradient on the coordinates that are read is g: 3, 4 or 7 numbers.
   template <class G>
   PulledRow pull(const G& g) const {
     constexpr int kFirst = reads(kReads, Reads::translation) ? 0 : 3, kN = G::RowsAtCompileTime;
@@ -228,8 +254,10 @@ class RelativePair {
   std::conditional_t<kMoving, Vec7T<double>, vec::Zero> Ct_;
 };
 
+/// A pair of markers at rest on their bodies.
 template <Reads kReads>
 using StillPair = RelativePair<kReads, false>;
+/// A pair of which a marker moves on its body.
 template <Reads kReads>
 using MovingPair = RelativePair<kReads, true>;
 

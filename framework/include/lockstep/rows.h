@@ -17,84 +17,96 @@
 
 namespace lockstep {
 
-// Rows: where links write what they constrain, and where solvers read it. Neither knows the other.
+// Rows: links write here what they constrain, and solvers read it here. Neither depends on the other.
 //
-// One block per link: C, Ct, Qhat (m each, in the link's own axes), then the jacobian of each moving slot it touches,
-// column after column, every column padded to a pack. Links of one group (same type, same pattern) follow one another,
-// so that a group is gathered by one call.
+// One block per link: C, Ct, Qhat (m numbers each, in the link's own axes), for a triple or a pair R, then the jacobian
+// on each moving slot that the link touches, column by column, each column padded to a pack. Links of one group (same
+// type, same pattern) are adjacent, so that a group is gathered by one call.
 
 
-/// What a row measures: metres (force multiplier), half turns (moment multiplier), or a function's own value.
-enum class RowKind : unsigned char { translation, rotation, function };
+/// What a row measures.
+enum class RowKind : unsigned char {
+  translation,  ///< a length, m; the multiplier is a force
+  rotation,  ///< a component of the error quaternion, half the angle for small errors; the multiplier is twice a moment
+  function   ///< the value of a function
+};
 
-inline constexpr int kMaxSlots = 4;  ///< bodies that one link may touch
+inline constexpr int kMaxSlots = 4;  ///< moving slots that one link may touch
 inline constexpr int kMaxRows = 8;   ///< rows that one link may have
 
-/// How the jacobian of a link is kept.
-///   dense   any rows: 6 columns per slot, v (world) then w (slot axes)
-///   triple  the first three rows are a full translational triple. In world axes they are +-[1 | A]: only A is computed,
-///           kept and multiplied; the rows after them turn only. R turns the link's axes into the world's.
-///   planar  any rows of a planar mechanism: 3 columns per slot, the plane's velocities
-///   pair    the first two rows are a full translational pair of the plane, +-[1 | A], as in a triple
-enum class RowLayout : unsigned char { dense, triple, planar, pair };
+/// How the jacobian of a link is stored.
+enum class RowLayout : unsigned char {
+  dense,   ///< any rows: 6 columns per slot, v (world) then w (slot axes)
+  triple,  ///< the first three rows are the three translations: in world axes they are [+-1 | A], and only A is stored,
+           ///< with R, which takes the link's axes to the world's; the other rows have columns on w only
+  planar,  ///< any rows of a planar mechanism: 3 columns per slot, the velocities in the plane
+  pair     ///< of a planar mechanism: the first two rows are both translations in the plane, stored as in a triple
+};
+/// Columns stored per slot.
 constexpr int n_columns(RowLayout layout) {
   constexpr int n[] = {6, 3, 3, 1};
   return n[static_cast<int>(layout)];
 }
-/// Rows whose linear part is +-R^T: 3 of a triple, 2 of a pair.
+/// Rows whose linear part is +-R^T: 3 of a triple, 2 of a pair, otherwise none.
 constexpr int n_turned(RowLayout layout) { return layout == RowLayout::triple ? 3 : layout == RowLayout::pair ? 2 : 0; }
 
-/// Moving slots that a link touches, ground left out, a shared slot once.
+/// The moving slots that a link touches, each listed once.
 struct SlotList {
-  std::array<int, kMaxSlots> slot{};
-  int n = 0;
+  std::array<int, kMaxSlots> slot{};  ///< numbers of the slots, the first n of them
+  int n = 0;                          ///< how many there are
   SlotList() = default;
+  /// Adds slot k unless it is the ground or in the list already. Not more than kMaxSlots.
   void add(int k) {
     if (k == kGround || position(k) >= 0) return;
     assert(n < kMaxSlots);
     slot[static_cast<std::size_t>(n++)] = k;
   }
-  /// Position of slot k in the list; -1 for the ground.
+  /// Position of slot k in the list; -1 for the ground and for a slot that is not in the list.
   int position(int k) const {
     for (int i = 0; i < n; ++i)
       if (slot[static_cast<std::size_t>(i)] == k) return i;
     return -1;
   }
+  /// Slot at position i.
   int operator[](int i) const { return slot[static_cast<std::size_t>(i)]; }
 };
 
-/// What a block's numbers mean: its rows, slots and layout.
+/// The shape of a block of rows: what its numbers mean and where they are.
 struct RowShape {
-  int m = 0, n = 0;
-  RowLayout layout = RowLayout::dense;
-  double sign = 1;  ///< triple, pair: +1 when the first slot is P's body, -1 when only S's moves; a second slot has -1
-  Plane plane;      ///< planar, pair: which
+  int m = 0,                            ///< rows
+      n = 0;                            ///< slots
+  RowLayout layout = RowLayout::dense;  ///< how the jacobian is stored
+  double sign = 1;  ///< triple, pair: of the 1 in [+-1 | A] on the first slot, +1 for P's body, -1 if only S's moves
+  Plane plane;      ///< planar, pair: the plane of the mechanism
 
   int ld() const { return pack_size(m); }  ///< numbers from one column to the next
-  std::size_t R() const { return at(3); }
+  std::size_t R() const { return at(3); }  ///< where R begins; triple, pair
+  /// Where the columns on the i-th slot begin.
   std::size_t J(int i) const { return at(3 + n_turned(layout) + n_columns(layout) * i); }
-  std::size_t size() const { return J(n); }
-  double sign_of(int i) const { return i == 0 ? sign : -1.0; }
+  std::size_t size() const { return J(n); }                     ///< numbers of the block
+  double sign_of(int i) const { return i == 0 ? sign : -1.0; }  ///< the sign on the i-th slot; triple, pair
 
  private:
   std::size_t at(int column) const { return static_cast<std::size_t>(column * ld()); }
 };
 
-/// The rows of one link: RowBlock to be written and read, RowView only to be read.
+/// A view of the rows of one link: a RowBlock may be written, a RowView only read.
 template <class Number>
 class BasicRowBlock {
  public:
+  /// The block of this shape whose numbers begin at `base`.
   BasicRowBlock(Number* base, const RowShape& shape) : p_(base), shape_(shape), ld_(shape.ld()) {}
+  /// A RowBlock as a RowView.
   operator BasicRowBlock<const double>() const { return {p_, shape_}; }
 
-  int rows() const { return shape_.m; }
-  int slots() const { return shape_.n; }
-  RowLayout layout() const { return shape_.layout; }
-  Number& C(int k) const { return p_[k]; }
-  Number& Ct(int k) const { return p_[ld_ + k]; }
-  Number& Qhat(int k) const { return p_[2 * ld_ + k]; }
+  int rows() const { return shape_.m; }                  ///< number of rows
+  int slots() const { return shape_.n; }                 ///< number of slots that they touch
+  RowLayout layout() const { return shape_.layout; }     ///< how the jacobian is stored
+  Number& C(int k) const { return p_[k]; }               ///< residual of row k
+  Number& Ct(int k) const { return p_[ld_ + k]; }        ///< its partial derivative in time
+  Number& Qhat(int k) const { return p_[2 * ld_ + k]; }  ///< right side of row k: Jh acc = Qhat
 
-  /// Row k on the link's i-th slot: 6 numbers, v (world) then w (slot axes).
+  /// Jacobian of row k on the link's i-th slot, in any layout: v (world), then w (slot axes).
   std::array<double, 6> J(int i, int k) const {
     const double* a = p_ + shape_.J(i);
     if (shape_.layout == RowLayout::dense)
@@ -107,8 +119,8 @@ class BasicRowBlock {
     return {s * r[0], s * r[1], s * r[2], turned(0), turned(1), turned(2)};
   }
 
-  /// Row k on slot number i; i < 0 (a grounded side) is ignored. In a triple or pair only rows that turn, v being zero;
-  /// in the plane what leaves it is ignored.
+  /// Sets the jacobian of row k on the link's i-th slot, v (world) and w (slot axes); i < 0, the ground, is ignored. A
+  /// triple or pair takes only rows after its translations, and ignores v. In a plane only its three velocities count.
   template <class V, class W>
   void set(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
@@ -127,6 +139,7 @@ class BasicRowBlock {
     }
     r[0] = w[0], r[ld_] = w[1], r[2 * ld_] = w[2];
   }
+  /// Adds to that jacobian.
   template <class V, class W>
   void add(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
@@ -134,19 +147,21 @@ class BasicRowBlock {
     set(i, k, Vec3(r[0] + v[0], r[1] + v[1], r[2] + v[2]), Vec3(r[3] + w[0], r[4] + w[1], r[5] + w[2]));
   }
 
-  /// Triple, pair: link axes -> world (3 x 3, 2 x 2), and the angular part of those rows on slot i, in world axes
-  /// (3 x 3, 2 x 1).
+  /// Triple, pair: sets R, link axes -> world; 3 x 3, in the plane 2 x 2.
   template <class M>
   void set_R(const M& R) const {
     put(p_ + shape_.R(), R);
   }
+  /// Triple, pair: sets A on the i-th slot; 3 x 3, in the plane 2 x 1. Row k is the jacobian on w (slot axes) of the
+  /// translation along axis k of the world. i < 0, the ground, is ignored.
   template <class M>
   void set_A(int i, const M& A) const {
     if (i >= 0) put(p_ + shape_.J(i), A);
   }
 
-  /// All numbers of the block, the padding (zeros) included.
+  /// All numbers of the block, including the zeros that pad its columns.
   const double* numbers() const { return p_; }
+  /// How many they are.
   std::size_t size() const { return shape_.size(); }
 
  private:
@@ -176,15 +191,19 @@ class BasicRowBlock {
   RowShape shape_;
   int ld_;
 };
+/// The rows of one link, to be written and read.
 using RowBlock = BasicRowBlock<double>;
+/// The rows of one link, to be read.
 using RowView = BasicRowBlock<const double>;
 
-/// The rows of a group, link after link.
+/// A view of the rows of a group, link after link.
 class RowSpan {
  public:
+  /// The rows of links of this shape, whose numbers begin at `base`.
   RowSpan(double* base, const RowShape& shape) : base_(base), shape_(shape), stride_(stride(shape)) {}
+  /// The rows of the k-th link of the group.
   RowBlock lane(std::size_t k) const { return {base_ + k * stride_, shape_}; }
-  /// Numbers from one link to the next: blocks begin where packs may.
+  /// Numbers from one link to the next, so that every block is aligned.
   static std::size_t stride(const RowShape& shape) { return aligned_to(shape.size(), 8); }
 
  private:
@@ -193,39 +212,41 @@ class RowSpan {
   std::size_t stride_;
 };
 
-/// The rows of one active link in the table.
+/// Where a table has the rows of one link in force.
 struct RowEntry {
-  int link = 0;       ///< number of the link in the system
-  int first_row = 0;  ///< its first row among all active ones
-  int m = 0;          ///< its rows
-  SlotList slots;
-  RowLayout layout = RowLayout::dense;
-  double sign = 1;  ///< as in RowShape
-  Plane plane;
-  std::size_t offset = 0;  ///< of its block in the table
-  std::array<RowKind, kMaxRows> kind{};
-  /// Which of the link's own rows each of them is; they differ where a planar mechanism leaves rows out.
+  int link = 0;                          ///< number of the link in the system
+  int first_row = 0;                     ///< its first row among all rows of the table
+  int m = 0;                             ///< number of its rows
+  SlotList slots;                        ///< the slots that it touches
+  RowLayout layout = RowLayout::dense;   ///< how its jacobian is stored
+  double sign = 1;                       ///< as in RowShape
+  Plane plane;                           ///< of a planar mechanism
+  std::size_t offset = 0;                ///< of its block in the table
+  std::array<RowKind, kMaxRows> kind{};  ///< what each row measures
+  /// The link's own number of each row; a planar mechanism leaves rows out.
   std::array<int, kMaxRows> own{0, 1, 2, 3, 4, 5, 6, 7};
 
+  /// Shape of its block.
   RowShape shape() const { return {m, slots.n, layout, sign, plane}; }
 };
 
-/// Neighbours in the table that one call gathers.
+/// Adjacent links of the table that one call gathers.
 struct RowRun {
-  int first_entry = 0, n = 0;
-  int first_link = 0;     ///< where the run begins in the system's order of links
-  bool in_plane = false;  ///< gathered by gather_plane
+  int first_entry = 0,    ///< number of the first in RowTable::entries
+      n = 0;              ///< how many there are
+  int first_link = 0;     ///< position of the first in the system's order of links
+  bool in_plane = false;  ///< by Planar::gather_plane, not by Lock::gather
 };
 
-/// All active rows of the system.
+/// The rows of all links in force.
 class RowTable {
  public:
-  std::vector<RowEntry> entries;  ///< in the order of the table, group after group
-  std::vector<RowRun> runs;
-  std::vector<int> entry_of_link;  ///< -1: not active
-  int n_rows = 0;
+  std::vector<RowEntry> entries;   ///< links in force, group after group
+  std::vector<RowRun> runs;        ///< which of them are gathered together
+  std::vector<int> entry_of_link;  ///< by number of the link; -1: it has no rows in the table
+  int n_rows = 0;                  ///< rows of all entries
 
-  /// Lays the entries out one after another; memory only grows.
+  /// Lays out the blocks of `entries` one after another, all numbers zero. Memory only grows.
   void lay_out() {
     std::size_t at = 0;
     n_rows = 0;
@@ -237,18 +258,24 @@ class RowTable {
     }
     data_.assign(at, 0.0);  // what pads the columns stays zero
   }
+  /// Block of an entry of this table.
   RowBlock block(const RowEntry& e) { return {data_.data() + e.offset, e.shape()}; }
+  /// Block of an entry of this table, to be read.
   RowView block(const RowEntry& e) const { return {data_.data() + e.offset, e.shape()}; }
+  /// Blocks of a run whose first entry this is.
   RowSpan span(const RowEntry& first) { return {data_.data() + first.offset, first.shape()}; }
+  /// Numbers of all blocks; RowEntry::offset counts from here.
   const double* data() const { return data_.data(); }
-  /// Grows whenever the numbers are written anew: a factor of older ones knows by it that they are gone.
+  /// Grows whenever the rows are gathered, so that a factor recognises that its numbers were overwritten.
   long revision() const { return revision_; }
+  /// Counts one revision; called before the rows are gathered.
   void renew() { ++revision_; }
-  /// Room for the rows in space of one link, before those of a plane are taken from it.
+  /// Scratch for the rows in space of a single link, apart from the blocks of the table. One at a time.
   RowBlock spatial(const RowShape& shape) {
     if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
     return {spatial_.data(), shape};
   }
+  /// The same scratch as a group of one.
   RowSpan spatial_span(const RowShape& shape) {
     (void)spatial(shape);
     return {spatial_.data(), shape};
@@ -260,37 +287,39 @@ class RowTable {
 };
 
 
-// Auxiliary: states of the user's own that are integrated with the mechanism: controllers, actuators, quadratures.
+// Auxiliary: the user's own differential equations: controllers, actuators, quadratures.
 
 
-/// The inputs together with what the solution made of them. Views, valid during the call.
+/// Inputs and their solution. Views, valid during the call.
 struct Evaluated {
-  const Inputs& in;
-  const VecX& a;       ///< 6 a slot: acceleration (world), angular acceleration (slot axes)
-  const VecX& lambda;  ///< one a row of `rows`
-  const RowTable& rows;
+  const Inputs& in;      ///< what was evaluated
+  const VecX& a;         ///< 6 per slot: acceleration (world, m/s^2), angular acceleration (slot axes, rad/s^2)
+  const VecX& lambda;    ///< multipliers, one per row of `rows`
+  const RowTable& rows;  ///< the rows, gathered at `in`
 };
 
-/// States that are integrated along with the mechanism.
+/// Differential equations that are integrated along with the mechanism: a slice of State::s with its rates.
 class LOCKSTEP_API Auxiliary {
  public:
+  /// `name` is used in messages.
   explicit Auxiliary(std::string name) : name_(std::move(name)) {}
   virtual ~Auxiliary();
   Auxiliary(const Auxiliary&) = delete;
   Auxiliary& operator=(const Auxiliary&) = delete;
 
-  const std::string& name() const { return name_; }
-  virtual int size() const = 0;
-  /// Whether its error controls the step of an adaptive integrator; of a mere quadrature it should not.
+  const std::string& name() const { return name_; }  ///< as given
+  virtual int size() const = 0;                      ///< number of its states
+  /// Whether its error controls the step of an adaptive integrator; that of a mere quadrature should not.
   virtual bool controls_error() const { return true; }
-  /// Values at the start; default: zeros.
+  /// Writes its states at the start; default: zeros.
   virtual void start(std::span<double> s) const;
-  /// d/dt of its slice of State::s. Its own values stand at in.s[first() ...].
+  /// Writes d/dt of its states, which are in.s[first()], in.s[first() + 1], ...
   virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
-  /// What an impact adds to its slice: `impulses` has them, N s, in the place of the multipliers. Default: nothing.
+  /// Adds to its states `s` what an impact changes. In `impulses`, lambda holds the impulses, N s or N m s, and `a` the
+  /// changes of velocity; `in` is before the impact. Default: nothing.
   virtual void impact(const Evaluated& impulses, std::span<double> s) const;
 
-  int first() const { return first_; }       ///< where its slice begins in State::s
+  int first() const { return first_; }       ///< where its states begin in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup
 
  private:
@@ -299,27 +328,29 @@ class LOCKSTEP_API Auxiliary {
 };
 
 
-// WrenchSum: adds the forces on each slot, in the coordinates of the equations of motion (theory, (2.5), (2.9)).
+// WrenchSum: adds forces up by slot, as the equations of motion take them (theory, (2.5), (2.9)).
 
 
-/// f: 6 a slot: force (world) at the slot's origin, moment about it (slot axes). The ground takes anything silently.
+/// Sum of the forces on each slot. What acts on the ground is ignored.
 class WrenchSum {
  public:
+  /// Adds to f, 6 numbers per slot: force (world, N), moment about the slot's origin (slot axes, N m). `motions`: as in
+  /// Inputs. Both must outlive the sum.
   WrenchSum(std::span<const Motion> motions, VecX& f) : motions_(motions), f_(f) {}
 
-  /// Force F (world, N) acting at the point x (world, m).
+  /// Adds the force F (world, N) at the point x (world, m).
   void force(int slot, const Vec3& F, const Vec3& x) const {
     if (slot == kGround) return;
     const Motion& O = motion(slot);
     f_.segment<3>(6 * slot) += F;
     f_.segment<3>(6 * slot + 3) += O.A.transpose() * cross(Vec3(x - O.x), F);
   }
-  /// Free moment (world axes, N m).
+  /// Adds the moment tau (world axes, N m).
   void torque(int slot, const Vec3& tau) const {
     if (slot == kGround) return;
     f_.segment<3>(6 * slot + 3) += motion(slot).A.transpose() * tau;
   }
-  /// Generalised force along a row: v and w parts as in a jacobian (world, slot axes).
+  /// Adds a generalised force with the parts v (world) and w (slot axes), as in the row of a jacobian.
   void along(int slot, const Vec3& v, const Vec3& w) const {
     if (slot == kGround) return;
     f_.segment<3>(6 * slot) += v;
@@ -333,73 +364,80 @@ class WrenchSum {
 };
 
 
-// TangentSum: how forces and constraint forces change with the pose and the velocities, summed by pairs of slots
+// TangentSum: derivatives of forces and constraint forces with respect to pose and velocity, summed by pairs of slots
 // (theory, section 9).
 //
 //   K = d( inertia + Jh^T lambda - f )/d(dx, dth)      dx: translation in the world, dth: turn in slot axes,
 //   D = d( inertia + Jh^T lambda - f )/d(v, w)         q <- q exp(dth/2); rows: force (world), moment (slot axes)
 //
-// So the force of a spring enters with a minus sign, the tangent of a constraint force Jh^T lambda with a plus (9.4),
-// (9.14). Neither is symmetrised.
+// So the tangent of an applied force enters with a minus sign, that of a constraint force Jh^T lambda with a plus sign
+// (9.4), (9.14). Neither is symmetrised.
 
 
-/// Where a part of a slot's six unknowns begins: its translation (world) or its turn (slot axes).
-enum class Half { move = 0, turn = 3 };
-
-/// Scratch of tangents that nobody wrote by hand: motions that may be moved, the wrench of one force, the rows of one
-/// link.
-struct LOCKSTEP_API Differences {
-  static constexpr double kStep = 6e-6;  ///< cube root of the rounding unit: best for central differences
-  /// Moved by h along unknown k: x (world), turn (slot axes), v (world), w (slot axes), three each.
-  static Motion moved(const Motion&, int k, double h);
-  /// What translations of these slots compare with, m: their distances, else that to the origin, else 1.
-  static double distance(std::span<const int> slots, const Inputs&);
-
-  std::vector<Motion> motions;
-  VecX f;
-  RowTable rows;
-  bool fresh = false;  ///< motions are those of the inputs
+/// Where a half of a slot's six unknowns begins.
+enum class Half {
+  move = 0,  ///< translation (world); rows: force
+  turn = 3   ///< turn (slot axes); rows: moment
 };
 
-/// Sum of stiffness and damping tangents, by pairs of slots.
+/// Scratch for tangents by central differences.
+struct LOCKSTEP_API Differences {
+  static constexpr double kStep = 6e-6;  ///< cube root of the rounding unit: best for central differences
+  /// The motion, changed by h in unknown k: 0..2 x (world), 3..5 turn (slot axes), 6..8 v (world), 9..11 w (slot axes).
+  static Motion moved(const Motion&, int k, double h);
+  /// Length with which translations of these slots are scaled, m: the sum of their distances from the first; if that is
+  /// zero, the distance of the first from the world's origin; at least 1e-3. If both are zero, 1.
+  static double distance(std::span<const int> slots, const Inputs&);
+
+  std::vector<Motion> motions;  ///< the ground first, then the slots; to be changed and restored
+  VecX f;                       ///< wrench of one force, 6 numbers per slot
+  RowTable rows;                ///< scratch for the rows of one link
+  bool fresh = false;           ///< whether `motions` are those of the present inputs
+};
+
+/// Sum of K and D, by pairs of slots.
 class LOCKSTEP_API TangentSum {
  public:
-  /// A pair of slots with its two blocks.
+  /// Two slots that have a block in K and one in D.
   struct Pair {
-    int row, column;  ///< slots
+    int row,     ///< slot whose force changes
+        column;  ///< slot whose pose or velocity it changes with
   };
 
-  /// Forgets every pair.
+  /// Drops all pairs; for a system of n_slots slots.
   void lay_out(int n_slots);
-  /// All numbers to zero; the pairs stay, so that nothing is allocated from the second evaluation on.
+  /// Sets all blocks to zero and keeps the pairs, so that nothing is allocated from the second evaluation on.
   void clear();
 
-  // -- writing; the ground takes anything silently; a new pair brings its mirror image along
+  // -- writing; blocks of the ground are ignored; with a new pair (row, column) comes (column, row)
+  /// Adds d(force and moment on slot `row`)/d(translation and turn of slot `column`).
   void add_K(int row, int column, const Mat6& K) {
     if (row != kGround && column != kGround) block(row, column).K += K;
   }
+  /// Adds d(force and moment on slot `row`)/d(v and w of slot `column`).
   void add_D(int row, int column, const Mat6& D) {
     if (row != kGround && column != kGround) block(row, column).D += D;
   }
-  /// One quarter of a block: d(force or moment of slot `row`)/d(translation or turn of slot `column`).
+  /// The same for one quarter of the block.
   void add_K(int row, Half r, int column, Half c, const Mat3& K) {
     if (row != kGround && column != kGround)
       block(row, column).K.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += K;
   }
+  /// The same for one quarter of the block.
   void add_D(int row, Half r, int column, Half c, const Mat3& D) {
     if (row != kGround && column != kGround)
       block(row, column).D.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += D;
   }
 
   // -- reading
-  int n_slots() const { return static_cast<int>(neighbours_.size()); }
-  const std::vector<Pair>& pairs() const { return pairs_; }
-  const Mat6& K(std::size_t pair) const { return blocks_[pair].K; }
-  const Mat6& D(std::size_t pair) const { return blocks_[pair].D; }
-  /// Grows whenever a pair comes in: then whoever knows the pattern must look again.
+  int n_slots() const { return static_cast<int>(neighbours_.size()); }  ///< as in lay_out()
+  const std::vector<Pair>& pairs() const { return pairs_; }             ///< all pairs that have blocks
+  const Mat6& K(std::size_t pair) const { return blocks_[pair].K; }     ///< block of pairs()[pair]
+  const Mat6& D(std::size_t pair) const { return blocks_[pair].D; }     ///< block of pairs()[pair]
+  /// Changes whenever pairs() does: a plan made for the pairs has to be made anew.
   long revision() const { return revision_; }
 
-  /// Motions to be moved about, equal to those of `in`; one copy an evaluation, made when first asked for.
+  /// Scratch for differences, its motions equal to those of `in`: copied once per evaluation, at the first call.
   Differences& differences(const Inputs& in);
 
  private:
