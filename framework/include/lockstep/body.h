@@ -81,7 +81,7 @@ inline constexpr int kGround = -1;
 
 /// A rigid body, a particle, or a fixed body; its motion is in the State.
 struct Body {
-  std::string name;                       ///< unique among bodies
+  std::string name;                       ///< unique among the names of the system
   MassProperties mass;                    ///< mass, mass centre and inertia in the body's frame; of a fixed body unused
   Pose home;                              ///< pose of the body's frame in the world at the start
   Twist start;                            ///< at the start: v of the frame's origin, world, m/s; w in body axes, rad/s
@@ -173,7 +173,7 @@ inline std::array<int, 6> unknown_velocities(Plane plane) {
 
 /// A frame on a body, at rest there or moved by laws.
 struct Marker {
-  std::string name;      ///< unique among markers
+  std::string name;      ///< unique among the names of the system
   Body* body = nullptr;  ///< the body that carries it
   Pose local;            ///< home pose in the body's frame
   LawPtr<TranslationLaw>
