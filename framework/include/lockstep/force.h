@@ -288,7 +288,7 @@ class LOCKSTEP_API Reacting {
 /// belongs to a facet.
 class LOCKSTEP_API Force {
  public:
-  /// The name is unique among forces.
+  /// The name is unique among the names of the system.
   explicit Force(std::string name);
   virtual ~Force();
   Force(const Force&) = delete;
