@@ -398,8 +398,7 @@ class LOCKSTEP_API MarkerForce : public Force {
   /// Throws ParameterError unless `value` is finite and not negative.
   void require_not_negative(const char* key, double value) const;
 
-  /// Throws ModelError when the marker is on a particle, which takes no torque; `does` says what would turn it:
-  /// "turns".
+  /// Throws ModelError when the marker is on a particle, which cannot turn; `does` is the verb of the message: "turns".
   void require_turning(const Marker& m, const char* does) const;
 
   void add_law(const LawPtr<MotionLaw>& law);  ///< for breakpoints() and diagnose(); null is ignored

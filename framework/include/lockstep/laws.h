@@ -444,7 +444,7 @@ inline LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make
 /// A piece of a sequence: a law, and how long it runs.
 struct Piece {
   double duration;        ///< how long it runs, s
-  LawPtr<MotionLaw> law;  ///< the law, of its own time from 0
+  LawPtr<MotionLaw> law;  ///< evaluated at the time since the piece began, s
 };
 
 /// Parameters of a Sequence.

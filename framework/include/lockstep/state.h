@@ -58,7 +58,7 @@ struct State {
   Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
   /// Velocity of a slot's origin, world, m/s, and its angular velocity, slot axes, rad/s.
   Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
-  /// Sets the pose of a slot in the world; p.q is to be unit.
+  /// Sets the pose of a slot in the world; p.q must be unit.
   void set_slot_pose(int slot, const Pose& p) {
     q.segment<3>(7 * slot) = p.x;
     q.segment<4>(7 * slot + 3) = p.q.coefficients();
