@@ -9,60 +9,66 @@
 
 namespace lockstep {
 
-// The errors of lockstep: a sentence for people, and what it says as data for programs. A sentence has three parts: what
-// and where, the value, the next move.
+// Every error has a sentence for people and the same facts as data for programs. A sentence has three parts: what is
+// wrong and where, the value, and what to do next.
 
 
-/// A thing as errors name it.
+/// What an error is about: a link, a force, a law, a body, ...
 struct LOCKSTEP_API Thing {
-  std::string kind{}, name{};    ///< "link", "A"; no name: a type that makes nothing yet
-  std::string type{}, origin{};  ///< "revolute"; "built in", a plugin's name, or "" for a class of the host's own
+  std::string kind{},  ///< "link", "force", "law", ...; empty: nothing is named
+      name{};          ///< its name in the system; empty: a type that has made nothing yet
+  std::string type{},  ///< name of its type, "revolute"
+      origin{};        ///< who brought the type: "built in", a plugin's name, or "" for a class of the host's own
 
-  bool known() const { return !kind.empty(); }
-  bool of_a_plugin() const { return !origin.empty() && origin != "built in"; }
-  std::string words() const;  ///< "link 'A'"
+  bool known() const { return !kind.empty(); }                                  ///< whether it names anything
+  bool of_a_plugin() const { return !origin.empty() && origin != "built in"; }  ///< whether a plugin brought its type
+  std::string words() const;                                                    ///< "link 'A'", or the kind alone
   std::string label() const;  ///< "link 'A' (revolute)", "force 'F' (wind of plugin weather)"
 };
 
-/// What an error says, as data. What does not apply is empty, 0 or NaN.
+/// What an error says, as data. Fields that do not apply are empty, 0 or NaN.
 struct ErrorData {
   Thing thing{};                                        ///< what it is about, or whose code threw
   std::string key{};                                    ///< the parameter
-  std::string value{};                                  ///< what was found there, with its unit
+  std::string value{};                                  ///< the value that was found, with its unit
   std::string problem{};                                ///< what is wrong with it
-  std::string advice{};                                 ///< the next move
-  std::string file{};                                   ///< where it is written
-  int line = 0, column = 0;                             ///< count from 1; 0: not from a file
+  std::string advice{};                                 ///< what to do next
+  std::string file{};                                   ///< the file it was read from
+  int line = 0,                                         ///< line in the file, from 1; 0: not from a file
+      column = 0;                                       ///< column in the line, from 1; 0: not from a file
   double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s; NaN: not during a run
 };
 
-/// Root of every error that lockstep throws on purpose. Programmer slips are assert, wrong input is an Error.
+/// Base of every error that lockstep throws: wrong input and runs that fail. Programming errors are assertions.
 class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
  public:
+  /// Takes the sentence as it is, with the data `about` it.
   explicit Error(const std::string& sentence, ErrorData about = {});
-  /// Makes the sentence of the data: "file:line:column: t = T s: link 'A': key problem; advice", without what is empty.
+  /// Makes the sentence from the data: "file:line:column: t = T s: link 'A': key problem; advice", without the parts
+  /// that are empty.
   explicit Error(ErrorData about);
   ~Error() override;
-  /// For programs that store errors or choose by switch: one per class.
+  /// The class of an error, one value per class, for programs that store errors or choose by switch.
   enum class Kind {
-    other,
-    model,
-    assembly,
-    solve,
-    step,
-    non_finite,
-    plugin,
-    scene,
-    file,
-    user_code,
-    usage,
-    interrupted
+    other,       ///< none of the classes below
+    model,       ///< ModelError, ParameterError
+    assembly,    ///< AssemblyError
+    solve,       ///< SolveError
+    step,        ///< StepError
+    non_finite,  ///< NonFiniteError
+    plugin,      ///< PluginError
+    scene,       ///< SceneError
+    file,        ///< FileError
+    user_code,   ///< UserCodeError
+    usage,       ///< wrong arguments of the program lockstep
+    interrupted  ///< InterruptedError
   };
-  virtual Kind kind() const noexcept { return Kind::other; }
+  virtual Kind kind() const noexcept { return Kind::other; }  ///< the error's class
+  /// The sentence, with its label once attributed.
   const char* what() const noexcept override { return sentence_.c_str(); }
 
-  /// Notes whose error it is where it does not say so, and puts `label` in front of the sentence, behind the place in a
-  /// file. Only the first label is taken; an empty one changes no words.
+  /// Sets `thing` to `whose` unless it names something else, and puts `label` in front of the sentence, after its place
+  /// in a file. Only the first label is used; an empty one leaves the sentence as it is.
   void attribute(const Thing& whose, const std::string& label);
 
  private:
@@ -70,7 +76,7 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
   bool labelled_ = false;
 };
 
-/// A mechanism that cannot be: a body without mass, a drive on a locked axis, a link between a body and itself.
+/// An impossible mechanism: a body without mass, a drive on a locked axis, a link between a body and itself.
 class LOCKSTEP_API ModelError : public Error {
  public:
   using Error::Error;
@@ -78,16 +84,16 @@ class LOCKSTEP_API ModelError : public Error {
   Kind kind() const noexcept override { return Kind::model; }
 };
 
-/// A parameter that cannot be, of a law, force, link or integrator: `key` is its name in the type's table of keys,
-/// `problem` what is wrong with it. In a maker the registry refuses it at the key's place (SceneError).
+/// An invalid parameter of a law, force, link or integrator: `key` is its name in the type's table of keys,
+/// `problem` what is wrong with it. Thrown by a maker, it becomes a SceneError at the place of the key.
 class LOCKSTEP_API ParameterError : public ModelError {
  public:
-  /// The sentence is "law 'sine': omega is -1; must be above 0"; `its_problem` may contain the next move.
+  /// The sentence is "law 'sine': omega is -1; must be above 0"; `its_problem` may include the advice.
   ParameterError(Thing whose, std::string its_key, std::string its_problem);
   ~ParameterError() override;
 };
 
-/// The start could not be brought onto the constraints.
+/// A start, or a state that an event changed, that could not be brought onto the constraints.
 class LOCKSTEP_API AssemblyError : public Error {
  public:
   using Error::Error;
@@ -95,7 +101,7 @@ class LOCKSTEP_API AssemblyError : public Error {
   Kind kind() const noexcept override { return Kind::assembly; }
 };
 
-/// The equations of motion have no solution at this state: contradictory rows, by name.
+/// The equations of motion could not be solved at this state: contradictory rows, by name, or a singular matrix.
 class LOCKSTEP_API SolveError : public Error {
  public:
   using Error::Error;
@@ -103,27 +109,29 @@ class LOCKSTEP_API SolveError : public Error {
   Kind kind() const noexcept override { return Kind::solve; }
 };
 
-/// A step could not be made: the step became too small, the projection did not converge. `t` is the time of the last
+/// A step could not be made: it became too short, or the projection did not converge. `t` is the time of the last
 /// accepted state.
 class LOCKSTEP_API StepError : public Error {
  public:
   using Error::Error;
+  /// The sentence, and the time of the last accepted state, s.
   StepError(const std::string& sentence, double time) : Error(sentence, {.t = time}) {}
   ~StepError() override;
   Kind kind() const noexcept override { return Kind::step; }
 };
 
-/// A NaN or an infinity came out of an evaluation; names the law, force, link or body that made it. `t` is the time of
-/// the evaluation.
+/// An evaluation gave a NaN or an infinity; names the law, force, link or body that gave it. `t` is the time of the
+/// evaluation.
 class LOCKSTEP_API NonFiniteError : public Error {
  public:
   using Error::Error;
+  /// The sentence, and the time of the evaluation, s.
   NonFiniteError(const std::string& sentence, double time) : Error(sentence, {.t = time}) {}
   ~NonFiniteError() override;
   Kind kind() const noexcept override { return Kind::non_finite; }
 };
 
-/// A plugin that cannot be loaded, and why.
+/// A plugin that cannot be loaded, or a type that cannot be registered, and why.
 class LOCKSTEP_API PluginError : public Error {
  public:
   using Error::Error;
@@ -131,10 +139,11 @@ class LOCKSTEP_API PluginError : public Error {
   Kind kind() const noexcept override { return Kind::plugin; }
 };
 
-/// A scene (or parameters given in C++) that cannot be understood, with its place.
+/// A scene (or parameters given in C++) that cannot be understood, and where.
 class LOCKSTEP_API SceneError : public Error {
  public:
   using Error::Error;
+  /// The sentence, and its place: file, and line and column from 1 (0: unknown).
   explicit SceneError(const std::string& sentence, const std::string& source, int at_line = 0, int at_column = 0)
       : Error(sentence, {.file = source, .line = at_line, .column = at_column}) {}
   ~SceneError() override;
@@ -149,8 +158,8 @@ class LOCKSTEP_API FileError : public Error {
   Kind kind() const noexcept override { return Kind::file; }
 };
 
-/// Code that is not lockstep's own - a law, link, force or integrator of a plugin or of the host - threw while it was
-/// made or used, or wrote where it must not. `thing` is whose code it was, `t` the time; what it threw is nested in it
+/// Code from outside lockstep - a law, link, force or integrator of a plugin or of the host - threw while it was made
+/// or used, or wrote where it must not. `thing` is whose code it was, `t` the time; the original exception is nested
 /// (std::rethrow_if_nested).
 class LOCKSTEP_API UserCodeError : public Error {
  public:
@@ -159,7 +168,7 @@ class LOCKSTEP_API UserCodeError : public Error {
   Kind kind() const noexcept override { return Kind::user_code; }
 };
 
-/// Somebody asked for the end of a run.
+/// A run was interrupted on request.
 class LOCKSTEP_API InterruptedError : public Error {
  public:
   using Error::Error;
@@ -170,35 +179,37 @@ class LOCKSTEP_API InterruptedError : public Error {
 /// "model", "user code", ...
 LOCKSTEP_API const char* to_string(Error::Kind);
 
-/// "t = 0.5 s: ", the beginning of what is said of an instant; "" for NaN.
+/// "t = 0.5 s: ", the start of a message about an instant, t in s; "" for NaN.
 LOCKSTEP_API std::string at_time(double t);
 
-/// " of plugin gears"; "" for what is built in and for the host's own.
+/// " of plugin gears"; "" for what is built in and for the host's own classes.
 LOCKSTEP_API std::string of_plugin(const std::string& origin);
 
 
-// Whose code runs: the one way in which an exception is given the name of its culprit.
+// The one way in which an exception is given the name of the code that threw it.
 
 
-/// Whose code threw, and how its errors name it. Made only once something was thrown, so that the passes pay nothing.
+/// Whose code threw, and how its errors name it. Made only after something was thrown, so that the passes cost nothing.
 struct ErrorContext {
-  Thing thing{};
+  Thing thing{};                                        ///< whose code it is
   double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s; NaN: while it is made or set up
-  std::string fault{};   ///< what is wrong with one of its laws, in words; "" when nothing is
+  std::string fault{};                                  ///< what is wrong with one of its laws; "" when nothing is
   bool refuses = false;  ///< its Errors are refusals and keep their type: makers, setup, integrators
-  std::string label{};   ///< as in messages; "": thing.label()
-  std::string before{};  ///< in front of the label where it threw: "link 'A', law: the maker of "
+  std::string label{};   ///< its name in messages; "": thing.label()
+  std::string before{};  ///< in front of the label in a UserCodeError: "link 'A', law: the maker of "
 };
 
-/// In a catch block: throws what is in flight as an error that names its culprit.
-/// - UserCodeError and NonFiniteError name it already and go on as they are.
-/// - An Error of a class that no plugin brought and whose laws are sound goes on with the thing noted in its data. So
-///   does every refusal, with the label in front of its words if a plugin refuses.
-/// - Everything else (an int as well) becomes a UserCodeError with kind, name, plugin, law and time, and the original
-///   nested in it. Only what is not an Error and comes from built-in code (std::bad_alloc) goes on as it is.
+/// To be called in a catch block: rethrows the exception in flight so that it names whose code threw it.
+/// - UserCodeError and NonFiniteError name it already and are rethrown as they are.
+/// - Any other Error that is a refusal is rethrown with the thing in its data, and with the label in front of its
+///   sentence when the thing is a plugin's. SolveError and AssemblyError are about the mechanism: they are rethrown as
+///   they are.
+/// - Any other Error of a thing that no plugin brought and whose laws are sound is rethrown with the thing in its data.
+/// - Everything else (an int as well) becomes a UserCodeError with thing and time, and the original nested in it. Only
+///   what built-in code throws that is not an Error (std::bad_alloc) is rethrown as it is, when its laws are sound.
 [[noreturn]] LOCKSTEP_API void rethrow_in(const ErrorContext&);
 
-/// Runs `act` and returns what it returns; what it throws goes through rethrow_in(context()). Costs nothing unless
+/// Calls `act` and returns its result; what it throws goes through rethrow_in(context()). Costs nothing unless
 /// something is thrown.
 template <class Context, class Act>
 decltype(auto) in_context(Context&& context, Act&& act) {
@@ -209,7 +220,7 @@ decltype(auto) in_context(Context&& context, Act&& act) {
   }
 }
 
-/// The same for the code of a thing that has a context_of(thing, t): a link, a force, an integrator.
+/// The same for the code of a thing that has a context_of(thing, t): a link, a force, an integrator. t in s.
 template <class T, class Act>
 decltype(auto) named(const T& thing, double t, Act&& act) {
   return in_context([&] { return context_of(thing, t); }, static_cast<Act&&>(act));

@@ -21,86 +21,97 @@
 
 namespace lockstep {
 
-// Formulas of forces: what a force does, said once on any scalar; its wrench, its tangent and its powers follow.
-//
-//   template <class T, class Load>
-//   void act(const Ends<T>& at, Load& load) const {
-//     const Vec3T<T> d = at.P.x() - at.S.x();
-//     load.force(-k_ * d, at.P.x(), at.S.x());
-//     load.stores(0.5 * k_ * d.dot(d));
-//   }
-//
-// Numbers (T = double) give the wrench, jets the tangent (9.13), (9.14). A load takes
-//
-//   force(F, x)           force F (world, N) on P's body at the point x (world, m), -F on S's body at the same point
-//   force(F, x_P, x_S)    the same with a point of its own on S's body, on the line of F
-//   torque(M)             torque M (world, N m) on P's body, -M on S's
-//   stores(V)             potential energy, J
-//   dissipates(D)         power that dampers take out, W, not negative
-//   supplies(P)           power that the force's own laws put in at the markers, W
-//   shows(a, b, ...)      the force's quantities(), in their order: numbers and vectors
-//
-// and uses what it needs of it; the rest costs nothing. Markers that move on their bodies by laws put in what the bodies
-// get beyond what the markers get: that is added to supply by itself.
+// Formulas of forces: what a force does, written once for any scalar; its wrench, its tangent and its powers follow.
 
 
-/// The two markers of a force at one instant. Without an S it is the ground's origin.
+/// The two markers of a force at one instant. Without an S, S is the ground's origin.
 template <class T>
 struct Ends {
-  MarkerOn<T> P, S;
-  double t;                   ///< s
-  std::span<const double> z;  ///< the mechanism's memory, State::z
+  MarkerOn<T> P,              ///< marker P on its slot
+      S;                      ///< marker S on its slot, or the ground's origin
+  double t;                   ///< time, s
+  std::span<const double> z;  ///< memory of the mechanism, State::z
 };
 
-/// A number with its derivatives on the pose of one slot, dx dth, or on its velocity, v w: three each, turns and angular
-/// velocities in slot axes.
+/// A number with its derivatives with respect to the pose of one slot (dx, dth) or its velocity (v, w): three each,
+/// translations in world axes, turns and angular velocities in slot axes.
 using SlotJet = Jet<6, double, NoMotion>;
 
-/// What a force does to its two bodies at one instant, and where its power goes.
+/// The powers and quantities of a force at one instant.
 struct ForceAccount {
-  double power = 0;        ///< W, given to the two bodies
-  double potential = 0;    ///< J
-  double dissipation = 0;  ///< W
-  double supply = 0;       ///< W, put in by laws: those of the force and those that move its markers
-  std::array<double, 16> shown{};
-  int n_shown = 0;
+  double power = 0;                ///< given to the two bodies, W
+  double potential = 0;            ///< potential energy, J
+  double dissipation = 0;          ///< taken out by dampers, W
+  double supply = 0;               ///< put in by laws, W: those of the force and those that move its markers
+  std::array<double, 16> shown{};  ///< values of the force's quantities(), in their order, without "power"
+  int n_shown = 0;                 ///< how many values are in `shown`
 };
 
+/// Formulas of forces. The formula of a force is a function of its two markers, written for any scalar:
+///
+///     template <class T, class Load>
+///     void act(const Ends<T>& at, Load& load) const {
+///       const Vec3T<T> d = at.P.x() - at.S.x();
+///       load.force(-k_ * d, at.P.x(), at.S.x());
+///       load.stores(0.5 * k_ * d.dot(d));
+///     }
+///
+/// Numbers (T = double) give the wrench, jets the tangent (9.13), (9.14). The load has these functions; each kind of
+/// load uses those it needs, and the others cost nothing:
+///
+///     force(F, x)           force F (world, N) on P's body at the point x (world, m), -F on S's body at the same point
+///     force(F, x_P, x_S)    force F on P's body at x_P, -F on S's body at x_S, which is on the line of F
+///     torque(M)             torque M (world, N m) on P's body, -M on S's
+///     stores(V)             potential energy, J
+///     dissipates(D)         power that dampers take out, W, not negative
+///     supplies(P)           power that the force's own laws put in at the markers, W
+///     shows(a, b, ...)      values of the force's quantities(), in their order: numbers and vectors
+///
+/// Where markers are moved on their bodies by laws, the power given to the bodies differs from that at the markers.
+/// The difference comes from those laws and is added to the supply.
 namespace formula {
 
-/// Takes what a formula says and does nothing with it.
+/// Base of loads that ignore energies and quantities.
 template <class T>
 struct Silent {
-  void stores(const T&) {}
-  void dissipates(const T&) {}
-  void supplies(const T&) {}
+  void stores(const T&) {}      ///< ignored
+  void dissipates(const T&) {}  ///< ignored
+  void supplies(const T&) {}    ///< ignored
+  /// Ignored.
   template <class... Values>
   void shows(const Values&...) {}
 };
 
-/// Collects the wrench that a formula exerts.
+/// The load that adds the wrench of a formula to a sum.
 struct WrenchLoad : Silent<double> {
-  const WrenchSum& sum;
-  int P, S;
+  const WrenchSum& sum;  ///< the sum that it adds to
+  int P,                 ///< slot of P
+      S;                 ///< slot of S
+  /// Adds to `to`; p and s are the slots of P and S.
   WrenchLoad(const WrenchSum& to, int p, int s) : sum(to), P(p), S(s) {}
 
-  void force(const Vec3& F, const Vec3& x) { force(F, x, x); }
+  void force(const Vec3& F, const Vec3& x) { force(F, x, x); }  ///< F at x on P's body, -F at x on S's body
+  /// F at x_P on P's body, -F at x_S on S's body.
   void force(const Vec3& F, const Vec3& x_P, const Vec3& x_S) {
     sum.force(P, F, x_P);
     sum.force(S, -F, x_S);
   }
+  /// M on P's body, -M on S's body.
   void torque(const Vec3& M) {
     sum.torque(P, M);
     sum.torque(S, -M);
   }
 };
 
-/// Collects the energies and quantities of a formula.
+/// The load that collects powers, energies and quantities of a formula.
 struct AccountLoad : ForceAccount {
-  const Ends<double>& at;
+  const Ends<double>& at;  ///< the markers
+  /// For a formula at these markers.
   explicit AccountLoad(const Ends<double>& ends) : at(ends) {}
 
+  /// Adds the power of F at x.
   void force(const Vec3& F, const Vec3& x) { force(F, x, x); }
+  /// Adds the power of F at x_P and -F at x_S.
   void force(const Vec3& F, const Vec3& x_P, const Vec3& x_S) {
     const auto marker_velocity = [](const MarkerOn<double>& m, const Vec3& x) -> Vec3 {
       return m.v() + cross(m.w(), Vec3(x - m.x()));
@@ -108,10 +119,12 @@ struct AccountLoad : ForceAccount {
     give(F.dot(at.P.slot_velocity(x_P) - at.S.slot_velocity(x_S)),
          F.dot(marker_velocity(at.P, x_P) - marker_velocity(at.S, x_S)));
   }
+  /// Adds the power of M.
   void torque(const Vec3& M) { give(M.dot(at.P.slot_rate() - at.S.slot_rate()), M.dot(at.P.w() - at.S.w())); }
-  void stores(double V) { potential += V; }
-  void dissipates(double D) { dissipation += D; }
-  void supplies(double W) { supply += W; }
+  void stores(double V) { potential += V; }        ///< adds V, J
+  void dissipates(double D) { dissipation += D; }  ///< adds D, W
+  void supplies(double W) { supply += W; }         ///< adds W, in watts
+  /// Appends numbers and components of vectors; throws std::out_of_range after 16.
   template <class... Values>
   void shows(const Values&... values) {
     (show(values), ...);
@@ -125,35 +138,49 @@ struct AccountLoad : ForceAccount {
   }
 };
 
-/// The wrenches on both slots in the coordinates of the equations of motion, with what they vary by.
+/// The load that collects the wrenches on both slots, in the coordinates of the equations of motion, with their
+/// derivatives.
 struct LOCKSTEP_API TangentLoad : Silent<SlotJet> {
-  using Vec = Vec3T<SlotJet>;
-  const Ends<SlotJet>& at;
-  Vec F[2], M[2];  // of P and S: world; about the slot's origin, slot axes
+  using Vec = Vec3T<SlotJet>;  ///< a vector with derivatives
+  const Ends<SlotJet>& at;     ///< the markers, with derivatives
+  Vec F[2],                    ///< forces on the slots of P and S, world axes, N
+      M[2];                    ///< moments on the slots of P and S, about their origins, slot axes, N m
+  /// For a formula at these markers.
   explicit TangentLoad(const Ends<SlotJet>& ends);
 
+  /// Adds f at x on P's body, -f at x on S's body.
   void force(const Vec& f, const Vec& x) { force(f, x, x); }
+  /// Adds f at x_P on P's body, -f at x_S on S's body.
   void force(const Vec& f, const Vec& x_P, const Vec& x_S);
+  /// Adds m on P's body, -m on S's body.
   void torque(const Vec& m);
-  /// Minus the derivatives of the wrench on P's slot (i = 0) or S's: a load enters the equations of motion so.
+  /// Minus the derivatives of the wrench on the slot of P (i = 0) or S (i = 1): the sign of loads in the equations of
+  /// motion. Rows: force, moment; columns: those of SlotJet.
   Mat6 rows(int i) const;
 };
 
-/// The motion of a slot with its derivatives on its own pose or velocity, or with none.
-enum class Vary { nothing, pose, velocity };
+/// What of a slot's motion has derivatives.
+enum class Vary {
+  nothing,  ///< nothing: constants
+  pose,     ///< with respect to dx, dth
+  velocity  ///< with respect to v, w
+};
+/// A motion as jets, with the derivatives of its own pose or velocity, or with none.
 LOCKSTEP_API MotionT<SlotJet> varied(const Motion&, Vary);
 
+/// The markers of a force at the inputs' motions and time.
 inline Ends<double> ends(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in) {
   return {{in.slot(P.slot), P.at(in.t)}, {in.slot(S.slot), S.at(in.t)}, in.t, in.z};
 }
 
-/// Adds the wrench of act(ends, load).
+/// Adds the wrench of the formula act(ends, load) to `out`.
 template <class Act>
 void apply(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const Act& act, WrenchSum& out) {
   WrenchLoad load(out, P.slot, S.slot);
   act(ends(P, S, in), load);
 }
 
+/// Powers, energies and quantities of the formula act(ends, load).
 template <class Act>
 ForceAccount account(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const Act& act) {
   const Ends<double> at = ends(P, S, in);
@@ -162,7 +189,8 @@ ForceAccount account(const MarkerFrame& P, const MarkerFrame& S, const Inputs& i
   return load;
 }
 
-/// Adds K and D of act(ends, load): two passes over the formula for each slot that moves, its pose and its velocity.
+/// Adds K and D of the formula act(ends, load) to `out`, with two passes over it for each slot that moves: pose and
+/// velocity.
 template <class Act>
 void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const Act& act, TangentSum& out) {
   const MarkerMotion m_P = P.at(in.t), m_S = S.at(in.t);
@@ -187,19 +215,21 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
 
 }  // namespace formula
 
-// Effort: what a motor or an applied load gives between two markers, a force or a torque; all that differs between them.
+// Effort: the only difference between forces and torques of motors and applied loads.
 
 
+/// What a motor or an applied load exerts between two markers.
 enum class Effort {
-  force,   ///< N, on P's body at the origin of P, the opposite on S's body at the same point; works on its velocity
-  torque,  ///< N m, on P's body, the opposite on S's; works on the angular velocity
+  force,   ///< N: on P's body at the origin of P, the opposite on S's body at the same point
+  torque,  ///< N m: on P's body, the opposite on S's body
 };
 
-/// "force" or "torque": the key in scenes and the word in messages and channels.
+/// "force" or "torque": the key in scenes, and the word in messages and channels.
 inline const char* word(Effort e) { return e == Effort::force ? "force" : "torque"; }
+/// "N" or "N m".
 inline const char* unit(Effort e) { return e == Effort::force ? "N" : "N m"; }
 
-/// Puts the effort f (world axes) between the bodies.
+/// Exerts f, N or N m, world axes, on P's body and the opposite on S's.
 template <class T, class Load>
 void exert(Effort e, const Vec3T<T>& f, const Ends<T>& at, Load& load) {
   if (e == Effort::force)
@@ -208,7 +238,7 @@ void exert(Effort e, const Vec3T<T>& f, const Ends<T>& at, Load& load) {
     load.torque(f);
 }
 
-/// Velocity of the origin of P, m/s, or angular velocity of P, rad/s, as seen from S; world axes.
+/// Velocity of the origin of P, m/s, or angular velocity of P, rad/s, as seen from S, in world axes.
 template <class T>
 Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
   if (e == Effort::torque) return at.P.w() - at.S.w();
@@ -216,27 +246,31 @@ Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
 }
 
 
-// Reacting: the facet of a force that depends on the present reactions of links, as friction does.
+// Reacting: the facet of a force that depends on the reactions of links, as friction does.
 
 
 class Force;
 
-/// A force that has it derives from it and lets Force::reacting() return `this`. What it does goes on top of apply(). The
-/// solution is found by iteration: its change with the reactions has to be a contraction, as friction with a coefficient
-/// well below one is.
+/// The facet of a force that depends on the reactions of links. Such a force derives from it, and Force::reacting()
+/// returns `this`. What it exerts is added to apply(). The solution is found by iteration, so the force as a function
+/// of the reactions must be a contraction, as friction with a coefficient well below one is.
 class LOCKSTEP_API Reacting {
  public:
+  /// `self` is the force that derives from this.
   explicit Reacting(const Force& self) : self_(&self) {}
 
-  /// The links it reads. Known before setup(): these links are not merged into bodies.
+  /// The links whose reactions it reads. Asked before setup(), because these links are not merged into slots.
   virtual std::vector<const Lock*> reads() const = 0;
-  /// What it adds to apply() at these reactions.
+  /// Adds what it exerts at these reactions, on top of apply().
   virtual void react(const Inputs&, const Reactions&, WrenchSum&) const = 0;
-  virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }  ///< W taken out by react(), >= 0
-  /// K and D of react() with the multipliers fixed; conventions of TangentSum. Default: central differences.
+  /// Power that react() takes out, W, not negative; default 0.
+  virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }
+  /// Adds K and D of react() with the multipliers fixed; conventions of TangentSum. Default: central differences.
   virtual void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const;
-  /// Recorder channels, those that read reactions and those that do not; they stand in for Observable's.
+  /// Recorder channels of the force, whether they depend on reactions or not; used in place of Observable's. Default:
+  /// none.
   virtual std::vector<Quantity> quantities() const { return {}; }
+  /// Value of channel k of quantities().
   virtual double reacting_quantity(int, const Inputs&, const Reactions&) const { return 0; }
 
  protected:
@@ -247,52 +281,63 @@ class LOCKSTEP_API Reacting {
 };
 
 
-// Force: what pushes without holding. It writes into a sum, never into the bodies.
+// Force: exerts wrenches and constrains nothing. It adds to a sum and never changes the bodies.
 
 
-/// Four questions make a force: type(), markers(), setup() and apply(). The others have defaults, or belong to a facet.
+/// An applied force. A class of force has to define type(), markers(), setup() and apply(); all else has a default or
+/// belongs to a facet.
 class LOCKSTEP_API Force {
  public:
+  /// The name is unique among the names of the system.
   explicit Force(std::string name);
   virtual ~Force();
   Force(const Force&) = delete;
   Force& operator=(const Force&) = delete;
 
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return name_; }  ///< name in the system
+  /// Name of its type, "spring_damper"; for messages.
   virtual std::string_view type() const = 0;
-  /// Who brought its class: "built in", a plugin's name, or "" for a class of the host's own. Set by the registry.
+  /// Who brought its type: "built in", a plugin's name, or "" for a class of the host's own.
   const std::string& origin() const { return origin_; }
-  void set_origin(std::string origin) { origin_ = std::move(origin); }
+  void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< set by the registry
 
   // -- description
-  virtual std::vector<const Marker*> markers() const = 0;  ///< those it acts at, for messages and checks
+  /// The markers at which it acts; for slots, messages and checks.
+  virtual std::vector<const Marker*> markers() const = 0;
+  /// Appends the instants in (t0, t1), s, where one of its laws jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
-  /// Which of its laws throws or is not finite at time t, in words; "" when none is. As Driven::diagnose of a link.
+  /// Which of its laws throws or is not finite at time t, s, in words; "" when none is. Default: "". As
+  /// Driven::diagnose.
   virtual std::string diagnose(double t) const;
 
-  // -- setup: called once the bodies have their slots
+  // -- setup: called when the bodies have their slots
+  /// Prepares the evaluation; throws ModelError for a mechanism in which the force cannot act.
   virtual void setup() = 0;
 
   // -- evaluation
+  /// Adds the wrenches on the slots to `out`. The same inputs always give the same wrenches.
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
-  /// K = -df/d(dx, dth) and D = -df/d(v, w); conventions of TangentSum. Asked by implicit methods only. Default:
-  /// central differences of the force's own apply() over the slots of its markers, for forces that bring no formula.
+  /// Adds K = -df/d(dx, dth) and D = -df/d(v, w) to `out`; conventions of TangentSum. Only implicit methods ask for it.
+  /// Default: central differences of apply() over the slots of the markers.
   virtual void tangent(const Inputs&, TangentSum& out) const;
-  virtual double potential(const Inputs&) const;    ///< J; asked only while energy is recorded; default 0
-  virtual double dissipation(const Inputs&) const;  ///< W taken out by dampers, >= 0; default 0
-  /// W put in by laws and motors: what the force gives to the bodies beyond -dV/dt and the dampers; default 0. The
-  /// energy balance rests on it.
+  /// Potential energy, J; asked only while energy is recorded; default 0.
+  virtual double potential(const Inputs&) const;
+  virtual double dissipation(const Inputs&) const;  ///< power that dampers take out, W, not negative; default 0
+  /// Power that laws and motors put in, W: what the force gives to the bodies beyond -dV/dt and the dampers. The energy
+  /// balance relies on it. Default 0.
   virtual double supply(const Inputs&) const;
 
-  // -- facets; null: it has not. A class with the facet derives from it and returns `this`.
+  // -- facets: null without it; a class with the facet derives from it and returns `this`
   virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of its own
   virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z, such as counted turns
   virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of links
 
+  /// How many numbers of State::z are its own.
   int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }
-  int first_memory() const { return first_memory_; }
-  const std::vector<int>& slots() const { return slots_; }  ///< moving slots of its markers, each once
-  void place(int first_memory);                             ///< called by System::setup
+  int first_memory() const { return first_memory_; }  ///< index of the first of them; set by System::setup
+  /// Moving slots of its markers, each once; set by System::setup.
+  const std::vector<int>& slots() const { return slots_; }
+  void place(int first_memory);  ///< called by System::setup
 
  private:
   std::string name_, origin_;
@@ -300,7 +345,7 @@ class LOCKSTEP_API Force {
   std::vector<int> slots_;
 };
 
-/// Whether F overrides the accessor of each facet that it derives from: a facet without it would never be found.
+/// Whether F overrides the accessor of each facet from which it derives; a facet without it would never be found.
 template <class F>
 constexpr bool force_facets_are_found() {
   const auto found = []<class Facet>(auto accessor, std::type_identity<Facet>) {
@@ -311,6 +356,7 @@ constexpr bool force_facets_are_found() {
          found(&F::reacting, std::type_identity<Reacting>{});
 }
 
+/// Fails to compile unless force_facets_are_found<F>().
 template <class F>
 void check_force_facets() {
   if constexpr (std::derived_from<F, Force>)
@@ -320,41 +366,47 @@ void check_force_facets() {
 }
 
 
-// MarkerForce: what the forces between markers share: P, perhaps S, their folded frames, and the checks of parameters.
+// MarkerForce: common part of the forces between markers: P, perhaps S, their folded frames, and checks of parameters.
 
 
-/// A force on one marker, or between two.
+/// A force on one marker P, or between two, P and S.
 class LOCKSTEP_API MarkerForce : public Force {
  public:
-  /// Throws ModelError: a marker without a body, or P and S on one body.
+  /// Throws ModelError for a marker without a body, or P and S on one body.
   MarkerForce(std::string name, Marker& p, Marker* s);
   ~MarkerForce() override;
 
   std::vector<const Marker*> markers() const override;
-  /// Of the markers' laws and of all laws that were handed to `add_law`.
+  /// Appends those of the markers' laws and of all laws given to add_law().
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  /// The same laws.
+  /// Examines the same laws.
   std::string diagnose(double t) const override;
-  /// Folds the markers into their slots.
+  /// Folds the markers into their slots. Derived classes that override it call it.
   void setup() override;
 
-  const Marker& p() const { return *p_; }
-  const Marker* s() const { return s_; }  ///< nullptr: nothing takes the reaction
+  const Marker& p() const { return *p_; }  ///< marker P
+  const Marker* s() const { return s_; }   ///< marker S; nullptr: nothing takes the reaction
 
  protected:
-  // All throw ParameterError "force 'name': key is value; must be ...".
+  // Each throws ParameterError "force 'name': key is value; must be ...".
+  /// Throws ParameterError with `key` and `problem` unless `ok`.
   void require(bool ok, const char* key, const std::string& problem) const;
+  /// Throws ParameterError unless `value` is finite.
   void require_finite(const char* key, double value) const;
+  /// Throws ParameterError unless all components are finite.
   void require_finite(const char* key, const Vec3& value) const;
+  /// Throws ParameterError unless `value` is finite and not negative.
   void require_not_negative(const char* key, double value) const;
 
-  /// Throws ModelError when the marker is on a particle, which takes no torque; `does` says what would turn it.
+  /// Throws ModelError when the marker is on a particle, which cannot turn; `does` is the verb of the message: "turns".
   void require_turning(const Marker& m, const char* does) const;
 
-  void add_law(const LawPtr<MotionLaw>& law);  ///< null is no law
+  void add_law(const LawPtr<MotionLaw>& law);  ///< for breakpoints() and diagnose(); null is ignored
+  /// Value of a law at time t, s; 0 without a law.
   static double value(const LawPtr<MotionLaw>& law, double t) { return law ? law->at(t).y : 0.0; }
 
-  MarkerFrame P_, S_;  ///< made by setup(); S_ is the ground's origin when there is no S
+  MarkerFrame P_,  ///< P folded into its slot by setup()
+      S_;          ///< S folded into its slot by setup(); the ground's origin when there is no S
 
  private:
   const Marker* p_;
@@ -362,30 +414,39 @@ class LOCKSTEP_API MarkerForce : public Force {
   std::vector<LawPtr<MotionLaw>> laws_;
 };
 
-/// The markers of a site, for makers. Throw SceneError when there is none.
+/// Marker P of a site, for makers. Throws SceneError when there is none.
 LOCKSTEP_API Marker& p_of(const Site&, const Params&);
+/// Marker S of a site, for makers. Throws SceneError when there is none.
 LOCKSTEP_API Marker& s_of(const Site&, const Params&);
-/// Whether the site has an S.
+/// Whether the site has a marker S.
 LOCKSTEP_API bool has_s(const Site&);
 
 
-// FormulaForce: a force between markers from one formula; see formula.h for how to write it.
+// FormulaForce: a force between markers from one formula.
 
 
-/// F derives from FormulaForce<F> and has act(ends, load). Wrench, tangent and energies come from it; of quantities() the
-/// first are those that act() shows, and one more, called "power", is what the force gives to its two bodies, W.
+/// A force between markers from one formula: F derives from FormulaForce<F> and has act(ends, load), as namespace
+/// formula says. Wrench, tangent and energies come from it. The first of F's quantities() are those that act() shows;
+/// one more at the end, "power", is the power given to the two bodies, W.
 template <class F>
 class FormulaForce : public MarkerForce, public Observable {
  public:
   using MarkerForce::MarkerForce;
 
+  /// The wrench of the formula.
   void apply(const Inputs& in, WrenchSum& out) const override { formula::apply(P_, S_, in, act(), out); }
+  /// The derivatives of the formula, on jets.
   void tangent(const Inputs& in, TangentSum& out) const override { formula::tangent(P_, S_, in, act(), out); }
+  /// The energies that the formula stores, J.
   double potential(const Inputs& in) const override { return account(in).potential; }
+  /// The powers that it dissipates, W.
   double dissipation(const Inputs& in) const override { return account(in).dissipation; }
+  /// The powers that it and the markers' laws supply, W.
   double supply(const Inputs& in) const override { return account(in).supply; }
-  const Observable* observable() const override { return this; }
+  const Observable* observable() const override { return this; }  ///< this
+  /// None, for forces without channels; a class that shows quantities overrides it.
   std::vector<Quantity> quantities() const override { return {}; }
+  /// The k-th number that the formula shows; after the last one, the power.
   double quantity(int k, const Inputs& in) const override {
     const ForceAccount all = account(in);
     return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;
@@ -399,30 +460,31 @@ class FormulaForce : public MarkerForce, public Observable {
 };
 
 
-// FunctionForce: a force that is a function of the user's.
+// FunctionForce: a force from a function.
 
 
-/// Any force as a function of time, motions and states:
+/// A force from a function of time, motions and states:
 ///
-///   sys.add(function_force("drag", {&tip}, [&tip](const Inputs& in, WrenchSum& out) {
-///     const MarkerInWorld M = in_world(MarkerFrame(tip), in);
-///     out.force(tip.body->slot, -0.3 * M.v.norm() * M.v, M.x);
-///   }));
+///     sys.add(function_force("drag", {&tip}, [&tip](const Inputs& in, WrenchSum& out) {
+///       const MarkerInWorld M = in_world(MarkerFrame(tip), in);
+///       out.force(tip.body->slot, -0.3 * M.v.norm() * M.v, M.x);
+///     }));
 ///
-/// The functions may not change anything but `out`, and the same inputs give the same result. `potential` (J) and
-/// `dissipation` (W, not negative) enter the energies; left out, they are zero.
+/// The functions must not change anything but `out`, and the same inputs must give the same result. `potential` (J) and
+/// `dissipation` (W, not negative) enter the energies; without them they are zero.
 class LOCKSTEP_API FunctionForce final : public Force {
  public:
-  using Apply = std::function<void(const Inputs&, WrenchSum&)>;
-  using Energy = std::function<double(const Inputs&)>;
+  using Apply = std::function<void(const Inputs&, WrenchSum&)>;  ///< adds wrenches to a sum
+  using Energy = std::function<double(const Inputs&)>;           ///< an energy, J, or a power, W
 
-  /// `markers`: those it acts at, for messages and checks. Throws ModelError: no function, or a marker without a body.
+  /// `markers`: those at which it acts. Throws ModelError for no function, or a marker that is null or without a body.
   FunctionForce(std::string name, std::vector<const Marker*> markers, Apply apply, Energy potential = {},
                 Energy dissipation = {});
 
   std::string_view type() const override { return "function_force"; }
   std::vector<const Marker*> markers() const override { return markers_; }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override;  ///< of the markers' laws
+  /// Appends those of the markers' laws.
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   void setup() override {}
   void apply(const Inputs& in, WrenchSum& out) const override { apply_(in, out); }
   double potential(const Inputs& in) const override { return potential_ ? potential_(in) : 0.0; }
@@ -434,6 +496,7 @@ class LOCKSTEP_API FunctionForce final : public Force {
   Energy potential_, dissipation_;
 };
 
+/// A FunctionForce, for System::add.
 LOCKSTEP_API std::unique_ptr<FunctionForce> function_force(std::string name, std::vector<const Marker*> markers,
                                                            FunctionForce::Apply apply,
                                                            FunctionForce::Energy potential = {},

@@ -1,4 +1,4 @@
-// The forces.
+// The built-in forces.
 #pragma once
 
 #include <array>
@@ -14,36 +14,43 @@ namespace lockstep {
 // Forces 'applied_force' and 'applied_torque': a force at a marker or a torque on its body, constant or by laws.
 
 
-/// The axes in which an applied vector is given: the world's, those of P's body, or those of marker P.
-enum class AppliedAxes { world, body, marker };
+/// The axes in which an applied vector is given.
+enum class AppliedAxes {
+  world,  ///< the world's
+  body,   ///< those of P's body
+  marker  ///< those of marker P
+};
 
-/// value + law(t) direction + (laws_x, laws_y, laws_z)(t); what is left out is zero.
+/// The vector value + law(t) direction + (laws_x, laws_y, laws_z)(t); parts without a law are zero.
 struct AppliedVector {
-  Vec3 value = Vec3::Zero();                ///< N or N m
+  Vec3 value = Vec3::Zero();                ///< constant part, N or N m
   LawPtr<MotionLaw> law{};                  ///< N or N m, along `direction`
   Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
-  std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N or N m, the three components
-  AppliedAxes axes = AppliedAxes::world;
+  std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N or N m, for the three components; any may be absent
+  AppliedAxes axes = AppliedAxes::world;    ///< axes of all parts
 };
 
 class Applied;
 extern template class LOCKSTEP_API FormulaForce<Applied>;
 
-/// What both applied loads are: the effort of a vector on P's body; with S, the opposite on S's body.
+/// Common part of AppliedForce and AppliedTorque: a vector acts on P's body, the opposite on S's body if there is an S.
 class LOCKSTEP_API Applied : public FormulaForce<Applied> {
  public:
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError for a number that is not finite, or a law without direction; ModelError as MarkerForce does.
   Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedVector vector);
   ~Applied() override;
-  /// force_on_p_world_x, .._y, .._z (of a torque: torque_..), power
+  /// force_on_p_world_x, .._y, .._z, N (of a torque: torque_..., N m), power, W
   std::vector<Quantity> quantities() const override;
+  /// Throws ModelError when a torque, or the lever arm of a force on S, acts on a particle.
   void setup() override;
+  /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
  protected:
+  /// The keys of an effort: its vector, laws and axes.
   static Keys keys(Effort);
-  /// The vector that `keys` describe. Throws SceneError.
+  /// The vector from parameters with these keys. Throws SceneError.
   static AppliedVector read(Effort, const Params&);
 
  private:
@@ -55,53 +62,59 @@ class LOCKSTEP_API Applied : public FormulaForce<Applied> {
 
 /// Force F at the origin of P on P's body; with S, -F on S's body at the same point.
 ///
-///   force       F = value + law(t) direction + laws(t), in the axes chosen          N
-///   potential   V = -value.x_P, only of the constant part in world axes, without S or with S on the ground   J
-///   power       F.(velocity of P's body at x_P - velocity of S's body at x_P)       W; all of it but -dV/dt is supply
+///     force       F = value + law(t) direction + laws(t), in the axes chosen          N
+///     potential   V = -value.x_P, of the constant part in world axes only, without S or with S on the ground   J
+///     power       F.(velocity of P's body at x_P - velocity of S's body at x_P)       W; all but -dV/dt is supply
+///
 /// No dissipation.
 class LOCKSTEP_API AppliedForce final : public Applied {
  public:
-  /// The force, N: a constant part and laws, and the axes they are in.
+  /// The force: a constant part and laws, and their axes.
   struct Options {
-    Vec3 force = Vec3::Zero();                ///< N
+    Vec3 force = Vec3::Zero();                ///< constant part, N
     LawPtr<MotionLaw> law{};                  ///< N, along `direction`
     Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
-    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N, the components
-    AppliedAxes axes = AppliedAxes::world;
+    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N, for the components; any may be absent
+    AppliedAxes axes = AppliedAxes::world;    ///< axes of all parts
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Acts on P's body alone. Throws ParameterError for a number that is not finite, or a law without direction;
+  /// ModelError as MarkerForce does.
   AppliedForce(std::string name, Marker& p, Options options);
+  /// Acts between the bodies of P and S. Throws likewise.
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 };
 
 /// Torque M on P's body; with S, -M on S's body.
 ///
-///   torque      M = value + law(t) direction + laws(t), in the axes chosen   N m
-///   power       M.(w of P's body - w of S's body)                            W, all of it supply
-/// No potential - a constant torque in space has none - and no dissipation.
+///     torque      M = value + law(t) direction + laws(t), in the axes chosen   N m
+///     power       M.(w of P's body - w of S's body)                            W, all of it supply
+///
+/// No dissipation, and no potential: a constant torque in space has none.
 class LOCKSTEP_API AppliedTorque final : public Applied {
  public:
-  /// The torque, N m: a constant part and laws, and the axes they are in.
+  /// The torque: a constant part and laws, and their axes.
   struct Options {
-    Vec3 torque = Vec3::Zero();               ///< N m
+    Vec3 torque = Vec3::Zero();               ///< constant part, N m
     LawPtr<MotionLaw> law{};                  ///< N m, about `direction`
     Vec3 direction = Vec3::Zero();            ///< any length but zero; needed with `law`
-    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N m, the components
-    AppliedAxes axes = AppliedAxes::world;
+    std::array<LawPtr<MotionLaw>, 3> laws{};  ///< N m, for the components; any may be absent
+    AppliedAxes axes = AppliedAxes::world;    ///< axes of all parts
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Acts on P's body alone. Throws ParameterError for a number that is not finite, or a law without direction;
+  /// ModelError as MarkerForce does.
   AppliedTorque(std::string name, Marker& p, Options options);
+  /// Acts between the bodies of P and S. Throws likewise.
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 };
 
 
-// Force 'bushing': a soft joint, linear in six directions.
+// Force 'bushing': a soft joint, linear in six coordinates.
 
 
 class Bushing;
@@ -110,85 +123,90 @@ extern template class LOCKSTEP_API FormulaForce<Bushing>;
 /// Springs and dampers along and about the axes of S, between P and S. d = A_S' (x_P - x_S); th = rotation vector of
 /// e = q_S' q_P in the axes of S, |th| < pi: small turns.
 ///
-///   force       F = -(K d + C dd),      dd = A_S' (v_P - v_S) - w_S x d       N, S axes; on P's body at x_P, -F on S's
-///   torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w      N m, S axes; on P's body, -M on S's
-///               J = 1 - 1/2 th~ + c th~^2,  c = (1 - (a/2) cot(a/2))/a^2,  a = |th|
-///   potential   V = 1/2 d'K d + 1/2 th'Kt th                                  J
-///   dissipation D = dd'C dd + w'Ct w                                          W
-///   power       of F and M on the two bodies                                  W; = -dV/dt - D, markers still
+///     force       F = -(K d + C dd),      dd = A_S' (v_P - v_S) - w_S x d       N, S axes; on P's body at P, -F on S's
+///     torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w      N m, S axes; on P's body, -M on S's
+///                 J = 1 - 1/2 th~ + c th~^2,  c = (1 - (a/2) cot(a/2))/a^2,  a = |th|
+///     potential   V = 1/2 d'K d + 1/2 th'Kt th                                  J
+///     dissipation D = dd'C dd + w'Ct w                                          W
+///     power       of F and M on the two bodies                                  W; -dV/dt - D for markers at rest
 ///
-/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S may not be on
-/// a particle; P may, when the rotational numbers are zero. Stiffness may be negative, damping not.
+/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S must not be
+/// on a particle; P may be, when the rotational numbers are zero. Stiffnesses may be negative, damping must not.
 class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
  public:
-  /// Stiffness and damping in six coordinates.
+  /// Stiffness and damping in six coordinates, in S axes.
   struct Options {
     Vec3 stiffness = Vec3::Zero();          ///< K, N/m, along the axes of S
-    Vec3 damping = Vec3::Zero();            ///< C, N s/m
+    Vec3 damping = Vec3::Zero();            ///< C, N s/m, along the axes of S, not negative
     Vec3 torsion_stiffness = Vec3::Zero();  ///< Kt, N m/rad, about the axes of S
-    Vec3 torsion_damping = Vec3::Zero();    ///< Ct, N m s/rad
+    Vec3 torsion_damping = Vec3::Zero();    ///< Ct, N m s/rad, about the axes of S, not negative
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError for a number that is not finite or a negative damping; ModelError as MarkerForce does.
   Bushing(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }
-  /// x y z (d), angle_x angle_y angle_z (th), force_on_p_link_x .. z, torque_on_p_link_x .. z (S axes), power
+  /// x y z (d, m), angle_x angle_y angle_z (th, rad), force_on_p_link_x .. z (N), torque_on_p_link_x .. z (N m), in S
+  /// axes, and power (W)
   std::vector<Quantity> quantities() const override;
+  /// Throws ModelError when S, or P with torsional numbers, is on a particle.
   void setup() override;
+  /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
 };
 
 
-// Force 'joint_friction': dry and viscous friction in a joint, from the reaction that the joint has at this instant.
+// Force 'joint_friction': dry and viscous friction in a joint, from the joint's reaction at the same instant.
 
 
-/// Rubs where the link's mask leaves P free to slide in S or to turn about one axis of S. With F and M the reaction of
-/// the joint's own rows on P's body at the origin of P (drives left out), in S axes, u the sliding velocity of P in the
-/// free directions and w the rate about the free axis:
+/// Friction where the link's mask leaves P free to slide in S or to turn about one axis of S. F and M are the reaction
+/// of the joint's own rows (without its drives) on P's body at the origin of P, in S axes; u is the sliding velocity of
+/// P in the free directions, w the rate about the free axis:
 ///
-///   sliding   N = N0 + |F held| + |M held, normal to a single free direction|/b         N
-///             force on P's body at P: -(mu(|u|) N + c |u|) u/|u|, the opposite on S's   N
-///   turning   T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
-///   mu(s)     = (mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)) tanh(s/v_0)                      Stribeck; Coulomb: mu_s = mu_k
-///   |F|       = sqrt(F.F + e^2) - e, smooth where the reaction passes zero
+///     sliding   N = N0 + |F held| + |M held, normal to a single free direction|/b         N
+///               force on P's body at P: -(mu(|u|) N + c |u|) u/|u|, the opposite on S's   N
+///     turning   T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
+///     mu(s)     = (mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)) tanh(s/v_0)                      Coulomb: mu_s = mu_k
+///     |F|       = sqrt(F.F + e^2) - e, smooth where the reaction passes zero
 ///
-/// All of it is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. The torque takes r_a
-/// for r in mu where r is zero. Refused: links that are no locks of markers, markers with laws of their own.
+/// Everything is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. In mu of the torque,
+/// r_a replaces r when r is zero. Refused: links that are not locks of two markers, markers that move on their bodies
+/// by laws, and links with a law `turn`.
 class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
-  /// Coefficients and radii of the friction.
+  /// Coefficients and dimensions of the friction.
   struct Options {
     double mu = 0;                  ///< mu_k, not negative
     double mu_static = -1;          ///< mu_s; below zero: mu_k
-    double stribeck_speed = 0.01;   ///< v_s, m/s
-    double smoothing_speed = 1e-3;  ///< v_0, m/s
-    double radius = 0;              ///< r, m: where a bearing rubs under its radial load
-    double axial_radius = 0;        ///< r_a, m: where it rubs under its axial load
-    double bending_length = 0;      ///< b, m; 0: bending moments press on nothing
-    double preload = 0;             ///< N0, N: a normal force that is always there
+    double stribeck_speed = 0.01;   ///< v_s, m/s, above 0
+    double smoothing_speed = 1e-3;  ///< v_0, m/s, above 0
+    double radius = 0;              ///< r, m: radius at which a bearing rubs under its radial load
+    double axial_radius = 0;        ///< r_a, m: radius at which it rubs under its axial load
+    double bending_length = 0;      ///< b, m; 0: bending moments add no normal force
+    double preload = 0;             ///< N0, N: a normal force that always acts
     double viscous = 0;             ///< c, N s/m
     double viscous_turn = 0;        ///< c_t, N m s/rad
-    double load_smoothing = 1e-6;   ///< e, N
+    double load_smoothing = 1e-6;   ///< e, N: size of a load below which it is smoothed
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be, ModelError for a link that does not rub.
+  /// Throws ParameterError for an invalid number, ModelError for a link in which nothing rubs.
   JointFriction(std::string name, const Lock& link, Options options);
 
   std::string_view type() const override { return info().name; }
   std::vector<const Marker*> markers() const override { return {p_, s_}; }
-  /// normal_force, friction_force (on P along the sliding, with its sign where there is one direction), sliding_speed;
-  /// radial_force, axial_force, friction_torque (on P about the axis), turning_rate: those that the link has.
+  /// Those that apply to the link: normal_force, friction_force (on P along the sliding, signed where there is one
+  /// direction), sliding_speed; radial_force, axial_force, friction_torque (on P about the axis), turning_rate.
   std::vector<Quantity> quantities() const override;
   double reacting_quantity(int k, const Inputs&, const Reactions&) const override;
+  /// Throws ModelError for markers that move on their bodies by laws, and for a link with a law `turn`.
   void setup() override;
-  void apply(const Inputs&, WrenchSum&) const override {}
-  void tangent(const Inputs&, TangentSum&) const override {}
+  void apply(const Inputs&, WrenchSum&) const override {}     ///< nothing: all of it is in react()
+  void tangent(const Inputs&, TangentSum&) const override {}  ///< nothing: all of it is in react_tangent()
 
   const Reacting* reacting() const override { return this; }
   std::vector<const Lock*> reads() const override { return {link_}; }
@@ -196,9 +214,9 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;
   double friction_loss(const Inputs&, const Reactions&) const override;
 
-  static const TypeInfo& info();
-  static Options options(const Params&);
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static Options options(const Params&);                           ///< from parameters checked against info()
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 
  private:
   struct Pressing;
@@ -223,18 +241,22 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
 };
 
 
-// LinearSpring: spring, damper and actuator in one coordinate: a length, N and m, or an angle, N m and rad.
+// LinearSpring: spring, damper and actuator in one coordinate q: a length, N and m, or an angle, N m and rad.
 
 
-/// Pulls its coordinate q back; qd is its rate.
+/// A spring, damper and actuator that pull their coordinate q back; qd is its rate.
 ///
-///   force         T = k (q - q0) + T0 + c qd + law(t)
-///   potential     V = 1/2 k (q - q0)^2 + T0 (q - q0)
-///   dissipation   D = c qd^2
-///   supply        -law(t) qd
+///     force         T = k (q - q0) + T0 + c qd + law(t)
+///     potential     V = 1/2 k (q - q0)^2 + T0 (q - q0)
+///     dissipation   D = c qd^2
+///     supply        -law(t) qd
 struct LinearSpring {
-  double stiffness, damping, free, preload;
+  double stiffness,  ///< k, N/m or N m/rad
+      damping,       ///< c, N s/m or N m s/rad
+      free,          ///< q0, m or rad
+      preload;       ///< T0, N or N m
 
+  /// T, N or N m, at q with the rate qd and the value of the law; energies go to `load`.
   template <class T, class Load>
   T force(const T& q, const T& rate, double law, Load& load) const {
     const T x = q - free, elastic = stiffness * x;
@@ -252,14 +274,16 @@ struct LinearSpring {
 class Motor;
 extern template class LOCKSTEP_API FormulaForce<Motor>;
 
-/// What both motors are: the effort f = law(t) along z of S. Free to move: only the effort is given.
+/// Common part of ForceMotor and TorqueMotor: the effort f = law(t) along z of S. It prescribes no motion.
 class LOCKSTEP_API Motor : public FormulaForce<Motor> {
  public:
-  /// Throws ParameterError (a ModelError) without a law.
+  /// Throws ParameterError without a law; ModelError as MarkerForce does.
   Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law);
   ~Motor() override;
-  std::vector<Quantity> quantities() const override;  ///< force or torque, rate, power
+  std::vector<Quantity> quantities() const override;  ///< force, N, or torque, N m; rate, m/s or rad/s; power, W
+  /// Throws ModelError when S, or P of a torque, is on a particle.
   void setup() override;
+  /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
@@ -270,40 +294,42 @@ class LOCKSTEP_API Motor : public FormulaForce<Motor> {
 
 /// Force on P's body at the origin of P along z of S, the opposite on S's body at the same point.
 ///
-///   force    F = law(t)                                                           N, on P's body along z of S
-///   rate     z_S.(v_P - v_S - w_S x (x_P - x_S)) of the markers                   m/s, of P along z in the axes of S
-///   power    F z_S.(velocity of P's body at x_P - velocity of S's body at x_P)    W, put into the mechanism
+///     force    F = law(t)                                                           N, on P's body along z of S
+///     rate     z_S.(v_P - v_S - w_S x (x_P - x_S)) of the markers                   m/s, of P along z in the axes of S
+///     power    F z_S.(velocity of P's body at x_P - velocity of S's body at x_P)    W, put into the mechanism
+///
 /// No potential, no dissipation.
 class LOCKSTEP_API ForceMotor final : public Motor {
  public:
   /// The law of the force, N.
   struct Options {
-    LawPtr<MotionLaw> force{};  ///< N; needed
+    LawPtr<MotionLaw> force{};  ///< N; required
   };
-  /// Throws ParameterError (a ModelError) without a law.
+  /// Throws ParameterError without a law; ModelError as MarkerForce does.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 };
 
 /// Torque on P's body about z of S, the opposite on S's body.
 ///
-///   torque   T = law(t)                        N m, on P's body about z of S
-///   rate     z_S.(w_P - w_S) of the markers    rad/s
-///   power    T z_S.(w_P - w_S) of the bodies   W, put into the mechanism
+///     torque   T = law(t)                        N m, on P's body about z of S
+///     rate     z_S.(w_P - w_S) of the markers    rad/s
+///     power    T z_S.(w_P - w_S) of the bodies   W, put into the mechanism
+///
 /// No potential, no dissipation.
 class LOCKSTEP_API TorqueMotor final : public Motor {
  public:
   /// The law of the torque, N m.
   struct Options {
-    LawPtr<MotionLaw> torque{};  ///< N m; needed
+    LawPtr<MotionLaw> torque{};  ///< N m; required
   };
-  /// Throws ParameterError (a ModelError) without a law.
+  /// Throws ParameterError without a law; ModelError as MarkerForce does.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 };
 
 
@@ -313,21 +339,21 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
 class SpringDamper;
 extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
 
-/// Spring and damper on the line between the origins of P and S; pulls P and S together when its force is positive.
+/// Spring, damper and linear actuator on the line between the origins of P and S; a positive force pulls them together.
 ///
-///   length      l = |x_P - x_S|                                   m
-///   rate        ld = n.(v_P - v_S),   n = (x_P - x_S)/l           m/s
-///   force       T = k (l - l0) + T0 + c ld + law(t)               N, positive = pulls; -T n on P, +T n on S
-///   potential   V = 1/2 k (l - l0)^2 + T0 (l - l0)                J
-///   dissipation D = c ld^2                                        W
-///   power       T n.(v_S - v_P) of the two bodies                 W; = -dV/dt - D - law ld, markers still
+///     length      l = |x_P - x_S|                                   m
+///     rate        ld = n.(v_P - v_S),   n = (x_P - x_S)/l           m/s
+///     force       T = k (l - l0) + T0 + c ld + law(t)               N, positive = pulls; -T n on P, +T n on S
+///     potential   V = 1/2 k (l - l0)^2 + T0 (l - l0)                J
+///     dissipation D = c ld^2                                        W
+///     power       T n.(v_S - v_P) of the two bodies                 W; -dV/dt - D - law ld for markers at rest
 ///
 /// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the
-/// force is zero there. k may be negative (a spring that pushes away); c and l0 may not. Moving markers: x and v are
-/// theirs.
+/// force is zero there. k may be negative (a spring that pushes away); c and l0 must not be. x and v are those of the
+/// markers, also where these move on their bodies.
 class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
  public:
-  /// Stiffness, damping and free length.
+  /// Stiffness, damping, free length, preload and actuator.
   struct Options {
     double stiffness = 0;       ///< k, N/m
     double damping = 0;         ///< c, N s/m, not negative
@@ -335,68 +361,75 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
     double preload = 0;         ///< T0, N: force at l0, positive = pulls
     LawPtr<MotionLaw> force{};  ///< N, added to the force: a linear actuator
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError for a number that is not finite, a negative damping or free length; ModelError as
+  /// MarkerForce does.
   SpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }
-  std::vector<Quantity> quantities() const override;  ///< length, rate, force, power
+  std::vector<Quantity> quantities() const override;  ///< length, m; rate, m/s; force, N; power, W
+  /// Throws ModelError for markers that coincide at the start while the force is not zero there.
   void setup() override;
+  /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
 };
 
 
-// Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, its turns counted.
+// Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, full turns counted.
 
 
 class TorsionSpringDamper;
 extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 
-/// Spring and damper about the common z axis of P and S; turns P back when its torque is positive.
+/// Spring, damper and rotary actuator about the common z axis of P and S; a positive torque turns P back.
 ///
-///   angle       th = 2 atan2(e3, e0), e = q_S' q_P, counted past full turns   rad
-///   rate        thd = g.(w_P - w_S), g = (z_P + z_S)/(1 + z_P.z_S)            rad/s; g = z where the axes are common
-///   torque      T = k (th - th0) + T0 + c thd + law(t)                        N m; -T g on P, +T g on S
-///   potential   V = 1/2 k (th - th0)^2 + T0 (th - th0)                        J
-///   dissipation D = c thd^2                                                   W
-///   power       T g.(w_S - w_P) of the two bodies                             W; = -dV/dt - D - law thd, markers still
+///     angle       th = 2 atan2(e3, e0), e = q_S' q_P, full turns counted      rad
+///     rate        thd = g.(w_P - w_S), g = (z_P + z_S)/(1 + z_P.z_S)         rad/s; g = z where the axes are common
+///     torque      T = k (th - th0) + T0 + c thd + law(t)                     N m; -T g on P, +T g on S
+///     potential   V = 1/2 k (th - th0)^2 + T0 (th - th0)                     J
+///     dissipation D = c thd^2                                                W
+///     power       T g.(w_S - w_P) of the two bodies                          W; -dV/dt - D - law thd, markers at rest
 ///
-/// g is the gradient of th, so that the power balance holds for axes that are not quite common too. The angle starts in
-/// (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
+/// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle starts
+/// in (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
 /// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
-/// c not.
+/// c must not be.
 class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
-  /// Stiffness, damping and free angle.
+  /// Stiffness, damping, free angle, preload and actuator.
   struct Options {
     double stiffness = 0;        ///< k, N m/rad
     double damping = 0;          ///< c, N m s/rad, not negative
-    double free_angle = 0;       ///< th0, rad; more than a turn winds the spring up
+    double free_angle = 0;       ///< th0, rad; may be more than a full turn
     double preload = 0;          ///< T0, N m: torque at th0
-    LawPtr<MotionLaw> torque{};  ///< N m, added to the torque
+    LawPtr<MotionLaw> torque{};  ///< N m, added to the torque: a rotary actuator
   };
-  /// Throws ParameterError (a ModelError) for a number that cannot be.
+  /// Throws ParameterError for a number that is not finite or a negative damping; ModelError as MarkerForce does.
   TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
   std::string_view type() const override { return info().name; }
-  std::vector<Quantity> quantities() const override;  ///< angle, rate, torque, power
+  std::vector<Quantity> quantities() const override;  ///< angle, rad; rate, rad/s; torque, N m; power, W
+  /// Throws ModelError when P or S is on a particle, or z_P = -z_S at the start.
   void setup() override;
+  /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
   const Remembering* remembering() const override { return this; }
-  int n_memory() const override { return 1; }  ///< z[0]: the counted angle
+  int n_memory() const override { return 1; }  ///< one number, z[0]: the counted angle, rad
+  /// z[0] = 0: the angle starts in (-pi, pi].
   void start_memory(std::span<double> z) const override { z[0] = 0; }
+  /// z[0] becomes the angle of the accepted state.
   void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
 
-  static const TypeInfo& info();
-  static std::unique_ptr<Force> make(const Site&, const Params&);
+  static const TypeInfo& info();                                   ///< name and keys of its type
+  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;

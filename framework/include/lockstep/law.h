@@ -1,5 +1,5 @@
 // The three kinds of law: a number, a translation and a rotation as functions of time. Value and both derivatives come
-// in one call, because sine and cosine are shared; nothing is ever differenced.
+// from one call, because they share sines and cosines; nothing is differenced.
 #pragma once
 
 #include <memory>
@@ -11,65 +11,80 @@
 
 namespace lockstep {
 
-/// y(t) and its first and second time derivatives.
+/// Value of a scalar law and its first and second time derivatives.
 struct LawValue {
-  double y = 0, yd = 0, ydd = 0;
+  double y = 0,  ///< value
+      yd = 0,    ///< first derivative, unit of y per s
+      ydd = 0;   ///< second derivative, unit of y per s^2
 };
 
-/// A scalar law y(t): metres, radians, newtons, whatever its user takes it for.
+/// A scalar law y(t), in the unit of what it drives: m, rad, N, ...
 class LOCKSTEP_API MotionLaw {
  public:
   virtual ~MotionLaw();
+  /// Value and derivatives at time t, s. At a breakpoint, those that hold afterwards.
   virtual LawValue at(double t) const = 0;
-  /// Appends the instants in (t0, t1) where y, yd or ydd jumps (integrators land on them). Default: none.
+  /// Appends the instants in (t0, t1), s, where y, yd or ydd jumps; integrators end a step there. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 
-/// Translation x(t), m, with velocity and acceleration, in the axes of the frame in which it is imposed.
+/// Value of a law of a translation, in the axes of the frame in which it is imposed.
 struct TranslationValue {
-  Vec3 x = Vec3::Zero(), v = Vec3::Zero(), a = Vec3::Zero();
+  Vec3 x = Vec3::Zero(),  ///< translation, m
+      v = Vec3::Zero(),   ///< velocity, m/s
+      a = Vec3::Zero();   ///< acceleration, m/s^2
 };
 
-/// A law of a translation: position, velocity and acceleration at a time, m.
+/// A law of a translation x(t), m, in the axes of the frame in which it is imposed.
 class LOCKSTEP_API TranslationLaw {
  public:
   virtual ~TranslationLaw();
+  /// Translation, velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual TranslationValue at(double t) const = 0;
+  /// Appends the instants in (t0, t1), s, where x, v or a jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 
-/// Rotation q(t), unit; angular velocity w and acceleration a in the moved frame's own axes (so that no rate can leave
-/// the unit sphere: (1.6), (1.9), (1.13)).
+/// Value of a law of a rotation. Angular velocity and acceleration are in the axes of the moved frame, so that q stays
+/// a unit quaternion: (1.6), (1.9), (1.13).
 struct RotationValue {
-  Quat q;
-  Vec3 w = Vec3::Zero(), a = Vec3::Zero();
+  Quat q;                 ///< moved frame's axes -> axes of the frame in which it is imposed, unit
+  Vec3 w = Vec3::Zero(),  ///< angular velocity, rad/s
+      a = Vec3::Zero();   ///< angular acceleration, rad/s^2
 };
 
-/// A law of a rotation: unit quaternion, angular velocity and acceleration at a time.
+/// A law of a rotation q(t) of a frame against the frame in which it is imposed.
 class LOCKSTEP_API RotationLaw {
  public:
   virtual ~RotationLaw();
+  /// Quaternion, angular velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual RotationValue at(double t) const = 0;
+  /// Appends the instants in (t0, t1), s, where q, w or a jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 
+/// A shared law L: MotionLaw, TranslationLaw or RotationLaw. Laws are immutable, so copies may be used everywhere.
 template <class L>
 using LawPtr = std::shared_ptr<const L>;
 
-/// What a law's class is called and who brought it: for messages. Belongs to whoever names the law, not to the law.
+/// The type of a law and who brought it, for messages. Kept with the pointer, not in the law.
 struct LawLabel {
-  std::string type;    ///< "bump"
+  std::string type;    ///< name of its type, "bump"
   std::string origin;  ///< "built in", or a plugin's name
 };
 
-/// The same law under a label, which goes with every copy of the pointer; at() costs no more than before.
+/// The same law with a label, which every copy of the pointer has; at() costs no more than before.
 LOCKSTEP_API LawPtr<MotionLaw> labelled(const LawPtr<MotionLaw>&, LawLabel);
+/// The same for a law of a translation.
 LOCKSTEP_API LawPtr<TranslationLaw> labelled(const LawPtr<TranslationLaw>&, LawLabel);
+/// The same for a law of a rotation.
 LOCKSTEP_API LawPtr<RotationLaw> labelled(const LawPtr<RotationLaw>&, LawLabel);
 
-/// The label given last; nullptr for a law that nobody labelled (one made in C++).
+/// The label given last, valid while the pointer is; nullptr for a law without one (made in C++).
 LOCKSTEP_API const LawLabel* label_of(const LawPtr<MotionLaw>&);
+/// The same for a law of a translation.
 LOCKSTEP_API const LawLabel* label_of(const LawPtr<TranslationLaw>&);
+/// The same for a law of a rotation.
 LOCKSTEP_API const LawLabel* label_of(const LawPtr<RotationLaw>&);
 
 }  // namespace lockstep

@@ -16,36 +16,38 @@
 
 namespace lockstep {
 
-// Checks of a law's parameters: one check serves the C++ constructor (ParameterError) and the maker, for which the
-// registry adds the key's place (SceneError).
+// Checks of a law's parameters. The same check serves the C++ constructor (ParameterError) and the maker, for which the
+// registry adds the place of the key (SceneError).
 
-
-// Each throws ParameterError; `problem` follows the key: "is -1; must be above 0".
-
+/// Throws ParameterError for the key `key` of the law type `law`; `problem` follows the key: "is -1; must be above 0".
 [[noreturn]] inline void reject(const char* law, const char* key, const std::string& problem) {
   throw ParameterError({.kind = "law", .name = law}, key, problem);
 }
+/// Calls reject() unless `ok`.
 inline void require(bool ok, const char* law, const char* key, const std::string& problem) {
   if (!ok) reject(law, key, problem);
 }
+/// Calls reject() unless `value` is finite.
 inline void require_finite(const char* law, const char* key, double value) {
   if (!std::isfinite(value)) reject(law, key, "is " + number(value) + "; must be a finite number");
 }
+/// Calls reject() unless `value` is finite and above 0.
 inline void require_positive(const char* law, const char* key, double value) {
   if (!(std::isfinite(value) && value > 0)) reject(law, key, "is " + number(value) + "; must be above 0");
 }
+/// Calls reject() when there is no law.
 template <class L>
 inline void require_law(const char* law, const char* key, const std::shared_ptr<L>& inner) {
   if (!inner) reject(law, key, "is null; give a law");
 }
-/// `axis` at length 1.
+/// `axis` scaled to length 1. Calls reject() when it is zero or not finite.
 inline Vec3 require_direction(const char* law, const char* key, const Vec3& axis) {
   const double most = axis.cwiseAbs().maxCoeff();
   if (!axis.allFinite()) reject(law, key, "holds a number that is not finite; give a direction");
   if (most == 0) reject(law, key, "is [0, 0, 0], which is no direction; give one that is not zero");
   return (axis / most).normalized();
 }
-/// `q` at length 1.
+/// `q` scaled to length 1. Calls reject() when it is zero or not finite.
 inline Quat require_orientation(const char* law, const char* key, const Quat& q) {
   const Vec4 c = q.coefficients();
   const double most = c.cwiseAbs().maxCoeff();
@@ -55,77 +57,82 @@ inline Quat require_orientation(const char* law, const char* key, const Quat& q)
 }
 
 
-// Laws 'sum', 'product', 'scale' and 'shift': laws made of laws. Breakpoints of the inner laws are passed on.
+// Laws 'sum', 'product', 'scale' and 'shift': laws made of laws. They pass on the breakpoints of the inner laws.
 
 
-/// y = y_1 + y_2 + ...
+/// y = y_1 + y_2 + ... of several laws.
 class LOCKSTEP_API SumLaw final : public MotionLaw {
  public:
   /// Throws ModelError for an empty list or a missing law.
   explicit SumLaw(std::vector<LawPtr<MotionLaw>> laws);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   std::vector<LawPtr<MotionLaw>> laws_;
 };
 
-/// y = y_1 y_2 ...
+/// y = y_1 y_2 ... of several laws.
 class LOCKSTEP_API ProductLaw final : public MotionLaw {
  public:
   /// Throws ModelError for an empty list or a missing law.
   explicit ProductLaw(std::vector<LawPtr<MotionLaw>> laws);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   std::vector<LawPtr<MotionLaw>> laws_;
 };
 
-/// y = offset + factor law(t)
+/// y = offset + factor law(t).
 class LOCKSTEP_API ScaledLaw final : public MotionLaw {
  public:
   /// Throws ModelError for no law or a number that is not finite.
   ScaledLaw(LawPtr<MotionLaw> law, double factor, double offset);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   LawPtr<MotionLaw> law_;
   double factor_, offset_;
 };
 
-/// y(t) = law(t - delay): the law, later by `delay` s (sooner when negative).
+/// y(t) = law(t - delay): the law delayed by `delay` s (advanced when negative).
 class LOCKSTEP_API ShiftedLaw final : public MotionLaw {
  public:
   /// Throws ModelError for no law or a delay that is not finite.
   ShiftedLaw(LawPtr<MotionLaw> law, double delay);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   LawPtr<MotionLaw> law_;
   double delay_;
 };
 
+/// Functions that make laws as shared pointers. They throw what the constructors throw.
 namespace laws {
+/// A SumLaw: y = y_1 + y_2 + ...
 inline LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws) {
   return std::make_shared<const SumLaw>(std::move(laws));
 }
+/// A ProductLaw: y = y_1 y_2 ...
 inline LawPtr<MotionLaw> product(std::vector<LawPtr<MotionLaw>> laws) {
   return std::make_shared<const ProductLaw>(std::move(laws));
 }
+/// A ScaledLaw: y = offset + factor law(t).
 inline LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offset = 0) {
   return std::make_shared<const ScaledLaw>(std::move(law), factor, offset);
 }
+/// A ShiftedLaw: y = law(t - delay), delay in s.
 inline LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
   return std::make_shared<const ShiftedLaw>(std::move(law), delay);
 }
@@ -135,20 +142,21 @@ inline LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
 // Law 'constant'.
 
 
-/// y = value, for all t. Unit: that of the coordinate it drives.
+/// y = value for all t, in the unit of the coordinate that it drives.
 class LOCKSTEP_API Constant final : public MotionLaw {
  public:
   /// Throws ModelError unless finite.
   explicit Constant(double value);
   LawValue at(double t) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   double value_;
 };
 
 namespace laws {
+/// A Constant: y = value.
 inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
 }  // namespace laws
 
@@ -156,22 +164,22 @@ inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const 
 // Law 'fourier'.
 
 
-/// Circular frequency, rad/s, offset and coefficients.
+/// Parameters of a Fourier law.
 struct FourierSettings {
   double omega = 1;               ///< base circular frequency, rad/s
-  double offset = 0;              ///< unit of the coordinate
-  std::vector<double> cosines{};  ///< a_1, a_2, ...
+  double offset = 0;              ///< mean value, unit of the coordinate
+  std::vector<double> cosines{};  ///< a_1, a_2, ..., unit of the coordinate
   std::vector<double> sines{};    ///< b_1, b_2, ...; the lists may differ in length
 };
 
 /// y = offset + sum over k = 1, 2, ... of a_k cos(k omega t) + b_k sin(k omega t), for all t.
 class LOCKSTEP_API Fourier final : public MotionLaw {
  public:
-  /// Throws ModelError unless all are finite.
+  /// Throws ModelError unless all numbers are finite.
   explicit Fourier(FourierSettings);
   LawValue at(double t) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   double omega_, offset_;
@@ -179,6 +187,7 @@ class LOCKSTEP_API Fourier final : public MotionLaw {
 };
 
 namespace laws {
+/// A Fourier law.
 inline LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
 }  // namespace laws
 
@@ -186,8 +195,8 @@ inline LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<co
 // From a quaternion on jets of time to a RotationValue.
 
 
-/// Of r(t) with its derivatives, of any length but zero: q = r/|r|, and by (1.6) w = G(q) qd, a = G(q) qdd (for G(qd)
-/// qd = 0).
+/// The rotation q = r/|r| of r(t), of any length but zero, with its derivatives: by (1.6) w = G(q) qd and, because
+/// G(qd) qd = 0, a = G(q) qdd.
 inline RotationValue rotation_value(const QuatT<Time>& r) {
   const QuatT<Time> q = normalized(r);
   const Mat34 G = G_matrix(Quat{q.w.v, q.x.v, q.y.v, q.z.v});
@@ -195,29 +204,31 @@ inline RotationValue rotation_value(const QuatT<Time>& r) {
 }
 
 
-// Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, a number that
-// carries value, first and second derivative. Write it for any number: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
+// Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, which has value,
+// first and second derivative. Write it for any number type: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
 
 
-/// What is common to the three: the function and the instants at which it was said to jump.
+/// Common part of the three laws from a function: the function, and the instants at which it jumps.
 template <class Law, class F>
 class FromFunction : public Law {
  public:
+  /// The function f of Time, and the instants, s, at which it jumps.
   FromFunction(F f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
+  /// Appends the instants given to the constructor that lie in (t0, t1), s.
   void breakpoints(double t0, double t1, std::vector<double>& out) const final {
     for (const double t : breaks_)
       if (t0 < t && t < t1) out.push_back(t);
   }
 
  protected:
-  auto on_jet(double t) const { return f_(Time(t, 1.0, 0.0)); }
+  auto on_jet(double t) const { return f_(Time(t, 1.0, 0.0)); }  ///< f at time t, s, with its derivatives
 
  private:
   F f_;
   std::vector<double> breaks_;
 };
 
-/// A scalar law made from a function.
+/// A scalar law from a function of time; made by laws::law().
 template <class F>
 class LawFrom final : public FromFunction<MotionLaw, F> {
  public:
@@ -228,7 +239,7 @@ class LawFrom final : public FromFunction<MotionLaw, F> {
   }
 };
 
-/// A law of a translation made from a function.
+/// A law of a translation from a function of time; made by laws::translation().
 template <class F>
 class TranslationFrom final : public FromFunction<TranslationLaw, F> {
  public:
@@ -240,7 +251,7 @@ class TranslationFrom final : public FromFunction<TranslationLaw, F> {
   }
 };
 
-/// A law of a rotation made from a function.
+/// A law of a rotation from a function of time; made by rotation_law().
 template <class F>
 class RotationFrom final : public FromFunction<RotationLaw, F> {
  public:
@@ -249,21 +260,23 @@ class RotationFrom final : public FromFunction<RotationLaw, F> {
 };
 
 namespace laws {
-/// y = f(t). `breaks`: the instants at which y, yd or ydd jumps, if any (f chooses its branch by comparing t).
+/// The scalar law y = f(t). `breaks`: the instants, s, at which y, yd or ydd jumps, if any (f chooses its branch by
+/// comparing t).
 template <class F>
 LawPtr<MotionLaw> law(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const LawFrom<F>>(std::move(f), std::move(breaks));
 }
 
-/// x = f(t), m: anything with three elements, `[](auto t) { return std::array{0.1 * t, sin(t), 0.2 * cos(t)}; }`.
+/// The law of a translation x = f(t), m; f returns anything with three elements:
+/// `[](auto t) { return std::array{0.1 * t, sin(t), 0.2 * cos(t)}; }`. `breaks` as for law().
 template <class F>
 LawPtr<TranslationLaw> translation(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const TranslationFrom<F>>(std::move(f), std::move(breaks));
 }
 }  // namespace laws
 
-/// q = f(t)/|f(t)|: f gives a QuatT of any length but zero, `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t,
-/// sin(t)}; }`.
+/// The law of a rotation q = f(t)/|f(t)|; f returns a QuatT of any length but zero:
+/// `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t, sin(t)}; }`. `breaks` as for laws::law().
 template <class F>
 LawPtr<RotationLaw> rotation_law(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const RotationFrom<F>>(std::move(f), std::move(breaks));
@@ -276,11 +289,11 @@ LawPtr<RotationLaw> rotation_law(F f, std::vector<double> breaks = {}) {
 /// y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ..., for all t. c_k in the unit of the coordinate per s^k, t0 in s.
 class LOCKSTEP_API Polynomial final : public MotionLaw {
  public:
-  /// Throws ModelError for an empty list or a number that is not finite.
+  /// Coefficients c0, c1, ... and t0, s. Throws ModelError for an empty list or a number that is not finite.
   Polynomial(std::vector<double> coefficients, double t0);
   LawValue at(double t) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   std::vector<double> c_;
@@ -288,6 +301,7 @@ class LOCKSTEP_API Polynomial final : public MotionLaw {
 };
 
 namespace laws {
+/// A Polynomial in t - t0.
 inline LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0 = 0) {
   return std::make_shared<const Polynomial>(std::move(coefficients), t0);
 }
@@ -300,17 +314,18 @@ inline LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0 
 /// y = y0 + slope (t - t0), for all t. t0 in s, y0 in the unit of the coordinate, slope in that unit per s.
 class LOCKSTEP_API Ramp final : public MotionLaw {
  public:
-  /// Throws ModelError unless all are finite.
+  /// Throws ModelError unless all numbers are finite.
   Ramp(double slope, double t0, double y0);
   LawValue at(double t) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   double slope_, t0_, y0_;
 };
 
 namespace laws {
+/// A Ramp: y = y0 + slope (t - t0).
 inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
   return std::make_shared<const Ramp>(slope, t0, y0);
 }
@@ -320,7 +335,7 @@ inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
 // Law 'repeat'.
 
 
-/// Where a period begins, s, and whether each period adds what the law gained over one.
+/// Parameters of a Repeat law.
 struct RepeatSettings {
   double t0 = 0;       ///< a start of the period, s
   bool drift = false;  ///< each period adds what the law gained over one: y(period) - y(0)
@@ -330,12 +345,13 @@ struct RepeatSettings {
 /// 0. Breakpoints: those of the law in (0, period), and the start of each period when y, yd or ydd jumps there.
 class LOCKSTEP_API Repeat final : public MotionLaw {
  public:
-  /// Throws ModelError for no law or a period not above 0.
+  /// Repeats what `law` does from its time 0 to `period`, s. Throws ModelError for no law, a period that is not above
+  /// 0, or a t0 that is not finite.
   Repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings&);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   LawPtr<MotionLaw> law_;
@@ -344,6 +360,7 @@ class LOCKSTEP_API Repeat final : public MotionLaw {
 };
 
 namespace laws {
+/// A Repeat of the law's time from 0 to `period`, s.
 inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k = {}) {
   return std::make_shared<const Repeat>(std::move(law), period, k);
 }
@@ -353,95 +370,102 @@ inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const Repe
 // Laws 'poly345', 'cycloid' and 'harmonic_rise': a rise in a given time, constant before and after.
 
 
-/// From where, by how much, and in which time.
+/// Parameters of a rise.
 struct RiseSettings {
   double rise = 1;      ///< h, unit of the coordinate; may be negative
   double duration = 1;  ///< T > 0, s
   double t0 = 0;        ///< start, s
-  double y0 = 0;        ///< value before
+  double y0 = 0;        ///< value before the rise, unit of the coordinate
 };
 
-/// y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after. Derived classes give the shape s with s(0) = 0,
-/// s(1) = 1.
+/// A rise: y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after. Derived classes give the shape s, with
+/// s(0) = 0 and s(1) = 1.
 class LOCKSTEP_API Rise : public MotionLaw {
  public:
   LawValue at(double t) const final;
 
  protected:
-  /// Throws ModelError unless all are finite and T > 0.
+  /// `law` names the type in messages. Throws ModelError unless all numbers are finite and T > 0.
   Rise(const char* law, const RiseSettings&);
   virtual LawValue shape(double u) const = 0;  ///< s, s', s'' for u in [0, 1]
-  RiseSettings k_;
+  RiseSettings k_;                             ///< the parameters
 };
 
-/// s = 10 u^3 - 15 u^4 + 6 u^5: speed and acceleration start and end at zero; largest speed 1.875 h/T.
+/// Rise s = 10 u^3 - 15 u^4 + 6 u^5: speed and acceleration are zero at both ends; largest speed 1.875 h/T.
 class LOCKSTEP_API Poly345 final : public Rise {
  public:
+  /// Throws ModelError as Rise does.
   explicit Poly345(const RiseSettings& k) : Rise("poly345", k) {}
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  protected:
   LawValue shape(double u) const override;
 };
 
-/// s = u - sin(2 pi u)/(2 pi): acceleration is one period of a sine; largest speed 2 h/T.
+/// Rise s = u - sin(2 pi u)/(2 pi): the acceleration is one period of a sine; largest speed 2 h/T.
 class LOCKSTEP_API Cycloid final : public Rise {
  public:
+  /// Throws ModelError as Rise does.
   explicit Cycloid(const RiseSettings& k) : Rise("cycloid", k) {}
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  protected:
   LawValue shape(double u) const override;
 };
 
-/// s = (1 - cos(pi u))/2: acceleration jumps by pi^2 h/(2 T^2) at both ends, which are its breakpoints.
+/// Rise s = (1 - cos(pi u))/2: the acceleration jumps by pi^2 h/(2 T^2) at both ends, which are its breakpoints.
 class LOCKSTEP_API HarmonicRise final : public Rise {
  public:
+  /// Throws ModelError as Rise does.
   explicit HarmonicRise(const RiseSettings& k) : Rise("harmonic_rise", k) {}
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  protected:
   LawValue shape(double u) const override;
 };
 
 namespace laws {
+/// A Poly345 rise.
 inline LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
+/// A Cycloid rise.
 inline LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
 }  // namespace laws
+/// A HarmonicRise.
 inline LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
 
 
 // Law 'sequence'.
 
 
-/// A piece of a sequence: its law runs for `duration` s on its own time, which starts at 0.
+/// A piece of a sequence: a law, and how long it runs.
 struct Piece {
-  double duration;
-  LawPtr<MotionLaw> law;
+  double duration;        ///< how long it runs, s
+  LawPtr<MotionLaw> law;  ///< evaluated at the time since the piece began, s
 };
 
-/// Where the sequence begins, s, and what holds outside of it.
+/// Parameters of a Sequence.
 struct SequenceSettings {
   double t0 = 0;         ///< start of the first piece, s
-  bool chained = false;  ///< each piece goes on from the value at which the one before ended
-  bool run_on = false;   ///< outside: first and last law run on; false: y is held there, at rest
+  bool chained = false;  ///< each piece continues from the value at which the one before ended
+  bool run_on = false;   ///< outside: the first and last law run on; false: the value is held, at rest
 };
 
-/// y = y_k(t - T_k) + o_k on [T_k, T_k + duration_k), T_k = t0 + the durations before; chained: o_k = y_(k-1) at its
-/// end - y_k(0), o_0 = 0. Breakpoints: those of the pieces, and where pieces meet with a jump of y, yd or ydd.
+/// Laws one after another: y = y_k(t - T_k) + o_k on [T_k, T_k + duration_k), T_k = t0 + the durations before. Chained:
+/// o_k = y_(k-1) at its end - y_k(0), o_0 = 0; else o_k = 0. Breakpoints: those of the pieces, and where pieces meet
+/// with a jump of y, yd or ydd.
 class LOCKSTEP_API Sequence final : public MotionLaw {
  public:
-  /// Throws ModelError: no piece, a duration not above 0, no law, or what a law says that refuses an instant of its
-  /// piece.
+  /// Throws ModelError for no piece, a duration that is not above 0, no law, or a t0 that is not finite. Evaluates the
+  /// pieces: what a law throws is passed on.
   Sequence(std::vector<Piece> pieces, const SequenceSettings&);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   bool jumps_at(std::size_t k) const;
@@ -453,62 +477,65 @@ class LOCKSTEP_API Sequence final : public MotionLaw {
 };
 
 namespace laws {
+/// A Sequence of pieces.
 inline LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k = {}) {
   return std::make_shared<const Sequence>(std::move(pieces), k);
 }
 }  // namespace laws
 
 
-// On which side of a jump an instant lies, and whether two pieces of law meet with one.
+// On which side of a jump an instant is, and whether two pieces of law meet with one.
 
 
 /// Every law is continuous from the right: at a breakpoint it has the value that holds afterwards. Times are sums of
-/// durations and delays, so an instant that is meant to be the breakpoint may miss it by a rounding error; whatever
-/// lies within this share of the law's own duration before it counts as the breakpoint.
+/// durations and delays, so an instant that is meant to be the breakpoint may miss it by a rounding error; an instant
+/// that is before it by less than this share of the law's duration counts as the breakpoint.
 inline constexpr double kEarly = 1e-12;
 
-/// The limit of `law` for t from below, extrapolated from two instants 1e-9 `span` apart (error: square of that).
+/// The limit of `law` for t from below, extrapolated from two instants that are 1e-9 `span` apart; t and span in s.
 LawValue left_limit(const MotionLaw& law, double t, double span);
 
-/// Largest |y|, |yd|, |ydd| of `law` at a few instants of [t0, t0 + span): what a jump is measured by.
+/// Largest |y|, |yd|, |ydd| of `law` at seven instants of [t0, t0 + span), s: the scale for differs().
 LawValue size_of(const MotionLaw& law, double t0, double span);
 
-/// Whether two values differ by more than rounding at that size.
+/// Whether a and b differ by more than 1e-10 of `size` in y, yd or ydd.
 bool differs(const LawValue& a, const LawValue& b, const LawValue& size);
 
-/// a + offset: the rates stay.
+/// a with the value raised by `offset`; the rates are the same.
 inline LawValue raised(LawValue a, double offset) {
   a.y += offset;
   return a;
 }
+/// The value y at rest.
 inline LawValue held(double y) { return {y, 0.0, 0.0}; }
 
 
 // Law 'sine'.
 
 
-/// Amplitude, circular frequency, rad/s, phase, rad, and offset.
+/// Parameters of a Sine law.
 struct SineSettings {
   double amplitude = 1;  ///< unit of the coordinate
-  double omega = 1;      ///< rad/s
-  double phase = 0;      ///< rad
-  double offset = 0;     ///< unit of the coordinate
+  double omega = 1;      ///< circular frequency, rad/s
+  double phase = 0;      ///< angle at t = 0, rad
+  double offset = 0;     ///< mean value, unit of the coordinate
 };
 
 /// y = offset + amplitude sin(omega t + phase), for all t.
 class LOCKSTEP_API Sine final : public MotionLaw {
  public:
-  /// Throws ModelError unless all are finite.
+  /// Throws ModelError unless all numbers are finite.
   explicit Sine(const SineSettings&);
   LawValue at(double t) const override;
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   SineSettings k_;
 };
 
 namespace laws {
+/// A Sine law.
 inline LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
 }  // namespace laws
 
@@ -516,27 +543,28 @@ inline LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<c
 // Law 'trapezoid'.
 
 
-/// Two of speed, acceleration and duration are given, the third is 0 and follows.
+/// Parameters of a Trapezoid: of speed, acceleration and duration two are given, the third is 0 and is computed.
 struct TrapezoidSettings {
-  double distance = 1;      ///< unit of the coordinate; may be negative
-  double speed = 0;         ///< largest |yd|; with `acceleration` it is a limit that a short way need not reach
+  double distance = 1;  ///< unit of the coordinate; may be negative
+  double speed = 0;  ///< largest |yd|; together with `acceleration` it is a limit that a short distance may not reach
   double acceleration = 0;  ///< |ydd| while speeding up and slowing down
-  double duration = 0;      ///< T of the whole, s
+  double duration = 0;      ///< total time, s
   double t0 = 0;            ///< start, s
-  double y0 = 0;            ///< value before
+  double y0 = 0;            ///< value before, unit of the coordinate
 };
 
-/// Trapezoidal speed: acceleration a for v/a, speed v, acceleration -a for v/a; d = v (T - v/a). y0 before, y0 + d
-/// after. Breakpoints: the (three or) four instants where the acceleration jumps.
+/// A move with trapezoidal speed: acceleration a for v/a, speed v, acceleration -a for v/a; d = v (T - v/a). y0 before,
+/// y0 + d after. Breakpoints: the instants where the acceleration jumps, four, or three without constant speed.
 class LOCKSTEP_API Trapezoid final : public MotionLaw {
  public:
-  /// Throws ModelError for values that are not finite, not exactly two given, or a duration too short for the distance.
+  /// Throws ModelError for a number that is not finite, a negative speed, acceleration or duration, unless exactly two
+  /// of these are given, or when they cannot give the distance.
   explicit Trapezoid(const TrapezoidSettings&);
   LawValue at(double t) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  double duration() const { return T_; }
-  static const TypeInfo& info();
-  static LawPtr<MotionLaw> make(const Params&);
+  double duration() const { return T_; }         ///< total time T, s; 0 for distance 0
+  static const TypeInfo& info();                 ///< name and keys of its type
+  static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 
  private:
   void solve(TrapezoidSettings);
@@ -546,6 +574,7 @@ class LOCKSTEP_API Trapezoid final : public MotionLaw {
 };
 
 namespace laws {
+/// A Trapezoid.
 inline LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
 }  // namespace laws
 

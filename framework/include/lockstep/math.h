@@ -11,30 +11,34 @@
 
 namespace lockstep {
 
-// The vectors and matrices of lockstep: Eigen's, under the theory's names. T is double, a jet or a counting number.
+// The vectors and matrices of lockstep: Eigen's, under the theory's names. T is double, a jet or another number type.
 
 
+/// Column of three numbers.
 template <class T>
 using Vec3T = Eigen::Matrix<T, 3, 1>;
+/// Column of four numbers.
 template <class T>
 using Vec4T = Eigen::Matrix<T, 4, 1>;
+/// 3 x 3 matrix.
 template <class T>
 using Mat3T = Eigen::Matrix<T, 3, 3>;
+/// 3 x 4 matrix.
 template <class T>
 using Mat34T = Eigen::Matrix<T, 3, 4>;
-using Vec3 = Vec3T<double>;
-using Vec4 = Vec4T<double>;
-using Mat3 = Mat3T<double>;
-using Mat34 = Mat34T<double>;
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-using VecX = Eigen::VectorXd;
-using MatX = Eigen::MatrixXd;
+using Vec3 = Vec3T<double>;                ///< column of three numbers
+using Vec4 = Vec4T<double>;                ///< column of four numbers, quaternions with the scalar first
+using Mat3 = Mat3T<double>;                ///< 3 x 3 matrix
+using Mat34 = Mat34T<double>;              ///< 3 x 4 matrix
+using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< column of six: translation first, then rotation
+using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< 6 x 6 matrix in the order of Vec6
+using VecX = Eigen::VectorXd;              ///< column of any length
+using MatX = Eigen::MatrixXd;              ///< matrix of any size
 
-inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
+inline constexpr double kPi = std::numbers::pi;           ///< half a turn, rad
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  ///< a full turn, rad
 
-/// a x b; Eigen's own cross would bring its whole geometry module into every file.
+/// a x b. Eigen's own cross would include its geometry module in every file.
 template <class A, class B>
 inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -50,23 +54,28 @@ inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
 }
 
 
-// Quaternions, scalar first (theory, section 1). A unit quaternion of a frame takes its axes to those of its parent.
+// Quaternions, scalar first (theory, section 1).
 
 
-/// A quaternion, scalar first.
+/// A quaternion w + x i + y j + z k, by default 1. Unit quaternions are orientations: frame's axes -> parent's axes.
 template <class T>
 struct QuatT {
-  T w{1}, x{0}, y{0}, z{0};
+  T w{1},    ///< scalar part
+      x{0},  ///< first component of the vector part
+      y{0},  ///< second
+      z{0};  ///< third
 
-  Vec3T<T> vec() const { return {x, y, z}; }
-  Vec4T<T> coefficients() const { return {w, x, y, z}; }
+  Vec3T<T> vec() const { return {x, y, z}; }              ///< the vector part
+  Vec4T<T> coefficients() const { return {w, x, y, z}; }  ///< (w, x, y, z)
+  /// From scalar and vector part.
   static QuatT from(const T& scalar, const Vec3T<T>& v) { return {scalar, v[0], v[1], v[2]}; }
+  /// From four coefficients, scalar first.
   template <class D>
   static QuatT from(const Eigen::MatrixBase<D>& c) {
     return {c[0], c[1], c[2], c[3]};
   }
 };
-using Quat = QuatT<double>;
+using Quat = QuatT<double>;  ///< a quaternion of doubles
 
 /// (1.1) a b, 16 multiplications and 12 additions.
 template <class T>
@@ -74,10 +83,12 @@ inline QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
   return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
+/// Sum of the coefficients.
 template <class T>
 inline QuatT<T> operator+(const QuatT<T>& a, const QuatT<T>& b) {
   return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
 }
+/// All coefficients negated: of a unit quaternion, the same orientation.
 template <class T>
 inline QuatT<T> operator-(const QuatT<T>& a) {
   return {-a.w, -a.x, -a.y, -a.z};
@@ -89,11 +100,13 @@ inline QuatT<T> conjugate(const QuatT<T>& a) {
   return {a.w, -a.x, -a.y, -a.z};
 }
 
+/// |a|^2, the sum of the squared coefficients.
 template <class T>
 inline T norm2(const QuatT<T>& a) {
   return a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z;
 }
 
+/// a/|a|. |a| must not be zero.
 template <class T>
 inline QuatT<T> normalized(const QuatT<T>& a) {
   using std::sqrt;
@@ -128,14 +141,14 @@ inline QuatT<T> rate(const QuatT<T>& q, const Vec3T<T>& w) {
   return q * QuatT<T>{T(0), h * w[0], h * w[1], h * w[2]};
 }
 
-/// (1.9) qdd = (1/2) q al - (1/4)|w|^2 q, body axes.
+/// (1.9) qdd = (1/2) q al - (1/4)|w|^2 q; angular velocity w and acceleration al in body axes.
 template <class T>
 inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>& al) {
   const T h(0.5);
   return q * QuatT<T>{T(-0.25) * w.dot(w), h * al[0], h * al[1], h * al[2]};
 }
 
-/// (1.12) exponential: the quaternion of the turn by |th| about th; a series below |th| = 1e-2.
+/// (1.12) exponential: the quaternion of the turn by |th|, rad, about th; a series below |th| = 1e-2.
 inline Quat exponential(const Vec3& th) {
   const double a2 = th.squaredNorm();
   double c, s;  // cos(a/2), sin(a/2)/a
@@ -150,10 +163,10 @@ inline Quat exponential(const Vec3& th) {
   return {c, s * th[0], s * th[1], s * th[2]};
 }
 
-/// (1.12) Cayley: normalise(1 + th/2), a turn by 2 atan(|th|/2).
+/// (1.12) Cayley: 1 + th/2, normalised; a turn by 2 atan(|th|/2), rad, about th.
 inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
 
-/// (1.12) rotation vector of q, its length in [0, pi]: the sign of q does not matter.
+/// (1.12) rotation vector of the unit quaternion q, rad, of length in [0, pi]; q and -q give the same.
 inline Vec3 rotation_vector(const Quat& q) {
   const double sign = q.w < 0 ? -1.0 : 1.0;
   const Vec3 v = sign * q.vec();
@@ -168,7 +181,7 @@ inline Quat axis_angle(const Vec3& n, double angle) {
   return {std::cos(0.5 * angle), s * n[0], s * n[1], s * n[2]};
 }
 
-/// Quaternion of a rotation matrix, by the largest of its four components (never a division by a small number).
+/// Unit quaternion of a rotation matrix, from its largest component, so that no division is by a small number.
 inline Quat quaternion_of(const Mat3& A) {
   const double t = A.trace();
   int k = 0;
@@ -184,137 +197,163 @@ inline Quat quaternion_of(const Mat3& A) {
 }
 
 
-// Pose: position and orientation of a frame in its parent. Twist: how fast it moves.
+// Pose: position and orientation of a frame in its parent. Twist: its velocity and angular velocity.
 
 
-/// x: origin in the parent's axes, m; q: frame's axes -> parent's axes, unit, scalar first.
+/// Position and orientation of a frame in its parent.
 struct Pose {
-  Vec3 x = Vec3::Zero();
-  Quat q;
+  Vec3 x = Vec3::Zero();  ///< the frame's origin in the parent's axes, m
+  Quat q;                 ///< frame's axes -> parent's axes, unit, scalar first
 };
 
-/// v: velocity of the origin in the parent's axes, m/s; w: angular velocity in the frame's own axes, rad/s.
+/// Velocity and angular velocity of a frame against its parent.
 struct Twist {
-  Vec3 v = Vec3::Zero();
-  Vec3 w = Vec3::Zero();
+  Vec3 v = Vec3::Zero();  ///< velocity of the origin, in the parent's axes, m/s
+  Vec3 w = Vec3::Zero();  ///< angular velocity in the frame's own axes, rad/s
 };
 
 /// The pose of c in the parent of a, when b is the pose of c in a.
 inline Pose operator*(const Pose& a, const Pose& b) { return {a.x + rotation(a.q) * b.x, a.q * b.q}; }
 
+/// The pose of the parent in the frame.
 inline Pose inverse(const Pose& a) { return {-(rotation(a.q).transpose() * a.x), conjugate(a.q)}; }
 
 }  // namespace lockstep
 
-// Vectors, matrices and quaternions as plain structs, each component of a type of its own: a number (double, a pack of
-// lanes, a jet, a counting number), or Zero or One, which are numbers known from their type. What is multiplied by or
-// added to those costs nothing, so that one text of a formula serves the plane, absent laws and parallel axes alike.
-//
-// For the kernel of the lock (mechanism/lock/equations.h). Everything else works on Eigen's types (types.h); vector(),
-// matrix() and put() lead from one to the other.
+/// Vectors, matrices and quaternions as plain structs whose components each have a type: a number (double, a pack of
+/// lanes, a jet), or Zero or One, which are numbers known at compile time. Adding and multiplying those costs nothing,
+/// so that one text of a formula serves planar mechanisms, absent laws and parallel axes alike.
+///
+/// For the kernel of the lock (kernel.h). Everything else works with Eigen's types; vector(), matrix(), quaternion()
+/// and as() convert.
 namespace lockstep::vec {
 
+/// The number 0, known at compile time.
 struct Zero {};
+/// The number 1, known at compile time.
 struct One {};
 
-/// Copied number by number: whole structs would be copied through memory.
+/// Three components. Copied one by one, because a copy of the whole struct would go through memory.
 template <class X, class Y = X, class Z = X>
 struct Vector {
-  X x;
-  Y y;
-  Z z;
-  LOCKSTEP_INLINE constexpr Vector() : x{}, y{}, z{} {}
+  X x;                                                   ///< first component
+  Y y;                                                   ///< second component
+  Z z;                                                   ///< third component
+  LOCKSTEP_INLINE constexpr Vector() : x{}, y{}, z{} {}  ///< all components zero (their types' default)
+  /// From its components.
   LOCKSTEP_INLINE constexpr Vector(const X& a, const Y& b, const Z& c) : x(a), y(b), z(c) {}
+  /// Copies component by component.
   LOCKSTEP_INLINE constexpr Vector(const Vector& a) : x(a.x), y(a.y), z(a.z) {}
+  /// Copies component by component.
   LOCKSTEP_INLINE constexpr Vector& operator=(const Vector& a) { return x = a.x, y = a.y, z = a.z, *this; }
+  /// Component k, 0 to 2; only when all have one type.
   LOCKSTEP_INLINE constexpr const X& operator[](int k) const requires std::is_same_v<X, Y> && std::is_same_v<X, Z> {
     return k == 0 ? x : k == 1 ? y : z;
   }
 };
 
-/// Rows r0 r1 r2.
+/// A 3 x 3 matrix by rows, each a Vector.
 template <class R0, class R1 = R0, class R2 = R0>
 struct Matrix {
-  R0 r0;
-  R1 r1;
-  R2 r2;
-  static constexpr int RowsAtCompileTime = 3, ColsAtCompileTime = 3;  ///< where Eigen's matrices may stand as well
+  R0 r0;                                       ///< first row
+  R1 r1;                                       ///< second row
+  R2 r2;                                       ///< third row
+  static constexpr int RowsAtCompileTime = 3,  ///< as in Eigen's matrices, so that either can be an argument
+      ColsAtCompileTime = 3;                   ///< likewise
+  /// Element of row i and column j, 0 to 2.
   constexpr const auto& operator()(int i, int j) const { return i == 0 ? r0[j] : i == 1 ? r1[j] : r2[j]; }
 };
+/// Deduces the types of the rows.
 template <class R0, class R1, class R2>
 Matrix(R0, R1, R2) -> Matrix<R0, R1, R2>;
 
-/// Scalar part w, vector part v.
+/// A quaternion, scalar first.
 template <class W, class V>
 struct Quaternion {
-  W w;
-  V v;
+  W w;  ///< scalar part
+  V v;  ///< vector part
 };
+/// Deduces the types of the parts.
 template <class W, class V>
 Quaternion(W, V) -> Quaternion<W, V>;
 
+/// Whether T is a number and no Vector, Matrix or Quaternion.
 template <class T>
 inline constexpr bool kIsNumber = true;
+/// A vector is not a number.
 template <class X, class Y, class Z>
 inline constexpr bool kIsNumber<Vector<X, Y, Z>> = false;
+/// A matrix is not a number.
 template <class X, class Y, class Z>
 inline constexpr bool kIsNumber<Matrix<X, Y, Z>> = false;
+/// A quaternion is not a number.
 template <class W, class V>
 inline constexpr bool kIsNumber<Quaternion<W, V>> = false;
+/// Any type that is not a Vector, Matrix or Quaternion.
 template <class T>
 concept Number = kIsNumber<T>;
 
 // -------------------------------------------------------------------------------------------------------- Zero and One
 
+/// a + 0 = a
 template <Number T>
 LOCKSTEP_INLINE constexpr T operator+(const T& a, Zero) {
   return a;
 }
+/// 0 + a = a
 template <Number T>
 LOCKSTEP_INLINE constexpr T operator+(Zero, const T& a) {
   return a;
 }
+/// a - 0 = a
 template <Number T>
 LOCKSTEP_INLINE constexpr T operator-(const T& a, Zero) {
   return a;
 }
+/// 0 - a = -a
 template <Number T>
 LOCKSTEP_INLINE constexpr auto operator-(Zero, const T& a) {
   return -a;
 }
+/// a 0 = 0
 template <Number T>
 LOCKSTEP_INLINE constexpr Zero operator*(const T&, Zero) {
   return {};
 }
+/// 0 a = 0
 template <Number T>
 LOCKSTEP_INLINE constexpr Zero operator*(Zero, const T&) {
   return {};
 }
+/// a 1 = a
 template <Number T>
 LOCKSTEP_INLINE constexpr T operator*(const T& a, One) {
   return a;
 }
+/// 1 a = a
 template <Number T>
 LOCKSTEP_INLINE constexpr T operator*(One, const T& a) {
   return a;
 }
-LOCKSTEP_INLINE constexpr Zero operator+(Zero, Zero) { return {}; }
-LOCKSTEP_INLINE constexpr Zero operator-(Zero, Zero) { return {}; }
-LOCKSTEP_INLINE constexpr Zero operator-(Zero) { return {}; }
-LOCKSTEP_INLINE constexpr Zero operator*(Zero, Zero) { return {}; }
-LOCKSTEP_INLINE constexpr Zero operator*(Zero, One) { return {}; }
-LOCKSTEP_INLINE constexpr Zero operator*(One, Zero) { return {}; }
-LOCKSTEP_INLINE constexpr One operator*(One, One) { return {}; }
+LOCKSTEP_INLINE constexpr Zero operator+(Zero, Zero) { return {}; }  ///< 0 + 0 = 0
+LOCKSTEP_INLINE constexpr Zero operator-(Zero, Zero) { return {}; }  ///< 0 - 0 = 0
+LOCKSTEP_INLINE constexpr Zero operator-(Zero) { return {}; }        ///< -0 = 0
+LOCKSTEP_INLINE constexpr Zero operator*(Zero, Zero) { return {}; }  ///< 0 0 = 0
+LOCKSTEP_INLINE constexpr Zero operator*(Zero, One) { return {}; }   ///< 0 1 = 0
+LOCKSTEP_INLINE constexpr Zero operator*(One, Zero) { return {}; }   ///< 1 0 = 0
+LOCKSTEP_INLINE constexpr One operator*(One, One) { return {}; }     ///< 1 1 = 1
 
 /// The component as a T.
 template <class T>
 LOCKSTEP_INLINE constexpr T number(const T& a) {
   return a;
 }
+/// 0 as a T.
 template <class T>
 LOCKSTEP_INLINE constexpr T number(Zero) {
   return T(0);
 }
+/// 1 as a T.
 template <class T>
 LOCKSTEP_INLINE constexpr T number(One) {
   return T(1);
@@ -322,31 +361,37 @@ LOCKSTEP_INLINE constexpr T number(One) {
 
 // ------------------------------------------------------------------------------------------------------------- vectors
 
+/// a + b
 template <class X, class Y, class Z, class U, class V, class W>
 LOCKSTEP_INLINE constexpr auto operator+(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
   return Vector{a.x + b.x, a.y + b.y, a.z + b.z};
 }
+/// a - b
 template <class X, class Y, class Z, class U, class V, class W>
 LOCKSTEP_INLINE constexpr auto operator-(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
   return Vector{a.x - b.x, a.y - b.y, a.z - b.z};
 }
+/// -a
 template <class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr auto operator-(const Vector<X, Y, Z>& a) {
   return Vector{-a.x, -a.y, -a.z};
 }
+/// s a
 template <Number S, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr auto operator*(const S& s, const Vector<X, Y, Z>& a) {
   return Vector{s * a.x, s * a.y, s * a.z};
 }
+/// a . b
 template <class X, class Y, class Z, class U, class V, class W>
 LOCKSTEP_INLINE constexpr auto dot(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+/// a x b
 template <class X, class Y, class Z, class U, class V, class W>
 LOCKSTEP_INLINE constexpr auto cross(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b) {
   return Vector{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// Component k.
+/// Component k of a.
 template <int k, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr auto get(const Vector<X, Y, Z>& a) {
   if constexpr (k == 0)
@@ -357,6 +402,7 @@ LOCKSTEP_INLINE constexpr auto get(const Vector<X, Y, Z>& a) {
     return a.z;
 }
 
+/// The zero vector.
 using None = Vector<Zero, Zero, Zero>;
 /// The unit vector along axis k.
 template <int k>
@@ -365,6 +411,7 @@ using Unit = Vector<std::conditional_t<k == 0, One, Zero>, std::conditional_t<k 
 
 // ---------------------------------------------------------------------------------------------- matrices, quaternions
 
+/// A b
 template <class R0, class R1, class R2, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr auto operator*(const Matrix<R0, R1, R2>& A, const Vector<X, Y, Z>& b) {
   return Vector{dot(A.r0, b), dot(A.r1, b), dot(A.r2, b)};
@@ -375,6 +422,7 @@ LOCKSTEP_INLINE constexpr auto transpose_times(const Matrix<R0, R1, R2>& A, cons
   return Vector{A.r0.x * b.x + A.r1.x * b.y + A.r2.x * b.z, A.r0.y * b.x + A.r1.y * b.y + A.r2.y * b.z,
                 A.r0.z * b.x + A.r1.z * b.y + A.r2.z * b.z};
 }
+/// A B
 template <class R0, class R1, class R2, class Q0, class Q1, class Q2>
 LOCKSTEP_INLINE constexpr auto operator*(const Matrix<R0, R1, R2>& A, const Matrix<Q0, Q1, Q2>& B) {
   return Matrix{transpose_times(B, A.r0), transpose_times(B, A.r1), transpose_times(B, A.r2)};
@@ -384,31 +432,35 @@ template <class X, class Y, class Z, class U, class V, class W, class K, class L
 LOCKSTEP_INLINE constexpr auto columns(const Vector<X, Y, Z>& a, const Vector<U, V, W>& b, const Vector<K, L, M>& c) {
   return Matrix{Vector{a.x, b.x, c.x}, Vector{a.y, b.y, c.y}, Vector{a.z, b.z, c.z}};
 }
+/// The unit matrix.
 using Identity = Matrix<Unit<0>, Unit<1>, Unit<2>>;
 
-/// (1.1)
+/// (1.1) a b
 template <class U, class X, class V, class Y>
 LOCKSTEP_INLINE constexpr auto operator*(const Quaternion<U, X>& a, const Quaternion<V, Y>& b) {
   return Quaternion{a.w * b.w - dot(a.v, b.v), a.w * b.v + b.w * a.v + cross(a.v, b.v)};
 }
+/// a + b
 template <class U, class X, class V, class Y>
 LOCKSTEP_INLINE constexpr auto operator+(const Quaternion<U, X>& a, const Quaternion<V, Y>& b) {
   return Quaternion{a.w + b.w, a.v + b.v};
 }
+/// s a
 template <Number S, class W, class V>
 LOCKSTEP_INLINE constexpr auto operator*(const S& s, const Quaternion<W, V>& a) {
   return Quaternion{s * a.w, s * a.v};
 }
+/// -a
 template <class W, class V>
 LOCKSTEP_INLINE constexpr auto operator-(const Quaternion<W, V>& a) {
   return Quaternion{-a.w, -a.v};
 }
-/// (1.2)
+/// (1.2) a', the conjugate.
 template <class W, class V>
 LOCKSTEP_INLINE constexpr auto conjugate(const Quaternion<W, V>& a) {
   return Quaternion{a.w, -a.v};
 }
-/// (1.5), |q| = 1
+/// (1.5) A(q): axes of the frame -> axes of its parent, for |q| = 1.
 template <class W, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr auto rotation(const Quaternion<W, Vector<X, Y, Z>>& q) {
   const auto x2 = q.v.x + q.v.x;
@@ -419,29 +471,33 @@ LOCKSTEP_INLINE constexpr auto rotation(const Quaternion<W, Vector<X, Y, Z>>& q)
   return Matrix{Vector{1.0 - (yy + zz), xy - wz, xz + wy}, Vector{xy + wz, 1.0 - (xx + zz), yz - wx},
                 Vector{xz - wy, yz + wx, 1.0 - (xx + yy)}};
 }
+/// The quaternion 1.
 using NoTurn = Quaternion<One, None>;
 
 // ------------------------------------------------------------------------------------------------- from and to Eigen
 
+/// The Vector of three numbers a[0], a[1], a[2].
 template <class A>
 LOCKSTEP_INLINE constexpr auto vector(const A& a) {
   return Vector{a[0], a[1], a[2]};
 }
+/// The Matrix of the 3 x 3 elements a(i, j).
 template <class A>
 LOCKSTEP_INLINE constexpr auto matrix(const A& a) {
   return Matrix{Vector{a(0, 0), a(0, 1), a(0, 2)}, Vector{a(1, 0), a(1, 1), a(1, 2)},
                 Vector{a(2, 0), a(2, 1), a(2, 2)}};
 }
+/// The Quaternion of a QuatT.
 template <class Q>
 LOCKSTEP_INLINE constexpr auto quaternion(const Q& q) {
   return Quaternion{q.w, Vector{q.x, q.y, q.z}};
 }
-/// All components as numbers T.
+/// The vector with all components as numbers T.
 template <class T, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr Vector<T> numbers(const Vector<X, Y, Z>& a) {
   return {number<T>(a.x), number<T>(a.y), number<T>(a.z)};
 }
-/// The vector as an A of three numbers T.
+/// The vector as an A, an Eigen vector of three numbers T.
 template <class A, class T = typename A::Scalar, class X, class Y, class Z>
 LOCKSTEP_INLINE constexpr A as(const Vector<X, Y, Z>& a) {
   return A(number<T>(a.x), number<T>(a.y), number<T>(a.z));

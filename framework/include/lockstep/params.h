@@ -18,79 +18,99 @@
 
 namespace lockstep {
 
-// Orientation by named angle sequences, both ways.
+// Orientation from named angle sequences, and back.
 
 
-/// Three turns about the frame's own (moving) axes, one after another: "xyz" (Cardan), "zxz" (Euler), "zxy" (HPB:
-/// heading about z, pitch about x, bank about y), or any three letters of x y z without two equal neighbours. Throws
-/// ModelError for anything else.
+/// Unit quaternion of three turns by `angles`, rad, about the frame's own (moving) axes, one after another: "xyz"
+/// (Cardan), "zxz" (Euler), "zxy" (HPB: heading about z, pitch about x, bank about y), or any three letters of x y z
+/// without two equal neighbours, or a name that angle_sequence() knows. Throws ModelError for any other sequence.
 LOCKSTEP_API Quat from_angles(const std::string& sequence, const Vec3& angles);
 
-/// Three angles about axes in sequence.
+/// Three angles about the axes of a sequence, and whether they are unique.
 struct Angles {
-  Vec3 value = Vec3::Zero();  ///< rad
-  bool gimbal =
-      false;  ///< the middle turn makes the outer axes parallel (within 1e-7 rad): the third angle is set to 0
+  Vec3 value = Vec3::Zero();  ///< the three angles, rad
+  /// The middle turn makes the outer axes parallel (within 1e-7 rad): the third angle is set to 0.
+  bool gimbal = false;
 };
+/// The angles of an orientation q, of any length but zero: the inverse of from_angles(). The outer angles are in (-pi,
+/// pi], the middle one in [-pi/2, pi/2], or in [0, pi] when first and last axis are the same. Throws ModelError as it
+/// does.
 LOCKSTEP_API Angles to_angles(const std::string& sequence, const Quat& q);
 
-/// "xyz" for "cardan", "zxz" for "euler", "zxy" for "hpb"; a sequence of letters stands for itself.
+/// "xyz" for "cardan", "zxz" for "euler", "zxy" for "hpb"; any other text is returned as it is.
 LOCKSTEP_API std::string angle_sequence(const std::string& name);
 
 
-// A piece of a description as data: what a scene file says, or what C++ gives in its place. Every piece knows where it
-// stood.
+// A piece of a description as data: from a scene file, or from C++ in its place. Every piece knows where it was
+// written.
 
 
-/// Where a value stood: line and column count from 1; line 0 = given in C++.
+/// Where a value was written.
 struct Where {
-  std::shared_ptr<const std::string> file;
-  int line = 0, column = 0;
-  /// "four_bar.json:4:64", or "" for C++.
+  std::shared_ptr<const std::string> file;  ///< path of the file; null: given in C++, or as a text without a file
+  int line = 0,                             ///< from 1; 0: given in C++
+      column = 0;                           ///< from 1; 0: given in C++
+  /// "four_bar.json:4:64", the file alone without a line, or "" for C++.
   LOCKSTEP_API std::string text() const;
 };
 
-/// null, true/false, number, text, list or object (its members in the order of the file).
+/// A piece of a description: null, true/false, number, text, list or object (its members in the order of the file).
 class Value {
  public:
+  /// A key of an object with its value.
   struct Member;
-  using List = std::vector<Value>;
-  using Object = std::vector<Member>;
+  using List = std::vector<Value>;     ///< items of a list
+  using Object = std::vector<Member>;  ///< members of an object, in order
 
-  // Out of line, as all that makes or ends a Value: Member is complete only below.
+  // Defined out of line, like all that makes or destroys a Value: Member is complete only below.
+  /// Null.
   LOCKSTEP_API Value();
-  LOCKSTEP_API Value(bool b);          // NOLINT: a description reads like data
-  LOCKSTEP_API Value(double x);        // NOLINT
-  LOCKSTEP_API Value(int x);           // NOLINT
-  LOCKSTEP_API Value(const char* s);   // NOLINT
-  LOCKSTEP_API Value(std::string s);   // NOLINT
-  LOCKSTEP_API Value(List items);      // NOLINT
+  /// True or false.
+  LOCKSTEP_API Value(bool b);  // NOLINT: a description reads like data
+  /// A number.
+  LOCKSTEP_API Value(double x);  // NOLINT
+  /// A whole number, kept as a double.
+  LOCKSTEP_API Value(int x);  // NOLINT
+  /// A text.
+  LOCKSTEP_API Value(const char* s);  // NOLINT
+  /// A text.
+  LOCKSTEP_API Value(std::string s);  // NOLINT
+  /// A list.
+  LOCKSTEP_API Value(List items);  // NOLINT
+  /// An object.
   LOCKSTEP_API Value(Object members);  // NOLINT
+  /// Copies the whole piece.
   LOCKSTEP_API Value(const Value&);
+  /// Moves the whole piece.
   LOCKSTEP_API Value(Value&&) noexcept;
+  /// Copies the whole piece.
   LOCKSTEP_API Value& operator=(const Value&);
+  /// Moves the whole piece.
   LOCKSTEP_API Value& operator=(Value&&) noexcept;
   LOCKSTEP_API ~Value();
+  /// A list of numbers.
   LOCKSTEP_API static Value list(std::initializer_list<double> numbers);
+  /// An object with these members, in this order.
   LOCKSTEP_API static Value object(std::initializer_list<std::pair<const char*, Value>> members);
 
-  bool is_null() const { return std::holds_alternative<std::monostate>(data_); }
+  bool is_null() const { return std::holds_alternative<std::monostate>(data_); }  ///< whether this is null
+  /// The value if this is true or false, else nullptr.
   const bool* boolean() const { return std::get_if<bool>(&data_); }
-  const double* number() const { return std::get_if<double>(&data_); }
-  const std::string* text() const { return std::get_if<std::string>(&data_); }
-  const List* list() const { return std::get_if<List>(&data_); }
-  const Object* object() const { return std::get_if<Object>(&data_); }
-  List* list() { return std::get_if<List>(&data_); }
-  Object* object() { return std::get_if<Object>(&data_); }
+  const double* number() const { return std::get_if<double>(&data_); }          ///< the number, else nullptr
+  const std::string* text() const { return std::get_if<std::string>(&data_); }  ///< the text, else nullptr
+  const List* list() const { return std::get_if<List>(&data_); }                ///< the items of a list, else nullptr
+  const Object* object() const { return std::get_if<Object>(&data_); }  ///< the members of an object, else nullptr
+  List* list() { return std::get_if<List>(&data_); }                    ///< the items of a list, else nullptr
+  Object* object() { return std::get_if<Object>(&data_); }              ///< the members of an object, else nullptr
 
-  /// Member of an object by name, nullptr when absent or when this is no object.
+  /// The member of an object with that key; nullptr when there is none, or when this is not an object.
   LOCKSTEP_API const Value* find(std::string_view key) const;
-  /// This object without the members named; what is no object stays as it is.
+  /// A copy of this object without the members of these keys; anything else is copied as it is.
   LOCKSTEP_API Value without(std::initializer_list<std::string_view> keys) const;
-  /// "a number", "a text", "a list of 3", ... for messages.
+  /// "a number", "a text", "a list of 3", ...; for messages.
   LOCKSTEP_API std::string kind() const;
 
-  Where where;
+  Where where;  ///< where it was written
 
  private:
   std::variant<std::monostate, bool, double, std::string, List, Object> data_;
@@ -98,129 +118,138 @@ class Value {
 
 /// A key of an object with its value.
 struct Value::Member {
-  std::string key;
-  Value value;
-  Where where;  ///< of the key
+  std::string key;  ///< name of the key, without quotes
+  Value value;      ///< its value
+  Where where;      ///< where the key was written
 };
 
 
-// Checked parameters of a named thing. One table of keys per registered type feeds the parser, the JSON schema, `list`,
-// `describe` and the errors; there is no second list anywhere.
+// Checked parameters of a named thing. One table of keys per registered type serves the parser, the JSON schema,
+// `list`, `describe` and the errors; there is no second list.
 
 
 /// What a key holds.
 enum class Form {
-  number,
-  integer,
-  boolean,
-  text,
-  choice,       // choice: one of Key::choices
-  vector3,      // [x, y, z]
-  axis,         // a direction: "x", "-y" or [x, y, z], not zero; handed out with length 1
-  orientation,  // quaternion [w, x, y, z], {"axis":, "angle":}, {"angles": [a, b, c], "sequence": "xyz"}, or {"matrix":
-                // ...}
-  numbers,      // list of numbers
-  points,       // list of lists of numbers
-  law,
-  translation_law,
-  rotation_law,
-  laws,  // {"type": ..., keys of that law}, a bare number = constant; laws: a list of scalar ones
-  any    // the maker reads the Value itself
+  number,           ///< a number, or a text with a unit
+  integer,          ///< a whole number
+  boolean,          ///< true or false
+  text,             ///< a text
+  choice,           ///< one of the texts in Key::choices
+  vector3,          ///< [x, y, z]
+  axis,             ///< a direction, not zero: "x", "-y" or [x, y, z]; read as a unit vector
+  orientation,      ///< [w, x, y, z], {"axis", "angle"}, {"angles", "sequence"}, {"matrix"}, or two of {"x", "y", "z"}
+  numbers,          ///< a list of numbers
+  points,           ///< a list of lists of numbers
+  law,              ///< a scalar law: {"type": ..., keys of that law}, or a number for a constant
+  translation_law,  ///< a law of a translation: {"type": ..., its keys}, or [x, y, z] for a constant
+  rotation_law,     ///< a law of a rotation: {"type": ..., its keys}, or a quaternion for a constant
+  laws,             ///< a list of scalar laws
+  any               ///< anything; the maker reads the Value itself
 };
 
-/// The dimension of a number; strings with a unit are converted to SI ("12 mm", "30 deg", "1200 rpm").
+/// The dimension of a number. A text with a unit ("12 mm", "30 deg", "1200 rpm") is converted to SI.
 enum class Unit {
-  none,
-  length,
-  angle,
-  time,
-  mass,
-  speed,
-  angular_speed,
-  acceleration,
-  angular_acceleration,
-  force,
-  torque,
-  inertia,
-  density,
-  stiffness,
-  torsion_stiffness,
-  damping,
-  torsion_damping,
-  frequency,
-  any
-};  // any: what its user takes it for (the amplitude of a law); every unit is taken, and turned into SI
+  none,                  ///< a pure number
+  length,                ///< m
+  angle,                 ///< rad
+  time,                  ///< s
+  mass,                  ///< kg
+  speed,                 ///< m/s
+  angular_speed,         ///< rad/s
+  acceleration,          ///< m/s^2
+  angular_acceleration,  ///< rad/s^2
+  force,                 ///< N
+  torque,                ///< N m
+  inertia,               ///< kg m^2
+  density,               ///< kg/m^3
+  stiffness,             ///< N/m
+  torsion_stiffness,     ///< N m/rad
+  damping,               ///< N s/m
+  torsion_damping,       ///< N m s/rad
+  frequency,             ///< Hz
+  any  ///< the unit of what uses it (the amplitude of a law); every unit is accepted and converted to SI
+};
 
-/// What holds where a key is not given: a value, or one of these.
-enum class Unset { required, optional };  // optional: may be left out, asked by has()
-inline constexpr Unset kRequired = Unset::required, kOptional = Unset::optional;
+/// What holds when a key without a default is not given.
+enum class Unset {
+  required,  ///< an error
+  optional   ///< nothing; the maker asks has()
+};
+inline constexpr Unset kRequired = Unset::required,  ///< the key must be given
+    kOptional = Unset::optional;                     ///< the key may be left out
+/// The value of a key that is not given: a Value, kRequired or kOptional.
 using Default = std::variant<Unset, Value>;
 
 /// One key of a type: its form, unit, default and help.
 struct Key {
-  std::string name;
-  Form form = Form::number;
-  Unit unit = Unit::none;
-  Default fallback{};                  ///< 0.5, "words", Value::List{0, 0, 1}, kRequired, kOptional
-  std::string help;                    ///< one line, says the frame where there is one
-  std::vector<std::string> choices{};  ///< of Form::choice
+  std::string name;                    ///< as written in scenes
+  Form form = Form::number;            ///< what it holds
+  Unit unit = Unit::none;              ///< dimension of its numbers
+  Default fallback{};                  ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
+  std::string help;                    ///< one line; names the frame where there is one
+  std::vector<std::string> choices{};  ///< the texts that are accepted, for Form::choice
 
+  /// Whether it must be given.
   bool required() const { return default_value() == nullptr && std::get<Unset>(fallback) == kRequired; }
+  /// Its default; nullptr when there is none.
   const Value* default_value() const { return std::get_if<Value>(&fallback); }
 };
-using Keys = std::vector<Key>;
+using Keys = std::vector<Key>;  ///< a table of keys
 
-/// Name, one line of help and the keys of a registered type.
+/// Name, help and keys of a registered type.
 struct TypeInfo {
-  std::string name, help;
-  Keys keys;
+  std::string name,  ///< as in scenes and registries
+      help;          ///< one line of text
+  Keys keys;         ///< the keys of its parameters
 };
 
 /// A law that was made from the value of a key, or the laws of a list.
 using MadeLaw =
     std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, std::vector<LawPtr<MotionLaw>>>;
 
-/// The members of one object, checked against a table of keys. Throws SceneError with place, owner, key, value, next
-/// move: unknown key (with the closest known one), missing key, wrong form, unit of another dimension, NaN or infinity.
+/// The members of one object, checked against a table of keys. Checking throws SceneError with place, owner, key, value
+/// and advice: an unknown key (with the closest known one), a key given twice, a missing key, a wrong form, a unit of
+/// another dimension, NaN or infinity. Values are read by getters, which return the default of a key that is not given
+/// and throw SceneError for a key that is not in the table, or that is not given and has no default.
 class LOCKSTEP_API Params {
  public:
-  /// Parameters given in C++: Params{{"height", 0.02}, {"width", 0.3}}; checked when a maker asks for them through
-  /// `checked`.
+  /// Parameters given in C++, Params{{"height", 0.02}, {"width", 0.3}}, not checked yet: checked() does that.
   Params(std::initializer_list<std::pair<const char*, Value>> members = {});
-  /// An object as a scene holds it, not checked yet either.
+  /// An object from a scene, not checked yet.
   static Params unchecked(Value object);
-  /// `owner` names the thing in messages: "link 'A'", "link 'A', drive.law".
-  /// The laws among them are made by a registry: checked_params() (description/registry/registry.h).
+  /// The members of `object` (null: none) checked against the keys of `info`. `owner` names the thing in messages:
+  /// "link 'A'", "link 'A', drive.law". Laws are not made: checked_params() of registry.h does that.
   Params(Value object, const TypeInfo& info, std::string owner);
 
-  /// These parameters held against a table.
+  /// These parameters checked against the keys of `info`; laws are not made. Throws SceneError.
   Params checked(const TypeInfo& info, std::string owner) const;
-  /// Of checked parameters those that `keys` list, with the laws that were made for them; nothing is checked again.
+  /// The part of checked parameters that `keys` list, with the laws that were made for them. Checks nothing again.
   Params only(Keys keys) const;
-  /// Puts the law that was made from the value of a key.
+  /// Sets the law that was made from the value of a key.
   void put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
 
-  bool has(std::string_view key) const;  ///< given, not merely defaulted
-  double number(std::string_view key) const;
-  int integer(std::string_view key) const;
-  bool boolean(std::string_view key) const;
-  std::string text(std::string_view key) const;  ///< Form::text and Form::choice
-  Vec3 vector3(std::string_view key) const;      ///< Form::vector3 and Form::axis
-  Quat orientation(std::string_view key) const;
-  std::vector<double> numbers(std::string_view key) const;
-  std::vector<std::vector<double>> points(std::string_view key) const;
+  bool has(std::string_view key) const;          ///< whether it is given; a default does not count
+  double number(std::string_view key) const;     ///< in SI units
+  int integer(std::string_view key) const;       ///< a whole number
+  bool boolean(std::string_view key) const;      ///< true or false
+  std::string text(std::string_view key) const;  ///< of Form::text and Form::choice
+  Vec3 vector3(std::string_view key) const;      ///< of Form::vector3, in SI units, and of Form::axis, length 1
+  Quat orientation(std::string_view key) const;  ///< unit quaternion
+  std::vector<double> numbers(std::string_view key) const;              ///< in SI units
+  std::vector<std::vector<double>> points(std::string_view key) const;  ///< one list per point, in SI units
+  /// The law made from the value; throws SceneError when none was made.
   LawPtr<MotionLaw> law(std::string_view key) const;
-  LawPtr<TranslationLaw> translation_law(std::string_view key) const;
-  LawPtr<RotationLaw> rotation_law(std::string_view key) const;
-  std::vector<LawPtr<MotionLaw>> laws(std::string_view key) const;
-  const Value& value(std::string_view key) const;  ///< as written; null when absent
-  const Keys& keys() const { return keys_; }
-  /// As written, else the default; null when there is neither.
+  LawPtr<TranslationLaw> translation_law(std::string_view key) const;  ///< likewise
+  LawPtr<RotationLaw> rotation_law(std::string_view key) const;        ///< likewise
+  std::vector<LawPtr<MotionLaw>> laws(std::string_view key) const;     ///< likewise, of Form::laws
+  const Value& value(std::string_view key) const;                      ///< as written; null when it is not given
+  const Keys& keys() const { return keys_; }  ///< the table that they were checked against; empty before
+  /// The value as written, else the default; null when there is neither.
   Value given_or_default(const Key&) const;
 
-  const std::string& owner() const { return owner_; }
-  const Where& where() const { return object_.where; }  ///< of the object
-  /// Throws SceneError: place of `key`, owner, key, `problem` (value, limit, next move).
+  const std::string& owner() const { return owner_; }   ///< the name of the thing in messages
+  const Where& where() const { return object_.where; }  ///< where the object was written
+  /// Throws SceneError with the place of `key`, owner, key and `problem` (value, limit, advice).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 
  private:
@@ -241,38 +270,40 @@ class LOCKSTEP_API Params {
 /// law", "slope") is "link 'A', law.slope".
 LOCKSTEP_API std::string part_of(const std::string& owner, std::string_view part);
 
-/// Whether a key of this form holds a law, or a list of laws.
+/// Whether a key of this form holds a law or a list of laws.
 LOCKSTEP_API bool holds_law(Form);
 
-/// "number", "choice", "translation law", ... for `describe` and the schema.
+/// "number", "choice", "translation law", ...; for `describe` and the schema.
 LOCKSTEP_API std::string name_of(Form);
 
-/// Throws ModelError when a table is not sound: a key without a name or twice, a default that is not of the key's
-/// form, a choice without choices.
+/// Throws ModelError for a faulty table: no name, a key without a name or listed twice, text that is not one plain line
+/// of UTF-8, a default that is not of the key's form, a choice without choices.
 LOCKSTEP_API void check(const TypeInfo&);
 
 
-// Site: where a link or force stands, handed to its maker together with its parameters.
+// Site: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
 
 
 class Lock;
 
-/// The name of the thing and the markers it is given, P before S of each pair.
-struct LOCKSTEP_API Site {  // shown, because the shelves are templates of it
-  std::string name;
-  std::vector<std::pair<Marker*, Marker*>> pairs;  ///< one for a lock; forces may have none, or a pair without S
-  Lock* link = nullptr;                            ///< the link that carries a force (friction); most have none
+/// The name of a new link or force and the markers it is given, P before S in each pair.
+struct LOCKSTEP_API Site {  // exported, because the registries are templates of it
+  std::string name;         ///< name of the link or force
+  /// One for a lock; forces may have none, or a pair without S (nullptr).
+  std::vector<std::pair<Marker*, Marker*>> pairs;
+  Lock* link = nullptr;  ///< the link that a force acts in (friction); most forces have none
 
-  /// Of pair k; throw ModelError when the marker is not given.
+  /// Marker P of pair k; throws ModelError when it is not given.
   Marker& p(std::size_t k = 0) const { return given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k); }
+  /// Marker S of pair k; throws ModelError when it is not given.
   Marker& s(std::size_t k = 0) const { return given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k); }
-  /// Throws ModelError when none is given.
+  /// The link that the force acts in; throws ModelError when none is given.
   Lock& carrier() const {
     if (link == nullptr) throw ModelError("'" + name + "': its type acts in a link; name that as \"link\"");
     return *link;
   }
 
-  /// The marker of one side of pair k; throws ModelError, naming `name`, when it is not given.
+  /// The marker of one side of pair k; throws ModelError with `name` when it is nullptr.
   template <class M>
   static M& given(const std::string& name, M* marker, const char* side, std::size_t k) {
     if (marker == nullptr)

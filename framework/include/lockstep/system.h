@@ -1,4 +1,4 @@
-// The system: who exists and how they are connected.
+// The system: bodies, markers, links and forces, and how they are connected.
 #pragma once
 
 #include <deque>
@@ -19,23 +19,28 @@
 
 namespace lockstep {
 
-// Poses and twists of bodies in a state, read and set whatever coordinates the state keeps.
+// Poses and twists of bodies in a state, read and set independently of the coordinates that the state stores.
 
 
-/// Pose of a body's frame in the world, m.
+/// Pose of a body's frame in the world: m, and a unit quaternion.
 LOCKSTEP_API Pose pose(const Body&, const State&);
-/// v: velocity of the origin of the body's frame, m/s, world; w: rad/s, the body's axes.
+/// Twist of a body's frame: velocity of its origin, world, m/s; angular velocity, body axes, rad/s.
 LOCKSTEP_API Twist twist(const Body&, const State&);
 
-/// For user code that changes a state: Event::change, a start for Simulation::set_state. What was set need not fit the
-/// links; who takes the state makes it consistent. Bodies that are merged into one move together.
+/// Reads and sets the motion of bodies in a state, for code that changes a state: Event::change, a start for
+/// Simulation::set_state. What is set need not satisfy the links; whoever takes the state makes it consistent. Bodies
+/// that are merged into one slot move together.
 class LOCKSTEP_API StateEditor {
  public:
+  /// Edits `state`, which must outlive the editor.
   explicit StateEditor(State& state) : state_(state) {}
+  /// As lockstep::pose().
   Pose pose(const Body& body) const { return lockstep::pose(body, state_); }
+  /// As lockstep::twist().
   Twist twist(const Body& body) const { return lockstep::twist(body, state_); }
-  /// Puts the body's frame there; its twist stays. Throws ModelError for a body that does not move.
+  /// Sets the pose of the body's frame in the world; its twist stays. Throws ModelError for a body that does not move.
   void set_pose(const Body&, const Pose&);
+  /// Sets the twist of the body's frame. Throws ModelError for a body that does not move.
   void set_twist(const Body&, const Twist&);
 
  private:
@@ -43,142 +48,172 @@ class LOCKSTEP_API StateEditor {
 };
 
 
-// System: who exists and how they are connected. Description only; it is const while anything is evaluated.
+// System: the description. It is const while anything is evaluated.
 
 
-/// Where two markers of a new link coincide at the start: one point and one set of axes, in the world.
+/// Where both markers of a new link are at the start: a point, world, m, and axes, unit quaternion.
 inline Pose pose_at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
-/// The same with the markers' z axis along `z` (any length; x and y are chosen).
+/// The same with the markers' z axis along `z`, of any length but zero; x is as near to the world's x as possible (to
+/// its y for z along x). Throws ModelError for a zero z.
 LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 
-/// Which rows of a link lie in the plane of a planar mechanism.
+/// The rows of a link that lie in the plane of a planar mechanism.
 struct PlanarRows {
-  int m = 0;
-  std::array<int, kMaxRows> own{};
-  bool by_link = false;  ///< the link gathers them itself
+  int m = 0;                        ///< how many
+  std::array<int, kMaxRows> own{};  ///< their numbers among the rows of the link
+  bool by_link = false;             ///< the link gathers them itself; see Planar
 };
 
-/// Who exists and how they are connected.
+/// A mechanism: its bodies, markers, links and forces, their setup, and the passes that evaluate them.
 class LOCKSTEP_API System {
  public:
-  /// Gravity.
+  /// Options of a new system.
   struct Options {
     Vec3 gravity = Vec3::Zero();  ///< m/s^2, world
   };
-  System() : System(Options{}) {}
-  explicit System(Options options);
+  System() : System(Options{}) {}    ///< without gravity
+  explicit System(Options options);  ///< a system of the ground alone
   ~System();
-  System(System&&) noexcept;
-  System& operator=(System&&) noexcept;
+  System(System&&) noexcept;             ///< references to bodies, markers, links and forces stay valid
+  System& operator=(System&&) noexcept;  ///< references to bodies, markers, links and forces stay valid
 
-  // -- description; names are unique per kind, everything stays where it is in memory
-  Body& ground() { return *ground_; }
+  // -- description. Bodies, markers, links and forces all have different names. References stay valid.
+  Body& ground() { return *ground_; }  ///< the fixed body "ground", whose frame is the world's
+  /// A body with its mass properties in its own frame, and the pose of that frame in the world at the start. Throws
+  /// ModelError for a name that is empty or taken, invalid mass properties (check()), or a pose that is not finite or
+  /// not of a unit quaternion.
   Body& add_body(const std::string& name, const MassProperties&, const Pose& home = {});
+  /// A body from a shape, at the shape's pose. Throws likewise.
   Body& add_body(const std::string& name, const Shape& shape) { return add_body(name, shape.mass, shape.home); }
+  /// A particle: mass, kg, at x, world, m. Throws ModelError likewise, or for a mass that is not above 0.
   Body& add_particle(const std::string& name, double mass, const Vec3& x);
+  /// A body that never moves. Throws likewise.
   Body& add_fixed(const std::string& name, const Pose& home = {});
+  /// A marker by its pose in the body's frame. Throws ModelError for a name or pose as above.
   Marker& add_marker(const std::string& name, Body&, const Pose& local = {});
-  Marker& add_marker_at(const std::string& name, Body&, const Pose& world);  ///< by its pose in the world at the start
+  /// A marker by its pose in the world at the start. Throws likewise.
+  Marker& add_marker_at(const std::string& name, Body&, const Pose& world);
+  /// Adds a link. Throws ModelError for nullptr, or a name that is empty or taken.
   Lock& add(std::unique_ptr<Lock>);
+  /// Adds a force. Throws likewise.
   Force& add(std::unique_ptr<Force>);
+  /// Adds states that are integrated along. Throws ModelError for nullptr.
   Auxiliary& add(std::unique_ptr<Auxiliary>);
-  /// A link of type L between two bodies, both markers ("<name>.P" and "<name>.S") at one pose in the world.
+  /// A link of type L between two bodies, with new markers "<name>.P" and "<name>.S" at one pose in the world. `args`
+  /// go to the constructor of L after the markers.
   template <class L, class... Args>
   L& add(const std::string& name, Body& p, Body& s, const Pose& world, Args&&... args) {
     Marker& P = add_marker_at(name + ".P", p, world);
     Marker& S = add_marker_at(name + ".S", s, world);
     return add<L>(name, P, S, std::forward<Args>(args)...);
   }
-  /// A link or force of type L on existing markers.
+  /// A link or force of type L on existing markers. `args` go to its constructor after the markers.
   template <class L, class... Args>
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
     check_facets<L>();
     check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
   }
-  /// The same with the options in braces: sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4}).
+  /// The same with the options in braces: `sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4})`.
   template <class L>
   L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
     check_facets<L>();
     check_force_facets<L>();
     return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
   }
-  Vec3 gravity() const { return options_.gravity; }
+  Vec3 gravity() const { return options_.gravity; }  ///< acceleration of gravity, world, m/s^2
+  /// Sets the acceleration of gravity, world, m/s^2. Call changed() after it when the system is planar.
   void set_gravity(const Vec3& g) { options_.gravity = g; }
 
-  /// Motion in the plane whose normal is this axis of the world (0 x, 1 y, 2 z): three velocities a body, rows out of
-  /// the plane left out. Exact where axes, forces and starts lie in that plane; setup() refuses by name what leaves it.
+  /// Motion in the plane whose normal is this axis of the world (Plane{}: in space): three velocities per body, and the
+  /// rows out of the plane are left out. Exact where axes, forces and starts lie in the plane; setup() refuses by name
+  /// what leaves it.
   void set_planar(Plane plane) { plane_ = plane, ready_ = false; }
-  Plane plane() const { return plane_; }
+  Plane plane() const { return plane_; }  ///< the plane that was set; motion in space without one
 
-  /// Bodies that are held to one another by a fixed link without a law, at its place at the start, move as one slot and
-  /// the link has no rows. `keep`: fixed links whose reactions are wanted; they stay links.
+  /// Whether bodies that are held to one another by a fixed link without laws, which fits at the start, move as one
+  /// slot; such a link has no rows. `keep`: fixed links that stay links, because their reactions are wanted.
   void set_merge(bool merge, std::vector<const Lock*> keep = {}) {
     merge_ = merge, kept_ = std::move(keep), ready_ = false;
   }
-  /// After setup: whether the link went into a slot, so that it has neither rows nor reaction.
+  /// After setup: whether the link was merged into a slot, so that it has neither rows nor a reaction.
   bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
-  /// After setup in a plane: whether rows or forces have arms along its normal. The motion is exact all the same, but
-  /// moments of the links about axes in the plane are left out.
+  /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
+  /// but moments of the links about axes in the plane are left out.
   bool has_offsets() const { return offsets_; }
 
-  // -- finding; throws ModelError with the closest name
-  Body& body(const std::string& name);
-  Marker& marker(const std::string& name);
-  Lock& link(const std::string& name);
-  Force& force(const std::string& name);
-  const Body& body(const std::string& name) const;
-  const Marker& marker(const std::string& name) const;
-  const Lock& link(const std::string& name) const;
-  const Force& force(const std::string& name) const;
-  const std::deque<Body>& bodies() const { return bodies_; }  ///< the ground is the first
+  // -- finding by name; throws ModelError with the closest name
+  Body& body(const std::string& name);                        ///< the body of that name; throws ModelError
+  Marker& marker(const std::string& name);                    ///< the marker of that name; throws ModelError
+  Lock& link(const std::string& name);                        ///< the link of that name; throws ModelError
+  Force& force(const std::string& name);                      ///< the force of that name; throws ModelError
+  const Body& body(const std::string& name) const;            ///< the body of that name; throws ModelError
+  const Marker& marker(const std::string& name) const;        ///< the marker of that name; throws ModelError
+  const Lock& link(const std::string& name) const;            ///< the link of that name; throws ModelError
+  const Force& force(const std::string& name) const;          ///< the force of that name; throws ModelError
+  const std::deque<Body>& bodies() const { return bodies_; }  ///< all bodies; the ground is the first
+  /// All markers, in the order in which they were added.
   const std::deque<Marker>& markers() const { return markers_; }
-  const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }
+  const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }  ///< all links, by number
+  /// All forces, in the order in which they were added.
   const std::vector<std::unique_ptr<Force>>& forces() const { return forces_; }
+  /// All auxiliaries, in the order in which they were added.
   const std::vector<std::unique_ptr<Auxiliary>>& auxiliaries() const { return auxiliaries_; }
 
-  // -- setup: slots, folded markers, states, memory, groups. Throws ModelError. Automatic when the description changed.
+  // -- setup
+  /// Makes slots, folds markers, and assigns states, memory and groups, unless that was done since the last change.
+  /// Throws ModelError for an impossible mechanism, UserCodeError for code of plugins or the host that fails. Dynamics
+  /// calls it.
   void setup();
-  /// The same, always anew; what leaves the plane is handed back in place of being thrown.
+  /// As setup(), but always anew, and returns the error for what leaves the plane instead of throwing it.
   std::optional<ModelError> try_setup();
-  bool ready() const { return ready_; }
-  /// To be said after a body, marker or gravity was altered in place: the next evaluation sets up anew.
+  bool ready() const { return ready_; }  ///< whether it is set up and unchanged since
+  /// To be called after a body, marker or gravity was altered in place: the next evaluation sets the system up anew.
   void changed() { ready_ = false; }
-  long revision() const { return revision_; }  ///< counts the setups that did something
-  int n_slots() const { return static_cast<int>(slots_.size()); }
-  const Slot& slot(int k) const { return slots_[static_cast<std::size_t>(k)]; }
-  const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }  ///< for messages
-  int n_velocities() const { return n_velocities_; }  ///< unknown velocities: 6 a body, 3 a particle; planar 3 and 2
-  int n_states() const { return n_states_; }
-  int n_memory() const { return n_memory_; }
-  /// The error of the first so many of State::s controls the step of an adaptive integrator; the others are quadratures.
+  long revision() const { return revision_; }                      ///< counts the setups that did something
+  int n_slots() const { return static_cast<int>(slots_.size()); }  ///< how many slots move
+  const Slot& slot(int k) const { return slots_[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
+  /// The first body of slot k; names the slot in messages.
+  const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }
+  /// Unknown velocities: 6 per body, 3 per particle; planar 3 and 2.
+  int n_velocities() const { return n_velocities_; }
+  int n_states() const { return n_states_; }  ///< size of State::s
+  int n_memory() const { return n_memory_; }  ///< size of State::z
+  /// How many of State::s, from the first on, control the step of an adaptive integrator by their error; the others are
+  /// quadratures.
   int n_error_controlled_states() const { return n_controlled_; }
-  /// The state at the start: home poses, start velocities, start values; not yet assembled. Throws ModelError before
-  /// setup.
+  /// The state at the start, t = 0: home poses, start velocities, start values; not yet assembled. Throws ModelError
+  /// before setup.
   State start() const;
-  /// Throws ModelError when the state was made for another description: sizes of q, v, s, z and modes.
+  /// Throws ModelError when the state belongs to another description: by the sizes of q, v, s, z, modes and watched.
   void check_size(const State&) const;
 
-  // -- evaluation
-  /// Row table for the links in force; groups stand one after another. Allocates only beyond what was there.
+  // -- evaluation, after setup
+  /// Lays out the rows of the links in force, `modes` by link number, group after group. Allocates only when the table
+  /// grows.
   void lay_out(const std::vector<bool>& modes, RowTable& table) const;
-  /// Poses and twists of ground and slots (quaternions normalised) from the state.
+  /// Motions of the ground and then the slots, from the state; quaternions are normalised.
   void motions(const State&, std::vector<Motion>& out) const;
-  /// Rows of every active link, group by group.
+  /// Writes the rows of every link in the table, group by group. Throws what links and laws throw, named by
+  /// rethrow_in(); ModelError for a row that leaves the plane.
   void gather_rows(const Inputs&, RowTable& table) const;
-  /// Gravity, -w x J w and all forces; f: 6 a slot.
+  /// Writes gravity, -w x J w and all forces to f: per slot 6, force (world, N) and moment about the mass centre (slot
+  /// axes, N m). f has its size already. Throws what forces and laws throw, named by rethrow_in(); ModelError for a
+  /// force that leaves the plane.
   void gather_forces(const Inputs&, VecX& f) const;
-  /// Rates of State::s; `values` as solved.
+  /// Writes the rates of State::s to sd, which has its size already; zero for links that are not in force. `values` as
+  /// solved.
   void state_rates(const Evaluated& values, VecX& sd) const;
-  /// After an accepted step: turn counters of links and forces.
+  /// Updates State::z after an accepted step: turn counters of links and forces.
   void accept(const Inputs&, State&) const;
-  /// Instants in (t0, t1) where any law jumps, sorted.
+  /// Instants in (t0, t1), s, where any law of links and forces jumps, increasing, each once.
   std::vector<double> breakpoints(double t0, double t1) const;
 
   /// "row e1 of link 'C'" for a row of the table; for messages.
   std::string row_name(const RowTable& table, int row) const;
-  /// Turns angles into lengths in norms: the largest of the arms of markers on moving bodies, the radii of gyration of
-  /// bodies that turn, and the distances of paired markers at home; at least 1e-6 m.
+  /// Characteristic length, m, by which angles are turned into lengths in norms: the largest of the lever arms of
+  /// markers on moving bodies, the radii of gyration of bodies that turn, and the distances of paired markers at the
+  /// start; at least 1e-6 m.
   double length() const { return length_; }
 
  private:
@@ -202,7 +237,7 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
   Body* ground_ = nullptr;
-  std::unordered_map<std::string, std::string> names_;  // taken, and by what
+  std::unordered_map<std::string, std::string> names_;  // those that are taken, and the kind of thing that has each
 
   bool ready_ = false;
   Plane plane_;
@@ -221,7 +256,7 @@ class LOCKSTEP_API System {
 };
 
 /// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres
-/// lie in it. No plane if there is none. The system's own choice of plane is left as it was.
+/// lie in it. No plane when there is none. The plane that was set stays; the next setup() does its work anew.
 LOCKSTEP_API Plane find_plane(System&);
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-// Words for messages: the closest name, lists of names, numbers as a person would write them.
+// Text of messages: the closest name, lists of names, numbers for people.
 #pragma once
 
 #include <span>
@@ -10,20 +10,21 @@
 
 namespace lockstep {
 
-/// The candidate nearest to `word` by edit distance (case ignored), or "" when none is near (more than a third of the
-/// word apart).
+/// The candidate nearest to `word` by edit distance (case ignored; an exchange of neighbours is one edit), or "" when
+/// that is more than a third of the word's length, at least 1.
 LOCKSTEP_API std::string closest_name(std::string_view word, std::span<const std::string> candidates);
 
-/// `; did you mean "slope"?` or, when nothing is near, `; known: a, b, c` (at most twelve names, then "...").
+/// `; did you mean "slope"?` or, when no name is near, `; known: a, b, c` (at most twelve names, then "..."); ""
+/// without candidates.
 LOCKSTEP_API std::string suggestion(std::string_view word, std::span<const std::string> candidates);
 
-/// "a, b and c"
+/// "a, b and c"; `last` comes before the last word.
 LOCKSTEP_API std::string join(std::span<const std::string> words, std::string_view last = " and ");
 
-/// Shortest text that reads back as the same double, locale never asked.
+/// Shortest text that reads back as the same double, whatever the locale.
 LOCKSTEP_API std::string number(double value);
 
-/// Three significant digits, for messages.
+/// At most three significant digits, for messages.
 LOCKSTEP_API std::string brief(double value);
 
 }  // namespace lockstep
