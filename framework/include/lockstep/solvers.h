@@ -92,8 +92,8 @@ struct TypeInfo;
 /// Eigen's sparse LDL^T, the fallback and the cross-check: any topology, redundant rows; the fill of the links' graph
 /// determines its work.
 ///
-/// SolveReport::smallest_pivot: every slot is eliminated before any link, so the pivot of row j is -D_j, D being the
-/// diagonal of the Cholesky factor of S + E', S = J M^-1 J^T. D_j / (S_jj + E'_j) lies in (0, 1]: the part of the row's
+/// SolveReport::smallest_pivot: every slot is eliminated before any link, so the pivot of row j is -D_j, D the diagonal
+/// of the LDL^T of S + E', S = J M^-1 J^T. D_j / (S_jj + E'_j) lies in (0, 1]: the part of the row's
 /// own square that is independent of the rows before it. Redundant rows leave about eps.
 class LOCKSTEP_API SparseSolver final : public LinearSolver {
  public:
