@@ -26,10 +26,9 @@ struct CheckOptions {
   int states = 8;          ///< number of random states; for laws, 8 instants for each of them
   double from = 0,         ///< beginning of the time that is looked at, s
       to = 2;              ///< end of that time, s
-  double reach =
-      0.3;  ///< largest displacement of a body from the start along each axis, as a part of the bodies' distance
-  double turn = 0.5;  ///< largest rotation of a body from the start about each axis, rad
-  int pairs = 1;      ///< marker pairs of a type that is made from a registry, 1 to 3
+  double reach = 0.3;      ///< largest displacement along each axis from the start, over the distance between bodies
+  double turn = 0.5;       ///< largest rotation of a body from the start about each axis, rad
+  int pairs = 1;           ///< marker pairs of a type that is made from a registry, 1 to 3
 };
 
 /// One fault that a check found, in words.

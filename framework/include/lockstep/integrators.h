@@ -308,7 +308,7 @@ class LOCKSTEP_API LinearizedMotion {
 
  private:
   NewtonMatrix matrix_;
-  VecX p_, p_im_, force_, force_im_, rows_, al_, l_;  // 6 a slot, one a row
+  VecX p_, p_im_, force_, force_im_, rows_, al_, l_;  // 6 per slot, 1 per row
   VecXc force_c_, rows_c_, al_c_, l_c_;
 };
 

@@ -13,7 +13,7 @@
 
 namespace lockstep {
 
-// Scene: a mechanism as data, and the way from a file to a System. There is no way back.
+// Scene: a mechanism as data, and the way from a file to a System. A System is not converted back.
 
 
 /// A channel to record.

@@ -302,7 +302,7 @@ class LOCKSTEP_API SingularRate {
   void probe_along_forces(Dynamics&, const State&);
   bool probe(Dynamics&, const State&, double delta, double time, StateRate& mean);
 
-  State off_;  // the state beside it
+  State off_;  // the state to one side
   StateRate ahead_, behind_;
   std::array<StateRate, 3> mean_;
 };
