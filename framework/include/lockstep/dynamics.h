@@ -170,8 +170,8 @@ struct WorkCount {
 
 /// The factored saddle-point matrix of an evaluation, and solutions by it:
 ///
-///   | M   Jh^T | | a      |   | f |     f, a: 6 per slot (world; slot axes); c, lambda: 1 per row of the table
-///   | Jh  -E   | | lambda | = | c |     E: proximal term, corrected away
+///     M a + Jh^T lambda = f     f, a: 6 per slot (world; slot axes); c, lambda: 1 per row of the table
+///     Jh a - E lambda = c       E: proximal term, corrected away
 ///
 /// Its holder decides how long it serves. At the evaluation that it was computed from, solutions are exact. At a later
 /// one with the same links in force the matrix is still the old one: M and the directions Jh^T of the constraint forces

@@ -36,8 +36,8 @@ struct RunSettings {
   Stabilization stabilization;                   ///< how drift off the constraints is removed
   bool assemble = true;                          ///< the start is assembled
   std::vector<ChannelRequest> record{};          ///< channels to record
-  std::vector<std::vector<std::string>>
-      draw{};     ///< panels of the picture, each the recorded names in it; empty: by unit
+  /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
+  std::vector<std::vector<std::string>> draw{};
   Where where{};  ///< place of the object in the file
 };
 

@@ -26,9 +26,9 @@ struct SimulationOptions {
 
 /// A run of one system. Its parts stay accessible: recorder(), loop(), dynamics().
 ///
-///   Simulation run(system, {.integrator = "dopri5", .tolerance = 1e-8, .output = 0.01});
-///   auto& table = run.record({"rod.angle_z", "energy.total"});
-///   run.run_until(2.0);
+///     Simulation run(system, {.integrator = "dopri5", .tolerance = 1e-8, .output = 0.01});
+///     auto& table = run.record({"rod.angle_z", "energy.total"});
+///     run.run_until(2.0);
 class LOCKSTEP_API Simulation {
  public:
   /// The system must outlive the simulation; the registry is read only here. Throws ModelError or SceneError for an

@@ -141,8 +141,8 @@ LOCKSTEP_API void take_motion(State& in, State& out);
 
 /// Measures the error of a step in tolerances. There is one weight per quantity, the same for all bodies:
 ///
-///   position  atol_x + rtol X,        rotation          atol_x + rtol R,
-///   velocity  atol_x/(1 s) + rtol V,  angular velocity  atol_x/(1 s) + rtol W
+///     position  atol_x + rtol X,        rotation          atol_x + rtol R,
+///     velocity  atol_x/(1 s) + rtol V,  angular velocity  atol_x/(1 s) + rtol W
 ///
 /// X, R, V, W are the largest changes of any body over the step, but not less than its rate at the beginning would
 /// give: h |v|, h |w|, h |a|, h |alpha| (a body that swings to and fro within one step has moved). They are increments,
