@@ -10,31 +10,34 @@
 
 namespace lockstep {
 
-// Grid: all combinations of several lists of values, numbered, and shared out among programs that run side by side.
+// Grid: all combinations of several lists of values, numbered, and shared among programs that run side by side.
 
 
-/// The `index`-th of `count` shares of a grid; both count from 1. It takes every count-th run.
+/// A share of a grid: every count-th run, beginning with run `index`.
 struct Shard {
-  long index = 1, count = 1;
+  long index = 1,  ///< number of the share, from 1
+      count = 1;   ///< number of all shares
 };
 
-/// "2/8". Throws ModelError for anything else, and for an index beyond the count.
+/// Reads a share: "2/8". Throws ModelError for anything else, and for an index beyond the count.
 LOCKSTEP_API Shard read_shard(const std::string& text);
 
-/// Values of several parameters, and their combinations in order.
+/// All combinations of several lists of values, one per run, in order. It knows the lengths of the lists only.
 class LOCKSTEP_API Grid {
  public:
-  static constexpr long kMostRuns = 1'000'000'000;
+  static constexpr long kMostRuns = 1'000'000'000;  ///< runs at most
 
-  /// How many values each list has; no list at all is one run. Throws ModelError: an empty list, too many combinations.
+  /// `sizes`: the length of each list; no list makes one run. Throws ModelError for an empty list and for more than
+  /// kMostRuns combinations.
   explicit Grid(std::vector<std::size_t> sizes);
 
-  long n_runs() const { return n_runs_; }
-  /// Which value of each list the run takes; runs are numbered from 1, the last list changes fastest.
+  long n_runs() const { return n_runs_; }  ///< number of all runs
+  /// Position in each list, from 0, of the value that a run takes. Runs are numbered from 1; the last list changes
+  /// fastest.
   std::vector<std::size_t> at(long run) const;
-  /// How many runs the shard has; all shards together have each run once.
+  /// Number of runs of a share; all shares together have each run once.
   long n_runs(Shard) const;
-  /// The number of the k-th run of a shard, from 0 on.
+  /// Number of the k-th run of a share, k from 0.
   static long run(Shard shard, long k) { return shard.index + k * shard.count; }
 
  private:
@@ -46,19 +49,19 @@ class LOCKSTEP_API Grid {
 // Mobility: rank, freedoms and redundant rows of a mechanism in one pose, by name.
 
 
-/// Freedoms of a mechanism, and how many of its rows are redundant.
+/// Degrees of freedom of a mechanism in one pose, and the redundancy of its rows.
 struct MobilityReport {
-  int bodies = 0;                            ///< that move
-  int unknowns = 0;                          ///< velocities: 6 a body, 3 a particle
-  int rows = 0;                              ///< of the active links, drives included
+  int bodies = 0;                            ///< moving bodies; merged ones count as one
+  int unknowns = 0;                          ///< velocities: 6 per body, 3 per particle; in a plane 3 and 2
+  int rows = 0;                              ///< of the links in force, drives included
   int rank = 0;                              ///< of the rows, in this pose
   int freedoms = 0;                          ///< unknowns - rank
   int redundant = 0;                         ///< rows - rank
-  std::vector<std::string> redundant_links;  ///< links that share in a dependency of the rows
+  std::vector<std::string> redundant_links;  ///< names of links whose rows take part in a linear dependency
 };
 
-/// Rank by a pivoted QR of the rows, turns counted as lengths, every row made one long; threshold 1e-9. For
-/// descriptions, not for runs.
+/// Counts degrees of freedom: the rank of the rows by a pivoted QR, with rotations as lengths (System::length) and
+/// every row of length 1, singular below 1e-9. It allocates: for descriptions, not for runs. Throws NonFiniteError.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
 
 }  // namespace lockstep

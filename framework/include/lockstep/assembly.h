@@ -9,35 +9,40 @@
 
 namespace lockstep {
 
-/// A velocity that the start shall have on a link's coordinate: P against S, along or about an axis of S, m/s or rad/s.
+/// A velocity that the start is to have on a coordinate of a link: of P relative to S, along or about an axis of S.
 struct VelocityTarget {
-  std::string link;
-  Axis axis = Axis::rz;
-  double value = 0;
+  std::string link;      ///< name of the link
+  Axis axis = Axis::rz;  ///< the coordinate
+  double value = 0;      ///< m/s or rad/s
 };
 
 /// What assembling a start changed.
 struct AssemblyReport {
-  double before = 0, after = 0;      ///< |C|, m
-  double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
-  int iterations = 0;
-  double largest_move = 0;              ///< m
-  double largest_turn = 0;              ///< rad
-  std::string moved_most, turned_most;  ///< bodies
+  double before = 0,        ///< |C| of the start as given, m
+      after = 0;            ///< |C| of the assembled start, m
+  double before_v = 0,      ///< |Jh v + Ct| at the assembled position with the velocities as given, m/s
+      after_v = 0;          ///< |Jh v + Ct| of the assembled start, m/s
+  int iterations = 0;       ///< of the positions
+  double largest_move = 0;  ///< of a body, m
+  double largest_turn = 0;  ///< of a body, rad
+  std::string moved_most,   ///< the body with the largest move; "" where none moved
+      turned_most;          ///< the body with the largest turn; "" where none turned
 
-  bool is_notable() const;   ///< by more than 1e-6 m, rad or m/s
-  std::string text() const;  ///< one sentence
+  bool is_notable() const;   ///< whether a violation or a change was more than 1e-6 m, rad or m/s
+  std::string text() const;  ///< all of it in one sentence
 };
 
 /// When assembling ends.
 struct AssemblyOptions {
   double tolerance = 1e-12;  ///< of |C|, m (not below the round-off of the largest position)
-  int iterations = 60;
+  int iterations = 60;       ///< of the positions, at most
 };
 
-/// Newton with the Cayley update (8.2), least mass-weighted move; a step that does not lessen |C| is halved. Then the
-/// least mass-weighted change of the velocities onto Jh v = -Ct and the targets. Throws AssemblyError with the worst
-/// rows by name; the state is left as it was then. A notable correction is logged (support/log.h, level info).
+/// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least
+/// mass-weighted move; a step that does not reduce |C| is halved. Velocities: the least mass-weighted change onto
+/// Jh v = -Ct and the targets. A notable correction is logged (log.h, level info). Throws AssemblyError with the names
+/// of the worst rows, ModelError for a target of an unknown link, and what an evaluation throws; the state is then
+/// unchanged.
 LOCKSTEP_API AssemblyReport assemble(Dynamics&, State&, const std::vector<VelocityTarget>& targets = {},
                                      const AssemblyOptions& options = {});
 

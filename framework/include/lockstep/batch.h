@@ -1,7 +1,7 @@
-// Copies: eight copies of one mechanism at once, a copy a vector lane: parameter studies, ensembles, differences.
+// Copies: eight copies of one mechanism at once, one per vector lane: parameter studies, ensembles, differences.
 //
-// One evaluation serves all eight, with the same kernels on packs of eight numbers (framework/docs/solvers.md, section 3). Each
-// copy has its own masses, markers, gravity, laws, forces, start, time and step.
+// One evaluation serves all eight, with the same kernels on packs of eight numbers (framework/docs/solvers.md, section
+// 3). Each copy has its own masses, markers, gravity, laws, forces, start, time and step.
 #pragma once
 
 #include <functional>
@@ -17,8 +17,13 @@ namespace lockstep {
 
 class Registry;
 
-/// Instructions of the processor; `best` takes the widest that the machine has.
-enum class Instructions { best, plain, fma, avx512 };
+/// Vector instructions of the processor.
+enum class Instructions {
+  best,   ///< the widest that the machine has
+  plain,  ///< the baseline of the architecture
+  fma,    ///< AVX with FMA
+  avx512  ///< AVX-512
+};
 
 /// Method, tolerances and steps of a batch.
 struct CopiesOptions {
@@ -28,47 +33,51 @@ struct CopiesOptions {
   double max_step = 0;                ///< s; 0: no limit
   Stabilization stabilization;        ///< project or none
   bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
-  Instructions instructions = Instructions::best;  ///< others for comparison
-  const Registry* registry = nullptr;              ///< that has the integrator; null: builtin_registry()
+  Instructions instructions = Instructions::best;  ///< others are for comparison
+  const Registry* registry = nullptr;              ///< where the integrator is; null: builtin_registry()
 };
 
-/// How a copy came through a run.
+/// How the run of one copy ended.
 struct CopyReport {
-  double t = 0;          ///< of its last accepted step, s
-  long steps = 0;        ///< accepted
-  long rejected = 0;     ///< thrown away
-  bool finished = true;  ///< reached the last time
-  bool alone = false;    ///< left the lanes on the way and was finished by the ordinary path
+  double t = 0;          ///< time that it reached, s
+  long steps = 0;        ///< accepted steps
+  long rejected = 0;     ///< rejected attempts
+  bool finished = true;  ///< whether it reached the last time
+  bool alone = false;    ///< whether it ran, from some instant on, by the ordinary Dynamics and integrator
   std::string error;     ///< why it did not finish; "" if it did
 };
 
 /// Many copies of one mechanism that run at once, one per vector lane.
 class LOCKSTEP_API Copies {
  public:
-  static constexpr int kLanes = 8;
+  static constexpr int kLanes = 8;  ///< copies that one evaluation serves
 
-  /// Copies of one mechanism: equal bodies, links (type, mask, bodies, drives) and states; any number, eight at a time.
-  /// Sets the systems up, which must outlive the copies. Throws ModelError naming the difference, or why the mechanism
-  /// is not suited.
+  /// Copies of one mechanism: equal bodies, links (type, mask, bodies, drives) and integrated states; any number, eight
+  /// at a time. The systems are set up and must outlive the copies. Throws ModelError with the difference between two
+  /// of them, with the reason why the mechanism cannot run in lanes, or for wrong options.
   explicit Copies(std::vector<System*> systems, CopiesOptions options = {});
   ~Copies();
 
-  /// Why this mechanism cannot run in lanes, in words; "" if it can. Sets the system up.
+  /// Why this mechanism cannot run in lanes, in words; "" if it can. The system is set up.
   static std::string unsuited(System&);
 
-  int size() const;  ///< copies
-  const CopiesOptions& options() const;
+  int size() const;                      ///< number of copies
+  const CopiesOptions& options() const;  ///< as given
 
-  /// d/dt of q, v and s of every copy (size() states, each at its own time). False for a copy whose rows could not be
-  /// met: ask the ordinary Dynamics what is the matter.
+  /// Evaluates d/dt of q, v and s of every copy: size() states, each at its own time, and as many rates. False for a
+  /// copy whose rows could not be met: the ordinary Dynamics then names the cause. Throws ModelError for wrong
+  /// arguments.
   std::vector<bool> rate(std::span<const State> states, std::span<StateRate> out);
-  /// The states put on C = 0 and Jh v = -Ct, as by Dynamics::project. False where that did not converge.
+  /// Projects the states onto C = 0 and Jh v = -Ct, as Dynamics::project does. False where that did not converge.
+  /// Throws ModelError for wrong arguments.
   std::vector<bool> project(std::span<State> states);
 
-  /// Called at each time, for copy after copy in any order, but for one copy in the order of the times.
+  /// Receives the state of a copy (its number, from 0) at one of the times (its number, from 0): the copies in any
+  /// order, the times of one copy in theirs.
   using Output = std::function<void(int copy, std::size_t time, const State&)>;
-  /// From the starts (assembled; each may have its own t) through all `times` (ascending, s), on which every copy
-  /// lands. A copy that fails does not stop the others; its report says why. Throws ModelError for wrong arguments.
+  /// Runs all copies from their starts (assembled; each may have its own t) through all `times` (ascending, s), on
+  /// which their steps end. A copy that fails does not stop the others; its report says why. Throws ModelError for
+  /// wrong arguments.
   std::vector<CopyReport> run(std::span<const State> starts, std::span<const double> times, const Output& output);
 
  private:

@@ -17,49 +17,51 @@
 
 namespace lockstep {
 
-// What a check found: a value. Each finding says in words what is wrong and where to look.
+// The report of a check. Each finding says in words what is wrong and where to look for the cause.
 
 
 /// Where the checks look. States are drawn about the start of the system; equal seeds draw equal states.
 struct CheckOptions {
-  std::uint64_t seed = 1;
-  int states = 8;           ///< random states (laws: 8 instants for each)
-  double from = 0, to = 2;  ///< the time that is looked at, s
-  double reach = 0.3;       ///< moves of bodies from their places at the start, of the distance between them
-  double turn = 0.5;        ///< turns from there, rad
-  int pairs = 1;            ///< marker pairs of a type that is made from a registry
+  std::uint64_t seed = 1;  ///< of the random numbers
+  int states = 8;          ///< number of random states; for laws, 8 instants for each of them
+  double from = 0,         ///< beginning of the time that is looked at, s
+      to = 2;              ///< end of that time, s
+  double reach = 0.3;      ///< largest displacement along each axis from the start, over the distance between bodies
+  double turn = 0.5;       ///< largest rotation of a body from the start about each axis, rad
+  int pairs = 1;           ///< marker pairs of a type that is made from a registry, 1 to 3
 };
 
-/// One thing that a check found, in words.
+/// One fault that a check found, in words.
 struct Finding {
-  std::string what;  ///< the entry, what it is, and what it should be
-  std::string look;  ///< where to look
+  std::string what;  ///< the entry, its value, and what it should be
+  std::string look;  ///< where to look for the cause
 };
 
-/// The findings of one check, worst entry of each kind only.
+/// The findings of one check: of each kind only the worst.
 class LOCKSTEP_API CheckReport {
  public:
-  /// `subject`: "link 'cam' (cam_follower)".
+  /// `subject`: what is checked, "link 'cam' (cam_follower)". `seed`: of the random numbers.
   CheckReport(std::string subject, std::uint64_t seed) : subject_(std::move(subject)), seed_(seed) {}
 
-  bool ok() const { return findings_.empty(); }
-  /// The subject and "nothing found" or the findings, one a line; then how good the differences were and the notes.
+  bool ok() const { return findings_.empty(); }  ///< whether nothing was found
+  /// All of it, one item per line: the subject with "nothing found" and the accuracy, or the findings, twenty at most;
+  /// then the notes.
   std::string text() const;
 
-  const std::string& subject() const { return subject_; }
-  std::uint64_t seed() const { return seed_; }
-  const std::vector<Finding>& findings() const { return findings_; }
+  const std::string& subject() const { return subject_; }             ///< what is checked
+  std::uint64_t seed() const { return seed_; }                        ///< of the random numbers
+  const std::vector<Finding>& findings() const { return findings_; }  ///< in the order in which they were found
   const std::vector<std::string>& notes() const { return notes_; }  ///< no faults: what was measured, what was left out
-  long comparisons() const { return n_comparisons_; }
-  double accuracy() const { return accuracy_; }  ///< worst error of a difference, of the size of what was compared
+  long comparisons() const { return n_comparisons_; }               ///< number of comparisons made
+  double accuracy() const { return accuracy_; }  ///< largest relative error of a difference that was compared with
 
-  // -- for those who check
-  /// Takes a finding; of those with one key (kind and entry) the one with the largest `weight` stays.
+  // -- for checks
+  /// Adds a finding; of those with the same key (kind and entry) the one with the largest `weight` stays.
   void add(const std::string& key, Finding, double weight = 0);
-  void note(std::string words);
-  /// A comparison was made; its differences were good to `error` of the size.
+  void note(std::string words);  ///< adds a note, unless it is there already
+  /// Counts a comparison with a difference whose relative error is `error`.
   void compared(double error);
-  /// All findings and notes of another report.
+  /// Adds all findings, notes and comparisons of another report.
   void take(const CheckReport&);
 
  private:
@@ -76,87 +78,95 @@ class LOCKSTEP_API CheckReport {
   double accuracy_ = 0;
 };
 
-/// "; it has the wrong sign", "; it is half of that: ...": what a wrong number looks like beside the right one; "" when
-/// nothing comes to mind.
+/// What a wrong number suggests next to the right one: ", so it has the wrong sign", ", so it is half of that: a factor
+/// 2 is missing"; "" where it suggests nothing.
 LOCKSTEP_API std::string likeness(double is, double should_be);
 
 
-// check_force: holds what a force says about itself - power, energies, tangent - against what it does to the bodies.
+// check_force: compares what a force says about itself - power, energies, tangent - with what it does to the bodies.
 
 
-/// At random states about the start:
+/// Checks a force of a system, at random states about the start:
 ///
-///   power f.v = -dV/dt - dissipation() + supply(),   dissipation() >= 0,   K = -df/d(x, turn) and D = -df/d(v, w) of
-///   tangent() (9.13)
+///     power f.v = -dV/dt - dissipation() + supply(),   dissipation() >= 0,
+///     K = -df/d(x, turn) and D = -df/d(v, w) of tangent() (9.13)
 ///
-/// by differences whose own error estimate is the tolerance; and: numbers finite, the same when asked again and for a
-/// quaternion of the other sign; no body pushed on which markers() has none; memory and full turns about z of S; jumps
-/// in time outside of breakpoints(). A force that reads reactions gets drawn ones, and react(), friction_loss() and
-/// react_tangent() are looked at with apply() and the others. The force has to be one of the system's. Throws
-/// ModelError if not, and what setup() throws.
+/// by differences whose own error estimate is the tolerance. It also checks that all numbers are finite, and the same
+/// when asked for again and for a quaternion of the other sign; that only bodies of its markers() are pushed; its
+/// memory, and full turns about z of S; that it does not jump in time except at breakpoints(). A force that reads
+/// reactions gets random ones, and react(), friction_loss() and react_tangent() are checked together with apply() and
+/// the others. Throws ModelError where the force is not in the system, and what System::setup throws.
 LOCKSTEP_API CheckReport check_force(System&, const Force&, const CheckOptions& options = {});
 
-/// The same for a registered type, which is made from `params` in a small system of its own: between moving bodies,
-/// with either side on the ground, with markers that move by laws. Throws what the maker throws;
-/// what it refuses in the later ones is noted.
+/// Checks a registered type of force, made from `params` in small systems: between moving bodies, with either side on
+/// the ground, with markers that move by laws. Throws what the maker throws in the first of them; where it refuses a
+/// later one, that is noted.
 LOCKSTEP_API CheckReport check_force(const Registry&, const std::string& type, const Params& params = {},
                                      const CheckOptions& options = {});
 
 
-// check_integrator: measures a method's order on motions with closed forms, and tries what the step loop relies on.
+// check_integrator: measures a method's order on motions with closed forms, and tests what the step loop relies on.
 
 
-using IntegratorMaker = std::function<std::unique_ptr<Integrator>()>;
+using IntegratorMaker = std::function<std::unique_ptr<Integrator>()>;  ///< makes an integrator; must not return null
 
-/// On a free top (it turns about its angular momentum and about its axis at steady rates) and a large pendulum on a
-/// hinge (elliptic functions; rows, projection, a force with memory):
+/// Checks an integrator on a free top (it turns about its angular momentum and about its axis at steady rates) and on a
+/// pendulum of large amplitude on a hinge (elliptic functions; rows, projection, a force with memory):
 ///
-///   order: error against the step, halved from coarse to fine; adaptive methods: against the mean step, and the error
-///   against the tolerance (slope one);   steps of at most h, time and report agree, memory and links left alone, unit
-///   quaternions, C = 0 where the dynamics projects;   a step that throws leaves the state as it was;   two runs are
-///   equal, a method begun anew too, after a rewind too; save() and restore() take a step back and make a checkpoint;
-///   dense(): ends and order
+/// - order: the error against the step, halved from coarse to fine; of adaptive methods against the mean step, and the
+///   error against the tolerance (slope one)
+/// - steps are of at most h; time and report agree; memory and links are left alone; quaternions have length one; C = 0
+///   where the dynamics projects
+/// - a step that throws leaves the state unchanged
+/// - two runs are equal, also of a method that is begun anew; save() and restore() take steps back and make a
+/// checkpoint - dense(): its ends and its order
 ///
-/// `options`: its seed only.
+/// Of `options` only the seed is used, for the report. Throws ModelError where the maker returns null, and what it
+/// throws.
 LOCKSTEP_API CheckReport check_integrator(const IntegratorMaker&, const CheckOptions& options = {});
 
-/// The same for a registered type. Throws what the maker throws.
+/// Checks a registered type of integrator, made from `params`. Throws what the maker throws.
 LOCKSTEP_API CheckReport check_integrator(const Registry&, const std::string& type, const Params& params = {},
                                           const CheckOptions& options = {});
 
 
-// check_law: holds a law's derivatives against differences of what it says, and looks for jumps that it does not tell.
+// check_law: compares a law's derivatives with differences of its values, and looks for jumps that it does not report.
 
 
-/// Over options.from ... options.to, at 8 options.states random instants away from its breakpoints: numbers finite and
-/// the same when asked again; the second level the derivative of the first and the third of the second (differences of
-/// order 8, tolerance from their own error estimate); jumps outside of breakpoints(), named by their instant. Give the
-/// time over which the law does something. `name` for messages; default: its type.
+/// Checks a scalar law between options.from and options.to; give the time over which it does something. At 8 times
+/// options.states random instants away from its breakpoints each derivative is compared with differences of order 8 of
+/// the level before it, whose own error estimate is the tolerance. It also checks that all numbers are finite, and the
+/// same when asked for again, and looks for jumps outside of breakpoints(), which it names by their instants. `name`:
+/// for messages, or "". Throws ModelError where the times are not in order.
 LOCKSTEP_API CheckReport check_law(const MotionLaw&, const CheckOptions& options = {}, const std::string& name = {});
+/// The same for a translation law: x, v and a.
 LOCKSTEP_API CheckReport check_law(const TranslationLaw&, const CheckOptions& options = {},
                                    const std::string& name = {});
-/// Also: q unit; w = 2 q' qd and a = wd in the moved frame's own axes.
+/// The same for a rotation law, with w = 2 q' qd and a = wd in the axes of the moved frame; q must have length one.
 LOCKSTEP_API CheckReport check_law(const RotationLaw&, const CheckOptions& options = {}, const std::string& name = {});
 
 
-// check_lock: holds what a link says about itself against differences of its own constraint.
+// check_lock: compares what a link says about itself with differences of its own constraint.
 
 
-/// At random states about the start, off the constraints as well:
+/// Checks a link of a system, at random states about the start, also off the constraints:
 ///
-///   each entry of Jh against dC/d(x, turn),   Ct against dC/dt of the held pose,   Qhat against -Cdd of a motion
-///   without accelerations (4.14),   tangent() against d(Jh^T lambda)/d(x, turn) (9.4)
+/// - each entry of Jh with dC/d(x, turn)
+/// - Ct with dC/dt at a fixed pose
+/// - Qhat with -Cdd of a motion without accelerations (4.14)
+/// - tangent() with d(Jh^T lambda)/d(x, turn) (9.4)
 ///
-/// by differences of order 8 whose own error estimate is the tolerance (Qhat: second differences, some 1e-8); and:
-/// rows, names and kinds; every number written and none beside them; numbers finite, the same when asked again, the
-/// same for a quaternion of the other sign; slots() complete; groups; memory and full turns about z of S; jumps in time
-/// outside of breakpoints(). Rows in space only, not gather_plane(). The link has to be one of the system's. Throws
-/// ModelError if not, and what setup() throws.
+/// by differences of order 8 whose own error estimate is the tolerance (Qhat: second differences, about 1e-8). It also
+/// checks rows, names and kinds; that every number of the rows is written and nothing else; that all numbers are
+/// finite, and the same when asked for again and for a quaternion of the other sign; that slots() is complete; groups;
+/// its memory, and full turns about z of S; that it does not jump in time except at breakpoints(). Only rows in space
+/// are checked, not gather_plane(). Throws ModelError where the link is not in the system, and what System::setup
+/// throws.
 LOCKSTEP_API CheckReport check_lock(System&, const Lock&, const CheckOptions& options = {});
 
-/// The same for a registered type, which is made from `params` between bodies of a small system of its own: both
-/// moving, either side on the ground, markers that move by laws. Throws what the maker
-/// throws; what it refuses in the later ones is noted.
+/// Checks a registered type of link, made from `params` in small systems: between moving bodies, with either side on
+/// the ground, with markers that move by laws. Throws what the maker throws in the first of them; where it refuses a
+/// later one, that is noted.
 LOCKSTEP_API CheckReport check_lock(const Registry&, const std::string& type, const Params& params = {},
                                     const CheckOptions& options = {});
 

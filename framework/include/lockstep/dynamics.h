@@ -1,4 +1,4 @@
-// Evaluation of a mechanism: what an integrator may ask.
+// Evaluation of a mechanism: what an integrator asks of it.
 #pragma once
 
 #include <memory>
@@ -14,60 +14,63 @@ namespace lockstep {
 // Evaluation: a mechanism at one state: motions of the bodies, rows of the links, applied forces.
 
 
-/// Inputs together with the memory behind them. `s` and `z` are views of the state that was read.
+/// The inputs of a state, with the memory behind their motions. `s` and `z` are views of the state that was read.
 class LOCKSTEP_API StateInputs {
  public:
-  /// What links and forces see of this state; valid until the next call.
+  /// Reads this state: what links and forces see of it. Valid until the next call, and while the state lives.
   const Inputs& at(const System&, const State&);
-  const Inputs& get() const { return in_; }
+  const Inputs& get() const { return in_; }  ///< those that at() read last
 
  private:
   std::vector<Motion> motions_;
   Inputs in_;
 };
 
-/// Rows and forces, gathered at a state: there is none without. Neither solved nor factored (Factor). Vectors have 6
-/// numbers per slot (m and rad, or N in the world and N m in slot axes) or 1 per row of rows().
+/// Rows and forces of a system, gathered at a state; neither solved nor factored (see Factor). Vectors have 6 numbers
+/// per slot, three in the world and three in slot axes (m/s and rad/s, or N and N m), or 1 per row of rows().
 class LOCKSTEP_API Evaluation {
  public:
-  /// Gathers at this state; the system is set up if it was not. Throws what the code of links and forces throws, named,
-  /// and ModelError where the state does not fit the system.
+  /// Gathers at this state; the system is set up if it was not. Throws what the code of links and forces throws, with
+  /// the name of the link or force, and ModelError where the state does not fit the system.
   Evaluation(System&, const State&);
   Evaluation(const Evaluation&) = delete;
   Evaluation& operator=(const Evaluation&) = delete;
 
-  /// The same at another state. Lays out anew when the description or the links in force changed; otherwise nothing is
-  /// allocated.
+  /// Gathers at another state. The rows are laid out anew when the description or the links in force changed; otherwise
+  /// nothing is allocated.
   void at(const State&);
-  /// Throws NonFiniteError that names who made a number that is not finite.
+  /// Throws NonFiniteError where a number is not finite, with the name of the link or force that made it.
   void check() const;
 
-  const System& system() const { return system_; }
-  const Inputs& inputs() const { return inputs_.get(); }
-  const RowTable& rows() const { return rows_; }
-  /// Gravity, -w x J w and all applied forces but what depends on reactions.
+  const System& system() const { return system_; }        ///< whose rows and forces these are
+  const Inputs& inputs() const { return inputs_.get(); }  ///< what links and forces saw
+  const RowTable& rows() const { return rows_; }          ///< rows of the links in force
+  /// Gravity, -w x J w and all applied forces except those that depend on reactions: 6 per slot, N (world) and N m
+  /// (slot axes).
   const VecX& force() const { return f_; }
 
   /// C and Jh v + Ct, 1 per row.
   void residuals(VecX& C, VecX& Cd) const;
-  /// Jh v + Ct at other velocities than the state's: the positions are those gathered. v: 6 per slot.
+  /// Jh v + Ct, 1 per row, at the positions gathered and at these velocities. v: 6 per slot, m/s (world) and rad/s
+  /// (slot axes).
   void velocity_residual(const VecX& v, VecX& Cd) const;
-  /// The largest |c| as a length (framework/docs/solvers.md): metres, radians times System::length(), half turns times twice that.
-  /// NaN if one is.
+  /// The largest |c| over the rows as a length, m: lengths as they are, values of functions times System::length(),
+  /// half turns times twice that (framework/docs/solvers.md, section 1). NaN if one of them is.
   double norm(const VecX& c) const;
 
-  /// Forces that depend on the present reactions (friction), and what they add to f at these multipliers.
+  /// Forces that depend on the present reactions (friction).
   const std::vector<const Force*>& reacting() const { return reacting_; }
+  /// Adds these forces at the multipliers lambda, 1 per row, to f, 6 per slot.
   void react(const VecX& lambda, VecX& f) const;
 
-  /// What was laid out: a factor of the same layout serves this evaluation too.
+  /// What was laid out. A factor of an equal layout serves this evaluation too.
   struct Layout {
-    long revision = -1;       ///< of the system
-    std::vector<bool> modes;  ///< links in force
-    bool operator==(const Layout&) const = default;
+    long revision = -1;                              ///< of the system
+    std::vector<bool> modes;                         ///< links in force
+    bool operator==(const Layout&) const = default;  ///< of the same setup and the same links
   };
-  const std::shared_ptr<const Layout>& layout() const { return layout_; }
-  /// Whether at() would lay out nothing anew.
+  const std::shared_ptr<const Layout>& layout() const { return layout_; }  ///< the present one
+  /// Whether at() would keep the layout at this state.
   bool covers(const State&) const;
 
  private:
@@ -82,52 +85,63 @@ class LOCKSTEP_API Evaluation {
 };
 
 
-// How drift off the constraints is fought.
+// Stabilisation and formulation: the choices that the equations of motion leave open.
 
 
 /// How drift off the constraints is removed.
 struct Stabilization {
-  enum class Kind { project, baumgarte, none };
-  Kind kind = Kind::project;
-  double alpha = 5, beta = 5;  ///< Baumgarte's rates, 1/s: Cdd + 2 alpha Cd + beta^2 C = 0 (2.15)
-  double tolerance = 1e-10;    ///< of |C| in metres (radians times the scene's length), for projection and assembly
+  /// The method.
+  enum class Kind {
+    project,    ///< the end of every step is projected onto the constraints
+    baumgarte,  ///< Baumgarte's terms are added to the acceleration rows
+    none        ///< the drift stays
+  };
+  Kind kind = Kind::project;  ///< the method
+  double alpha = 5,           ///< Baumgarte's rates, 1/s: Cdd + 2 alpha Cd + beta^2 C = 0 (2.15)
+      beta = 5;               ///< the other of the two, 1/s
+  double tolerance = 1e-10;   ///< |C| that a projection may leave, m (Evaluation::norm)
 };
 
-/// Which unknowns the equations of motion have: 6 velocities a body, or the paper's 7 coordinates with unit-length
-/// rows.
-enum class Formulation { omega, quaternion };
+/// Unknowns of the equations of motion.
+enum class Formulation {
+  omega,      ///< six velocities per body
+  quaternion  ///< the paper's seven coordinates per body, with a unit-length row each
+};
 
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
 //
 // Formulation::omega       6 velocities per body, M = diag(m 1, J) constant, written once (2.9)
 // Formulation::quaternion  the paper's 7 coordinates: M = diag(m 1, G^T J G), rows Jh G with Qhat (a consistent pair,
-//                          2.13), one unit-length row per body (2.6). G^T J G is singular along q; k q q^T is added to
-//                          it and -k |qd|^2 q to the right side, which the unit-length row makes void (2.7).
+//                          2.13), one unit-length row per body (2.6). G^T J G is singular along q: k q q^T is added to
+//                          it, and -k |qd|^2 q to the right side; with the unit-length row the two cancel (2.7).
 
 
 /// Writes rows and masses as the saddle-point matrix of a formulation.
 class LOCKSTEP_API KktAssembler {
  public:
+  /// Without a layout yet. The system must outlive it.
   KktAssembler(const System& system, Formulation formulation) : system_(system), formulation_(formulation) {}
 
-  /// Shape, when the set of active links changed. `direct`: for a solver that reads the rows themselves; nothing is
-  /// copied then, and load and unload are not needed. Throws ModelError where the formulation cannot be had.
+  /// Lays out the shape; needed whenever the description or the links in force changed. `direct`: for a solver that
+  /// reads the rows themselves; nothing is copied then, and load() and unload() are not needed. Throws ModelError for
+  /// the quaternion formulation with `direct` or in a plane.
   void lay_out(const RowTable& rows, bool direct);
-  bool direct() const { return kkt_.pattern.rows != nullptr; }
-  /// Numbers: jacobians, and the mass blocks where they move. `motions`: ground, then slots.
+  bool direct() const { return kkt_.pattern.rows != nullptr; }  ///< laid out for a solver that reads the rows
+  /// Writes the numbers: jacobians, and the mass blocks where they depend on the pose. `motions`: ground, then slots.
   void update(const RowTable& rows, std::span<const Motion> motions);
-  /// For a direct solver: where the rows are read from now on.
+  /// For a solver that reads the rows: the table that it reads from now on.
   void read(const RowTable& rows);
-  const Kkt& kkt() const { return kkt_; }
-  int n() const { return kkt_.pattern.n; }  ///< unknowns of the formulation
-  int m() const { return kkt_.pattern.m; }  ///< its rows, those of unit length included
+  const Kkt& kkt() const { return kkt_; }   ///< the matrix
+  int n() const { return kkt_.pattern.n; }  ///< number of unknowns of the formulation
+  int m() const { return kkt_.pattern.m; }  ///< number of its rows, those of unit length included
 
-  /// f (6 per slot: N, world; N m, slot axes) and c (1 per row of the table) as the formulation's own right side.
-  /// `moving`: the accelerations of the unit-length rows and of the mass matrix are wanted too (equations of motion, not
-  /// a projection).
+  /// Writes f6 (6 per slot: N, world; N m, slot axes) and c6 (1 per row of the table) as the formulation's own right
+  /// side, f (n) and c (m). `moving`: with the velocity-dependent terms that the formulation itself adds, for equations
+  /// of motion; false for a projection.
   void load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f, VecX& c) const;
-  /// The formulation's solution as 6 per slot and one multiplier per row of the table.
+  /// Writes the formulation's solution a (n) and lambda (m) as a6, 6 per slot (world; slot axes), and lambda6, 1 per
+  /// row of the table.
   void unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6,
               VecX& lambda6) const;
 
@@ -139,7 +153,7 @@ class LOCKSTEP_API KktAssembler {
   Formulation formulation_;
   Kkt kkt_;
   std::vector<BodyMass> masses_;  // of slots, where the matrix is filled here
-  int n_links_ = 0;  // of the table; unit-length rows follow them
+  int n_links_ = 0;               // of the table; unit-length rows follow them
 };
 
 
@@ -148,31 +162,38 @@ class LOCKSTEP_API KktAssembler {
 
 /// Counters of work done, for reports and charts.
 struct WorkCount {
-  long evaluations = 0, factors = 0, projections = 0, corrections = 0;
+  long evaluations = 0,  ///< of the equations of motion; in rattle and generalized_alpha, of rows and forces alone
+      factors = 0,       ///< matrices factored
+      projections = 0,   ///< projections of positions
+      corrections = 0;   ///< proximal corrections of solutions
 };
 
-///   | M   Jh^T | | a      |   | f |     f, a: 6 per slot (world; slot axes); c, lambda: 1 per row of the table
-///   | Jh  -E   | | lambda | = | c |     E: proximal term, corrected away
+/// The factored saddle-point matrix of an evaluation, and solutions by it:
 ///
-/// Whoever holds one decides how long it serves. At the evaluation that it was computed from, solutions are exact. At
-/// a later one with the same links in force the matrix is still the old one: M, and the directions Jh^T of the forces
+///     M a + Jh^T lambda = f     f, a: 6 per slot (world; slot axes); c, lambda: 1 per row of the table
+///     Jh a - E lambda = c       E: proximal term, corrected away
+///
+/// Its holder decides how long it serves. At the evaluation that it was computed from, solutions are exact. At a later
+/// one with the same links in force the matrix is still the old one: M and the directions Jh^T of the constraint forces
 /// are those of the old state (chord iterations, RATTLE).
 class LOCKSTEP_API Factor {
  public:
-  /// No matrix yet. All must outlive it; factors and corrections are counted in `work`.
+  /// Without a matrix yet. The arguments must outlive it; factors and corrections are counted in `work`.
   Factor(const System&, const LinearSolver&, Formulation, WorkCount& work);
 
-  /// Factors the matrix of this evaluation. Symbolic work only when the description or the links in force changed;
-  /// otherwise nothing is allocated. Throws SolveError.
+  /// Factors the matrix of this evaluation. Symbolic work is done only when the description or the links in force
+  /// changed; otherwise nothing is allocated. Throws SolveError, and ModelError where solver and formulation do not go
+  /// together.
   void compute(const Evaluation&);
-  /// Any right side: projections, impulses, responses. `e`: computed from, or later. Throws ModelError where `e` has
-  /// other links in force than the matrix, or nothing was computed.
+  /// Solves for any right side: projections, impulses, responses. `e`: the evaluation it was computed from, or a later
+  /// one. Throws ModelError where `e` has other links in force than the matrix, or where nothing was computed.
   SolveReport solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-  /// The equations of motion: as solve(), and with what the formulation itself adds to f and c, (2.4)-(2.6).
+  /// Solves the equations of motion: as solve(), with what the formulation itself adds to f and c, (2.4)-(2.6).
   SolveReport solve_motion(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-  /// Fills what the report of the last solution leaves out since it costs time: residual, pivots, detector.
+  /// Fills in what the report of the last solution leaves out because it costs time: residual, pivots, detector.
   void complete(SolveReport& report) const { factorization_->complete(report); }
-  /// Throws NonFiniteError and SolveError, by name, when this solution is not finite or its rows contradict one another.
+  /// Throws NonFiniteError where this solution is not finite, SolveError where its rows contradict one another, with
+  /// the name of the link or force.
   void check(const Evaluation&, const VecX& a, const VecX& lambda, const SolveReport&) const;
 
  private:
@@ -185,33 +206,36 @@ class LOCKSTEP_API Factor {
   KktAssembler assembler_;
   std::unique_ptr<Factorization> factorization_;
   std::shared_ptr<const Evaluation::Layout> layout_;  // null: no matrix yet
-  VecX f_, c_, a_, lambda_;  // in the formulation's own unknowns
+  VecX f_, c_, a_, lambda_;                           // in the formulation's own unknowns
 };
 
 
 // Projection: brings a state onto the constraints by the least move in the mass metric, positions, then velocities.
 
 
-/// What a projection found and what it left.
+/// Constraint violations before and after a projection.
 struct ProjectReport {
-  double before = 0, after = 0;      ///< |C|, metres
-  double before_v = 0, after_v = 0;  ///< |Jh v + Ct|, m/s
-  int rounds = 0;
-  bool converged = true;
+  double before = 0,      ///< |C| before, m
+      after = 0;          ///< |C| after, m
+  double before_v = 0,    ///< |Jh v + Ct| at the projected position, before the velocities are projected, m/s
+      after_v = 0;        ///< |Jh v + Ct| after, m/s
+  int rounds = 0;         ///< rounds of the positions
+  bool converged = true;  ///< |C| is within the tolerance
 };
 
-/// Scratch for the iterations; nothing is allocated when the links in force are those of the last call.
+/// Projects states onto the constraints, and holds the scratch for it: nothing is allocated when the links in force are
+/// those of the last call.
 class LOCKSTEP_API Projection {
  public:
-  /// `tolerance`: of |C|, m.
+  /// `tolerance`: |C| that a projection may leave, m.
   explicit Projection(double tolerance) : tolerance_(tolerance) {}
 
-  /// M d + Jh^T z = 0, Jh d = -C, q <- q (+) d, until |C| <= `goal`, m, but not below round-off; then the velocities to
-  /// a tenth of it, m/s. A factor serves as long as a round takes nine tenths of |C| away (chord). The report says that
-  /// it did not converge when more than the tolerance is left. Throws NonFiniteError, SolveError.
+  /// M d + Jh^T z = 0, Jh d = -C, q <- q (+) d, until |C| <= `goal`, m, but not below round-off; then the velocities,
+  /// to a tenth of it in m/s. A factor serves as long as a round removes nine tenths of |C| (chord). The report says
+  /// that it did not converge when more than the tolerance is left. Throws NonFiniteError, SolveError.
   ProjectReport project(Evaluation&, Factor&, State&, double goal);
-  /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), until |Jh v + Ct| <= `goal`, m/s; gathers at the state. What is left of it:
-  /// more than round-off where rows contradict one another.
+  /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), until |Jh v + Ct| <= `goal`, m/s; gathers at the state. Returns what is
+  /// left of it, m/s: more than round-off where rows contradict one another. Throws NonFiniteError, SolveError.
   double project_velocity(Evaluation&, Factor&, State&, double goal);
 
  private:
@@ -226,12 +250,13 @@ class LOCKSTEP_API Projection {
 // ReactionIteration: solutions with forces that depend on the reactions that they cause (friction).
 
 
-/// Scratch for the search; nothing is allocated when the mechanism is that of the last call.
+/// Finds the accelerations where forces depend on the reactions (friction), and holds the scratch for it: nothing is
+/// allocated when the mechanism is that of the last call.
 class LOCKSTEP_API ReactionIteration {
  public:
-  /// a and lambda solve M a + Jh^T lambda = f + x, Jh a = c, x = Evaluation::react(lambda). They come in solved without
-  /// x, by this factor; all solutions are made by it. Throws SolveError naming the force that does not settle, and
-  /// NonFiniteError.
+  /// Finds a (6 per slot) and lambda (1 per row) with M a + Jh^T lambda = f + x, Jh a = c and
+  /// x = Evaluation::react(lambda). On entry they are the solution without x by this factor, which makes all further
+  /// ones too. Throws SolveError naming the force that does not settle, and NonFiniteError.
   void solve(const Evaluation&, Factor&, const VecX& c, VecX& a, VecX& lambda, SolveReport&);
 
  private:
@@ -248,71 +273,78 @@ class LOCKSTEP_API ReactionIteration {
 };
 
 
-// Dynamics: what an integrator asks of a mechanism: rates, projections, and matrices of its own.
+// Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
 
 
 /// Formulation and stabilisation.
 struct DynamicsOptions {
-  Formulation formulation = Formulation::omega;
-  Stabilization stabilization;
+  Formulation formulation = Formulation::omega;  ///< unknowns of the equations of motion
+  Stabilization stabilization;                   ///< how drift off the constraints is removed
 };
 
 /// Accelerations and multipliers at one state, with the evaluation that they belong to. Views of a Dynamics, valid
-/// until that evaluates or projects again.
+/// until it evaluates or projects again.
 struct Solution : Evaluated {
-  const Evaluation& evaluation;
-  const Factor& factor;
-  SolveReport report;  ///< without what costs time to know
+  const Evaluation& evaluation;  ///< rows and forces at this state
+  const Factor& factor;          ///< the factored matrix of this state
+  SolveReport report;            ///< without what costs time to find out
 
   /// The whole report: residual, pivots, detector.
   SolveReport full_report() const;
 };
 
-/// What an integrator may ask of a mechanism: rates, solutions, projections.
+/// What an integrator asks of a mechanism: rates, solutions, projections, factors. It holds one evaluation and one
+/// factor, which every call uses again; with the default solver nothing is allocated while the links in force stay the
+/// same.
 class LOCKSTEP_API Dynamics {
  public:
-  /// The system is set up if it was not. The solver must not be null.
+  /// The system is set up if it was not, and must outlive this. Throws ModelError where there is no solver, where the
+  /// stabilisation has a negative rate or a tolerance that is not above zero, and what System::setup throws.
   Dynamics(System&, std::unique_ptr<LinearSolver>, DynamicsOptions = {});
   Dynamics(const Dynamics&) = delete;
   Dynamics& operator=(const Dynamics&) = delete;
 
-  const System& system() const { return system_; }
+  const System& system() const { return system_; }  ///< the mechanism
   /// Sets the system up when its description changed.
   void set_up() { system_.setup(); }
-  const DynamicsOptions& options() const { return options_; }
-  const LinearSolver& solver() const { return *solver_; }
-  WorkCount& work() { return work_; }
+  const DynamicsOptions& options() const { return options_; }  ///< as given
+  const LinearSolver& solver() const { return *solver_; }      ///< as given
+  WorkCount& work() { return work_; }                          ///< counters of work done so far
 
   // -- at a state
-  /// (2.1), (2.9) with the chosen stabilisation: d/dt of q, v and s. Throws NonFiniteError, SolveError.
+  /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s. Throws
+  /// NonFiniteError, SolveError.
   const Solution& rate(const State&, StateRate& out);
-  /// The accelerations and multipliers alone.
+  /// Solves for the accelerations and multipliers alone. Throws NonFiniteError, SolveError.
   const Solution& evaluate(const State&);
   /// Rows and forces, unsolved; valid until the next evaluation or projection. Throws NonFiniteError.
   const Evaluation& gather(const State&);
   /// What links and forces see of this state, without rows; valid until the next call.
   const Inputs& inputs(const State&);
-  /// |C|, m, and |Jh v + Ct|, m/s, over the rows in force (Evaluation::norm).
+  /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
+  /// |Jh v + Ct| over the rows in force, m/s (Evaluation::norm). Throws NonFiniteError.
   double violation_v(const State&);
 
   // -- moving a state
-  /// The least move in the mass metric onto C = 0, then onto Jh v = -Ct; quaternions normalised first.
+  /// Moves the state onto C = 0, then onto Jh v = -Ct, by the least move in the mass metric, until |C| is a hundredth
+  /// of the tolerance; quaternions are normalised first. Throws NonFiniteError, SolveError.
   ProjectReport project(State&);
-  /// The same until |C| <= `goal`, m (not below round-off): what is left at most is still the tolerance.
+  /// The same until |C| <= `goal`, m (not below round-off); it has converged when |C| is within the tolerance.
   ProjectReport project(State&, double goal);
-  /// Only the velocities; what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict one another.
+  /// Projects the velocities only. Returns what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict
+  /// one another. Throws NonFiniteError, SolveError.
   double project_velocity(State&);
-  /// q (+) h v on the unit sphere. v: 6 per slot, m/s (world) and rad/s (slot axes).
+  /// q <- q (+) h v, with unit quaternions. h: s; v: 6 per slot, m/s (world) and rad/s (slot axes).
   void advance(State& state, double h, const VecX& v) const { lockstep::advance(state, h, v); }
-  void normalize(State& state) const { lockstep::normalize(state); }
-  /// After an accepted step: what links and forces remember (State::z).
+  void normalize(State& state) const { lockstep::normalize(state); }  ///< quaternions back to length one
+  /// After an accepted step: updates what links and forces remember (State::z).
   void accept(State&);
 
   // -- matrices
-  /// The matrix of this evaluation, factored; valid until the next evaluation or projection.
+  /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
   Factor& factor(const Evaluation&);
-  /// One for the caller to keep, without a matrix yet. This Dynamics must outlive it.
+  /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
   Factor new_factor() { return {system_, *solver_, options_.formulation, work_}; }
 
  private:

@@ -14,65 +14,73 @@ struct EmbeddedScheme;
 
 /// What a run has to know of a method.
 struct IntegratorInfo {
-  std::string name;
-  int order = 1;
-  bool implicit = false, adaptive = false;
-  int evaluations = 1;  ///< of the equations of motion per step
+  std::string name;       ///< name in the registry and in messages
+  int order = 1;          ///< order of convergence
+  bool implicit = false,  ///< it solves nonlinear equations in each step
+      adaptive = false;   ///< it chooses its steps by an estimate of its error
+  int evaluations = 1;    ///< of the equations of motion per step; of an implicit method a rough number
 };
 
-/// Error weights: atol_x + relative |increment scale| for positions and rotations (m, rad), atol_v = atol_x / (1 s).
+/// Error of a step that is allowed: atol_x + relative |increment| for positions (m) and rotations (rad), with
+/// atol_x/(1 s) in place of atol_x for velocities (ErrorNorm).
 struct Tolerance {
-  double relative = 1e-6;
-  double atol_x = 1e-8;
+  double relative = 1e-6;  ///< relative to the increments of the step
+  double atol_x = 1e-8;    ///< absolute: m, rad, m/s and rad/s
 };
 
 /// What one step did.
 struct StepReport {
-  double h = 0;                ///< step made, s
-  double h_next = 0;           ///< step advised, s; 0: none (fixed step)
+  double h = 0;                ///< length of the step, s
+  double h_next = 0;           ///< length advised for the next, s; 0: none (fixed step)
   double error = 0;            ///< estimate in tolerances, 1 = just met; 0 where there is none
   int rejected = 0;            ///< attempts rejected before this step
   double violation = 0;        ///< |C| before projection, m
   double violation_after = 0;  ///< |C| of the new state, m
   bool manifold = false;       ///< its stages were evaluated on the constraints, as near singular positions
-  bool stiff = false;          ///< damped fast modes limit the step, not accuracy: an implicit method is cheaper
+  bool stiff = false;          ///< damped fast modes, not accuracy, limit the step: an implicit method is cheaper
 };
 
-/// A method that makes steps.
+/// A time-stepping method. It may keep a history of earlier steps; the state itself belongs to the caller.
 class LOCKSTEP_API Integrator {
  public:
   virtual ~Integrator();
+  /// Name, order and kind of the method.
   virtual IntegratorInfo info() const = 0;
   /// Where its class comes from: "built in", a plugin's name, or "" for a class of the host. Set by the registry.
   const std::string& origin() const { return origin_; }
-  void set_origin(std::string origin) { origin_ = std::move(origin); }
-  /// Sizes the scratch. Called at the start and whenever the set of active links changed or the state was rewound.
+  void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< called by the registry
+  /// Sizes the scratch and forgets the history. Called at the start and whenever the links in force changed or the
+  /// state was changed or taken back.
   virtual void begin(Dynamics&, const State&) = 0;
-  /// One step of at most h (s) from `state`, which becomes the new state (projected where the dynamics says so). An
-  /// adaptive method may step less; a rejected attempt leaves no trace. Throws StepError, and whatever an evaluation
-  /// throws; `state` is then unchanged.
+  /// Makes one step of at most h, s, from `state`, which becomes the new state (projected where the dynamics says so).
+  /// An adaptive method may make a shorter step; a rejected attempt leaves no trace. Throws StepError, and whatever an
+  /// evaluation throws; `state` is then unchanged.
   virtual StepReport step(Dynamics&, State& state, double h) = 0;
-  /// State inside the last step, t0 <= t <= t1: unit quaternions, not projected, memory and links of t0; the method's
-  /// own dense output. As the end of the step is projected and this is not, dense(t1) differs from it by that small
-  /// move. Right after begin() it gives the state of begin(). Returns false by default, always: a cubic Hermite fallback
-  /// would be of lower order. The step loop then ends steps on the output times instead.
+  /// The method's own dense output: the state at t inside the last step, t0 <= t <= t1, with unit quaternions, not
+  /// projected, with the memory and links of t0. The end of a step is projected and this is not, so dense(t1) differs
+  /// from it by that small move. Right after begin() it gives the state of begin(). False where the method has none,
+  /// the default (a cubic Hermite polynomial would be of lower order): the step loop then ends steps on the output
+  /// times.
   virtual bool dense(double t, State& out) const;
+  /// Sets the error of a step that is allowed. Default: ignored, for fixed steps.
   virtual void set_tolerance(const Tolerance&);
-  /// The method's guess of the first step, at most `largest`, s; 0: none (fixed step).
+  /// Guess of the first step from this state, s, at most `largest`; 0, the default: none (fixed step).
   virtual double first_step(Dynamics&, const State&, double largest);
-  /// The numbers of an explicit Runge-Kutta method (framework/dynamics/integrate/tableau.h), by which others make its
-  /// steps: Copies in vector lanes. Null, the default: only step() makes them.
+  /// The coefficients of an explicit Runge-Kutta method, by which others can make its steps: Copies in vector lanes.
+  /// Null, the default: only step() can make them.
   virtual const EmbeddedScheme* scheme() const;
-  /// History and controller: with the State all that a checkpoint or a step taken back needs. Default: nothing.
+  /// Saves history and step control: with the State, all that a checkpoint or a step taken back needs. Default:
+  /// nothing.
   virtual void save(Snapshot&) const;
+  /// Takes back what save() wrote, in the same order, also in another object after begin(). Default: nothing.
   virtual void restore(const Snapshot&);
 
  private:
   std::string origin_;
 };
 
-/// For errors that leave a method's code at time t. What it refuses (StepError, ModelError) keeps its type; what an
-/// evaluation threw inside goes on as it is.
+/// The context of errors that leave a method's code at time t, s. What the method refuses (StepError, ModelError) keeps
+/// its type; what an evaluation inside it threw passes unchanged.
 LOCKSTEP_API ErrorContext context_of(const Integrator&, double t);
 
 }  // namespace lockstep

@@ -17,32 +17,32 @@
 
 namespace lockstep {
 
-// Stiffness: do damped fast modes, not the motion, limit the steps of an explicit method? After Hairer & Wanner,
+// Stiffness: whether damped fast modes, not the motion, limit the steps of an explicit method. After Hairer & Wanner,
 // Solving Ordinary Differential Equations II (1996), IV.2.
 //
-// Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode, so |da| /
-// |dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. Stiff is a damped mode that is
-// faster than two steps although the accelerations hardly change over fifteen: it has long decayed and still sets the
-// step. An undamped oscillation must be followed by any method, a mode that is decaying now as well.
+// Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode, so
+// |da|/|dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. The motion is stiff where a
+// damped mode is faster than two steps although the accelerations hardly change over fifteen: the mode decayed long ago
+// and still limits the step. An undamped oscillation, or a mode that is decaying now, must be followed by any method.
 
 
-/// Notices steps that damped fast modes limit.
+/// Detects that damped fast modes limit the steps of an explicit method.
 class LOCKSTEP_API StiffnessWatch {
  public:
   /// `limit`: h |lambda| at the end of the method's interval of stability on the negative axis.
   explicit StiffnessWatch(double limit) : limit_(limit) {}
-  /// Forgets everything; sizes its scratch for so many velocities.
+  /// Forgets all steps; sizes its scratch for so many velocities, 6 per slot.
   void begin(Eigen::Index n_velocities = 0);
-  /// One accepted step of h: velocities at its end less those of a stage at c = 1, the accelerations of that stage and
-  /// of the end. Turns count as lengths, times `length`.
+  /// Observes one accepted step of h, s. dv: the velocities at its end less those of a stage at c = 1; a_stage, a_end:
+  /// the accelerations of that stage and of the end; all 6 per slot. Rotations count as lengths, times `length`, m.
   void observe(double h, const VecX& dv, const VecX& a_stage, const VecX& a_end, double length);
-  /// The same by its sums |dv|^2, |da|^2 and da . dv over all bodies; `change`: of the accelerations since the window
-  /// began, relative.
+  /// The same by the sums |dv|^2, |da|^2 and da . dv over all bodies. `change`: relative change of the accelerations
+  /// since the window began.
   void add(double h, double dv2, double da2, double da_dv, double change);
   /// Whether damped fast modes limited the last window of 15 steps.
   bool stiff() const { return stiff_; }
-  void save(Snapshot& out) const;
-  void restore(const Snapshot& in);
+  void save(Snapshot& out) const;    ///< saves the sums of the present window and stiff()
+  void restore(const Snapshot& in);  ///< takes back what save() wrote
 
  private:
   double limit_;
@@ -53,34 +53,35 @@ class LOCKSTEP_API StiffnessWatch {
 
 
 // Embedded explicit Runge-Kutta: two results of different order from the same stages estimate the error, which chooses
-// the step. What rk4, dopri5 and dop853 have in common; they bring their numbers.
+// the step. What rk4, dopri5 and dop853 have in common; each has its own coefficients.
 
 
-/// Options of an embedded method; what its keys mean in a scene.
+/// Options of an embedded method.
 struct EmbeddedOptions {
-  bool fixed = false;  ///< steps as told, without error control
-  StagesWhen stages = StagesWhen::plain;
+  bool fixed = false;                     ///< steps of the length asked for, without error control
+  StagesWhen stages = StagesWhen::plain;  ///< when stages are evaluated on the constraints
 
-  static Keys keys();
-  static EmbeddedOptions from(const Params&);
+  static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
+  static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
 };
 
-/// The projection moves the end of a step, so its last stage is not the first stage of the next one: every stage is
-/// evaluated.
+/// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. The projection moves the end of a
+/// step, so that its last stage is not the first stage of the next one: every stage is evaluated.
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
   void begin(Dynamics&, const State&) override;
   /// Nested polynomial in theta = (t - t0)/h. Stages that only it needs are evaluated at its first call in a step (by
-  /// the dynamics of begin(), whose last values are then those of a stage). False for a scheme without an estimate.
+  /// the Dynamics of begin(), which then holds the values of a stage). False for a scheme without an error estimate.
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance&) override;
   double first_step(Dynamics&, const State&, double largest) override;
-  /// Null where the options ask for more than the plain method.
+  /// Its coefficients; null where the options ask for more than the plain method.
   const EmbeddedScheme* scheme() const override;
   void save(Snapshot&) const override;
   void restore(const Snapshot&) override;
 
  protected:
+  /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
 
  private:
@@ -113,14 +114,14 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
 // accurate choice.
 
 
-/// 12 evaluations a step, one projection; 4 more in a step in which dense output is asked for. With `fixed` it steps as
-/// told, without error control.
+/// dop853: explicit Runge-Kutta of order 8. 12 evaluations and one projection per step; 4 evaluations more in a step in
+/// which dense output is asked for.
 class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
  public:
-  static TypeInfo type_info();
-  static std::unique_ptr<Integrator> make(const Params&);
-  explicit Dop853(EmbeddedOptions options);
-  explicit Dop853(bool fixed = false);
+  static TypeInfo type_info();                             ///< its entry in the registry
+  static std::unique_ptr<Integrator> make(const Params&);  ///< maker for the registry
+  explicit Dop853(EmbeddedOptions options);                ///< with these options
+  explicit Dop853(bool fixed = false);                     ///< `fixed`: without error control
 
   IntegratorInfo info() const override;
 };
@@ -129,33 +130,33 @@ class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
 // dopri5: Dormand and Prince's pair of orders 5(4), error-controlled, with dense output of order 4. The default.
 
 
-/// 7 evaluations a step, one projection. With `fixed` it steps as told, without error control.
+/// dopri5: explicit Runge-Kutta of order 5. 7 evaluations and one projection per step.
 class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
  public:
-  static TypeInfo type_info();
-  static std::unique_ptr<Integrator> make(const Params&);
-  explicit Dopri5(EmbeddedOptions options);
-  explicit Dopri5(bool fixed = false);
+  static TypeInfo type_info();                             ///< its entry in the registry
+  static std::unique_ptr<Integrator> make(const Params&);  ///< maker for the registry
+  explicit Dopri5(EmbeddedOptions options);                ///< with these options
+  explicit Dopri5(bool fixed = false);                     ///< `fixed`: without error control
 
   IntegratorInfo info() const override;
 };
 
 
-// FreeRotation: the torque-free turning of a rigid body, split into turns about its principal axes.
+// FreeRotation: the torque-free rotation of a rigid body, split into turns about its principal axes.
 //
-//   H = p1^2/(2 J1) + p2^2/(2 J2) + p3^2/(2 J3),  each part an exact turn: p <- R_k(-a) p, e <- e exp(a e_k), a = p_k
-//   t/J_k
+//   H = p1^2/(2 J1) + p2^2/(2 J2) + p3^2/(2 J3),   each part is an exact turn:
+//   p <- R_k(-a) p,   e <- e exp(a e_k),   a = p_k t/J_k
 //
-// composed as 1(t/2) 2(t/2) 3(t) 2(t/2) 1(t/2): symmetric, symplectic, order 2, |p| and the moment of momentum in space
-// kept exactly (Dullweber, Leimkuhler & McLachlan 1997).
+// composed as 1(t/2) 2(t/2) 3(t) 2(t/2) 1(t/2): symmetric, symplectic, of order 2; |p| and the angular momentum in
+// space are kept exactly (Dullweber, Leimkuhler & McLachlan 1997).
 
 
-/// The exact rotation of a free rigid body over a time.
+/// The torque-free rotation of a rigid body by a symplectic splitting of order 2.
 class LOCKSTEP_API FreeRotation {
  public:
-  /// J about the mass centre, in the axes of the body.
+  /// J: inertia about the mass centre, in the axes of the body, kg m^2.
   explicit FreeRotation(const Mat3& J);
-  /// Turns e (body axes in the world) and w (rad/s, body axes) on by the time t, forward or back.
+  /// Advances e (body axes in the world) and w (rad/s, body axes) by the time t, s, forward or back.
   void turn(double t, Quat& e, Vec3& w) const;
 
  private:
@@ -175,15 +176,16 @@ class LOCKSTEP_API FreeRotation {
 // three stages has h^4 only.
 
 
-/// Dense output from values and two derivatives at both ends of a step.
+/// Dense output of a step from values and two derivatives at both of its ends.
 class LOCKSTEP_API QuinticOutput {
  public:
-  /// Sizes everything and forgets the step; `at` then gives this state.
+  /// Sizes everything and forgets the step; at() then gives this state.
   void begin(const State&);
-  /// A step from a to b (unit quaternions, not farther from one another than half a turn), with d/dt of v and s there.
+  /// Sets a step from a to b (unit quaternions, at most half a turn apart), with d/dt of v and s at both.
   void set(const State& a, const VecX& vd_a, const VecX& sd_a, const State& b, const VecX& vd_b, const VecX& sd_b);
-  void forget() { h_ = 0; }
-  /// The state at t; memory and links of the beginning. False when there is no step and t is not where it would begin.
+  void forget() { h_ = 0; }  ///< forgets the step
+  /// The state at t, s, with the memory and links of the beginning. False where there is no step, except at its
+  /// beginning.
   bool at(double t, State& out) const;
 
  private:
@@ -200,18 +202,20 @@ class LOCKSTEP_API QuinticOutput {
 //   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
 //   M v1' + Jh^T lambda = f(q1, v1),   Jh v1 + Ct = 0,   C(q1) = 0
 //
-// The step is the turn of the rotations, by the exponential; u, of the size of the method's own error, brings positions
-// onto C = 0 in the metric of Newton's matrix. a is the method's own, some way off v' at the same instant.
+// (+) turns rotations by the exponential. u, of the size of the method's own error, brings positions onto C = 0 in the
+// metric of Newton's matrix. a is the method's own acceleration, which differs a little from v' at the same instant.
 
 
-/// Order 2, fixed step; each Newton iteration gathers once and solves twice, by one factor a step where it converges
-/// fast. rho_infinity: what is left of an infinitely stiff mode after a step, 0 (all damped) ... 1 (nothing damped).
-/// Starts from consistent accelerations; a step of another length than the one before rescales a - v'. `adaptive`: it
-/// chooses its steps, by the leading terms of its own error in positions and velocities.
+/// generalized_alpha: implicit, order 2, with fixed steps unless it is made adaptive. Each Newton iteration gathers
+/// once and solves twice, by one factor per step where it converges fast. It starts from consistent accelerations; a
+/// step of another length than the one before rescales a - v'.
 class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
  public:
-  static TypeInfo type_info();
+  static TypeInfo type_info();  ///< its entry in the registry
+  /// Maker for the registry. Throws SceneError for a rho_infinity outside 0 ... 1.
   static std::unique_ptr<Integrator> make(const Params&);
+  /// `rho_infinity`: what a step leaves of an infinitely stiff mode, 0 (all is damped) ... 1 (nothing is). `adaptive`:
+  /// it chooses its steps by the leading terms of its own error in positions and velocities.
   explicit GeneralizedAlpha(double rho_infinity = 0.8, bool adaptive = false);
 
   IntegratorInfo info() const override;
@@ -220,8 +224,8 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
 
-  double rho_infinity() const { return rho_; }
-  const VecX& lambda() const { return lambda_; }  ///< of the end of the last step, one a row; order 2
+  double rho_infinity() const { return rho_; }    ///< as given
+  const VecX& lambda() const { return lambda_; }  ///< multipliers at the end of the last step, 1 per row; order 2
 
  private:
   double start_step(Dynamics&, double h) override;
@@ -249,26 +253,27 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
 };
 
 
-// Increments: what a step adds to the state it began at, as one vector, so that implicit methods can calculate with it.
+// Increments: what a step adds to the state where it begins, as one vector, for the algebra of implicit methods.
 //
 //   y = (dx, D of every slot | dv, dw of every slot | ds),   x = x0 + dx, e = e0 exp(D/2), v = v0 + dv, s = s0 + ds
 //
-// D is the rotation vector of the turn since the beginning of the step, in slot axes; it follows (framework/docs/solvers.md,
-// section 8; Iserles, Munthe-Kaas, Norsett & Zanna, Acta Numerica 9 (2000) 215)
+// D is the rotation vector of the turn since the beginning of the step, in slot axes. Its rate is
+// (framework/docs/solvers.md, section 8; Iserles, Munthe-Kaas, Norsett & Zanna, Acta Numerica 9 (2000) 215)
 //
 //   D' = w + (D x w)/2 + k D x (D x w),   k = (1 - (a/2) cot(a/2))/a^2,   a = |D|
 
 
-/// Numbers in the increments of a state like this one.
+/// Number of increments of a state like this one: 12 per slot, then one per integrated state.
 inline Eigen::Index n_increments(const State& y) { return 2 * y.v.size() + y.s.size(); }
 /// out = start (+) y; time, memory and links of `out` stay as they are.
 LOCKSTEP_API void displace(const State& start, Eigen::Ref<const VecX> y, State& out);
-/// d/dt of the increments y at the state `here` = start (+) y, whose rates are `k`.
+/// out = d/dt of the increments y at the state `here` = start (+) y, where the rates of the state are k.
 LOCKSTEP_API void increment_rates(Eigen::Ref<const VecX> y, const State& here, const StateRate& k,
                                   Eigen::Ref<VecX> out);
-/// The small increments y as the difference of two states near `at`, for ErrorNorm.
+/// out = the small increments y as the difference of two states near `at`, for ErrorNorm.
 LOCKSTEP_API void as_difference(Eigen::Ref<const VecX> y, const State& at, StateRate& out);
-/// Increments y since the beginning of a step that ended with y1, counted from that end.
+/// Converts y, increments since the beginning of a step whose own increments are y1, into increments since its end.
+/// `n_velocities`: 6 per slot.
 LOCKSTEP_API void count_from(Eigen::Ref<const VecX> y1, Eigen::Index n_velocities, Eigen::Ref<VecX> y);
 /// Largest rotation |D| of the increments, rad.
 LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_velocities);
@@ -279,28 +284,31 @@ LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_veloci
 //   (g - f') dy = r:   g dq - dv = r_q,   g dv - al = r_v,   g ds = r_s,
 //                      M al + D dv + K dq + Jh^T l = 0,   Jh al = 0
 //
-// K, D: tangents of forces and constraints (theory, section 9). What the rows' right side changes with q and v is left
-// out (9.15), and so is what the states s do to one another and to the forces: Newton then takes an iteration more.
+// K, D: tangents of forces and constraints (theory, section 9). How the rows' right side depends on q and v is left out
+// (9.15), and so is how the states s act on one another and on the forces: Newton's method then takes an iteration
+// more.
 
 
 /// Tangent of the motion at a state, for implicit methods.
 class LOCKSTEP_API LinearizedMotion {
  public:
-  using Complex = NewtonMatrix::Complex;
+  using Complex = NewtonMatrix::Complex;  ///< a complex g
   /// Sizes the scratch for states like this one.
   void begin(const State&);
-  /// Linearised at this solution. Throws NonFiniteError, SolveError.
+  /// Linearises at this solution. Throws what NewtonMatrix::gather throws.
   void gather(const Solution&);
-  /// Factors of the matrix for g; a real and a complex one live side by side.
+  /// Factors g - f' for a real g, 1/s. Throws SolveError where it is singular.
   void factor(double g);
+  /// Factors g - f' for a complex g; the real factor stays. Throws SolveError where it is singular.
   void factor(Complex g);
-  /// y = (g - f')^-1 r by the factor for this g.
+  /// y = (g - f')^-1 r by the real factor, which is that of this g. r, y: increments.
   void solve(double g, const VecX& r, VecX& y);
+  /// The same by the complex factor: real and imaginary parts of r and y.
   void solve(Complex g, const VecX& r_re, const VecX& r_im, VecX& y_re, VecX& y_im);
 
  private:
   NewtonMatrix matrix_;
-  VecX p_, p_im_, force_, force_im_, rows_, al_, l_;  // 6 a slot, one a row
+  VecX p_, p_im_, force_, force_im_, rows_, al_, l_;  // 6 per slot, 1 per row
   VecXc force_c_, rows_c_, al_c_, l_c_;
 };
 
@@ -309,8 +317,8 @@ class LOCKSTEP_API LinearizedMotion {
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 
 
-/// For an estimate that goes with h^4. A step that took many iterations is followed by a more careful one; safety 0.9,
-/// factors 0.2 ... 5, no growth after a rejection.
+/// Predictive step control (Gustafsson 1994) for an error estimate of the order of h^4. A step that took many
+/// iterations is followed by a more careful one; safety 0.9, factors 0.2 ... 5, no growth after a rejection.
 class LOCKSTEP_API PredictiveControl final : public StepControl {
  public:
   void begin() override { h_ = 0; }
@@ -319,7 +327,7 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
   void save(Snapshot& out) const override { out.put(h_), out.put(error_); }
   void restore(const Snapshot& in) override { h_ = in.get(), error_ = in.get(); }
 
-  static constexpr int kMostIterations = 10;
+  static constexpr int kMostIterations = 10;  ///< of Newton's method in one attempt
 
  private:
   double h_ = 0, error_ = 0;  // of the step accepted before; 0: none
@@ -330,23 +338,25 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
 //
 //   Z_i = h sum_j a_ij f(t + c_j h, y0 + Z_j),   y1 = y0 + Z_3
 //
-// y = (q, v, s) as increments since the beginning of the step (increments.h), f the equations of motion solved for the
-// accelerations (index 1, stabilised as the dynamics says); the end of a step is projected like that of an explicit
-// method. So positions and velocities have order 5, reactions as well, since they are those of the equations of motion.
+// y = (q, v, s) are increments since the beginning of the step, f the equations of motion solved for the accelerations
+// (index 1, stabilised as the dynamics says); the end of a step is projected like that of an explicit method. So
+// positions and velocities have order 5, and reactions too, as they are those of the equations of motion.
 
 
-/// Simplified Newton: one real and one complex factor a step (tangents of forces and constraints at its beginning; the
-/// curvature of the rows is left out, which costs an iteration). Error estimate of order 3 by one more solve, step
-/// control with prediction (Gustafsson 1994), dense output of local order 6. With `fixed` it steps as told.
+/// radau5: implicit Runge-Kutta of order 5. Simplified Newton with one real and one complex factor per attempt
+/// (tangents of forces and constraints at its second stage; the curvature of the rows is left out, which costs an
+/// iteration). Error estimate of order 3 by one more solution, predictive step control (Gustafsson 1994), dense output
+/// by QuinticOutput.
 class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
  public:
-  static TypeInfo type_info();
-  static std::unique_ptr<Integrator> make(const Params&);
-  explicit Radau5(bool fixed = false);
+  static TypeInfo type_info();                             ///< its entry in the registry
+  static std::unique_ptr<Integrator> make(const Params&);  ///< maker for the registry
+  explicit Radau5(bool fixed = false);                     ///< `fixed`: without error control
 
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
+  /// Errors of several tolerances per step are accepted, so that the error of a run follows the tolerance.
   void set_tolerance(const Tolerance&) final;
   void save(Snapshot& out) const override;
   void restore(const Snapshot& in) override;
@@ -390,15 +400,17 @@ class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
 
 struct RattleScheme;
 
-/// Fixed step; a substep costs one factor and 3 to 5 evaluations of the constraints. The energy swings about its start
-/// and does not drift. Forces must not depend on velocities, and no state that is integrated along with the mechanism
-/// may act on it: ModelError from begin(), with the name. Its multipliers are not found through singular positions:
-/// StepError. Mere quadratures (State::s) follow the trapezoidal rule, order 2. No error estimate, no dense output.
+/// rattle2, rattle4: symplectic, with fixed steps, for long runs: the energy oscillates about its value at the start
+/// and does not drift. A substep costs one factor and 3 to 5 evaluations of the constraints. Quadratures (State::s)
+/// follow the trapezoidal rule, order 2. No error estimate, no dense output.
+///
+/// begin() throws ModelError, by name, for forces that depend on velocities or reactions and for integrated states that
+/// act on the mechanism. step() throws StepError where the multipliers are not found, as in singular positions.
 class LOCKSTEP_API Rattle final : public Integrator {
  public:
-  static TypeInfo type_info(int order);
-  static std::unique_ptr<Integrator> make(int order);
-  /// 2 or 4.
+  static TypeInfo type_info(int order);                ///< its entry in the registry; `order`: 2 or 4
+  static std::unique_ptr<Integrator> make(int order);  ///< maker for the registry; `order`: 2 or 4
+  /// `order`: 2 or 4.
   explicit Rattle(int order);
 
   IntegratorInfo info() const override;
@@ -435,10 +447,11 @@ class LOCKSTEP_API Rattle final : public Integrator {
 // rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.
 
 
-/// 4 evaluations a step, one projection. No error estimate, no dense output.
+/// rk4: explicit Runge-Kutta of order 4 with fixed steps. 4 evaluations and one projection per step. No error estimate,
+/// no dense output.
 class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
  public:
-  static TypeInfo type_info();
+  static TypeInfo type_info();  ///< its entry in the registry; it has no keys
   Rk4();
 
   IntegratorInfo info() const override;
@@ -450,10 +463,11 @@ class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
 //   v1 = v + h a(t, q, v),  q1 = q (+) h v1 (exponential),  s1 = s + h s'(t, q, v)
 
 
-/// Order 1, fixed step; 1 evaluation a step, one projection. No error estimate, no dense output.
+/// semi_implicit_euler: order 1, with fixed steps. 1 evaluation and one projection per step. No error estimate, no
+/// dense output.
 class LOCKSTEP_API SemiImplicitEuler final : public AdaptiveStepper {
  public:
-  static TypeInfo type_info();
+  static TypeInfo type_info();  ///< its entry in the registry; it has no keys
   SemiImplicitEuler() : AdaptiveStepper(1, nullptr) {}
 
   IntegratorInfo info() const override;

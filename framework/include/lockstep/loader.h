@@ -13,58 +13,59 @@ namespace lockstep {
 // Where plugins may come from. One search path for the program and for every other host.
 
 
-/// Where plugins are looked for when no folder is given: those of LOCKSTEP_PLUGIN_PATH (separated by ':'); then
-/// ../plugins beside the folder of the running program, and beside the library's; then lib/lockstep/plugins of an
-/// installation.
+/// The folders that are searched when none are given: those of LOCKSTEP_PLUGIN_PATH (separated by ':'); then
+/// ../plugins, relative to the folder of the running program and to that of the library; then lockstep/plugins in the
+/// folder of the library, as in an installation.
 LOCKSTEP_API std::vector<std::string> plugin_folders();
 
-/// "cam_follower" of "plugins/libcam_follower.so"
+/// Name of the plugin in a file: "cam_follower" of "plugins/libcam_follower.so".
 LOCKSTEP_API std::string plugin_name(const std::string& path);
 
-/// Whether it can be nothing but a name: letters, digits, "_", "-", "+", "." (not at the beginning). A scene may ask
-/// for a plugin by such a name only.
+/// Whether a text is a plain name, not a path: letters, digits, "_", "-", "+", "." (not at the beginning). A scene may
+/// name plugins only in this way.
 LOCKSTEP_API bool is_bare_name(const std::string& name);
 
-/// The file of the plugin, links followed. A name without '/' is looked for in `folders` (plugin_folders() when there
-/// are none), and the first file of that name is the one: refused when it leads out of all the folders, or when someone
-/// else than you, root or the owner of this library could change it or its folder. A path is taken as it is: whoever
-/// gives it says that this file may be loaded. Throws PluginError.
+/// The file of a plugin, with symbolic links followed. A name without '/' is looked for in `folders` (plugin_folders()
+/// if empty); the first file of that name is taken, or refused if it leads out of all these folders or if anyone but
+/// you, root and the owner of this library could change it or its folder. A path is used as it is: its caller vouches
+/// for the file. Throws PluginError.
 LOCKSTEP_API std::string find_plugin(const std::string& name_or_path, std::vector<std::string> folders);
 
-/// Everything in the folders that ends as a plugin does, in the order of the search.
+/// A file of a folder with the ending of a plugin.
 struct FoundFile {
-  std::string folder, path;  ///< as found
-  std::string file;          ///< with links followed
-  std::string problem;       ///< why find_plugin() would refuse it; "" when it would not
+  std::string folder,   ///< the folder that was searched
+      path;             ///< the file in it
+  std::string file;     ///< the same with symbolic links followed
+  std::string problem;  ///< why find_plugin() would refuse it; "" when it would not
 };
+/// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them.
 std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
 
 
 // Loads plugins: finds the file, reads what it was built with, opens it and takes over what it registers.
 
 
-/// Loads "cam_follower", "plugins/cam_follower" or "plugins/cam_follower.so" ("lib" before the name is tried as well)
-/// and returns the path of the file. A name without a '/' is looked for in `folders`, or in plugin_folders() when there
-/// are none; there it is refused when it could come from a stranger (description/registry/search.h). A path is your word that this
-/// file may be loaded: hand no path on that came out of a scene. All or nothing: on an error the registry is as it was.
-/// The plugin stays loaded for the life of the process, because objects carry its code. Throws PluginError: not found
-/// (with the places), no plugin, damaged, built differently (with the first field that differs), a name that is taken,
-/// or what the plugin itself threw.
+/// Loads a plugin into the registry and returns the path of its file. "cam_follower", "plugins/cam_follower" and
+/// "plugins/cam_follower.so" are all accepted, and "lib" before the name is tried as well; the file is found as by
+/// find_plugin(), so never pass on a path that came from a scene. On an error the registry is unchanged. The plugin
+/// stays loaded for the life of the process, because objects run its code. Throws PluginError: not found (with the
+/// places), not a plugin, damaged, built differently (with the first field that differs), nothing registered, a name
+/// that is taken, or what the plugin itself threw.
 LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
                                      const std::vector<std::string>& folders = {});
 
-/// All that load_plugin() looks at in a file before it opens it: that it is a shared library for this machine, whole and
-/// sound in its structure; its record. None of its code runs. Throws PluginError. Code that was changed in a file of sound
-/// structure is found by nobody: that is for package managers.
+/// Checks in a file all that load_plugin() checks before it opens it: that it is a shared library for this machine with
+/// an undamaged structure, and that its record fits this build. None of its code runs. Throws PluginError. It cannot
+/// find changed code in a file of undamaged structure; package managers can.
 LOCKSTEP_API void check_plugin_file(const std::string& path);
 
-/// The record in the file of a plugin, read without opening it as a library. Throws PluginError.
+/// The record in the file of a plugin, read without opening the file as a library. Throws PluginError.
 LOCKSTEP_API lockstep_abi_record read_abi(const std::string& path);
 
-/// "ABI 3, gcc 12.2.0, libstdc++ 12, Eigen 3.4.0, alignment 16"
+/// A record in words: "ABI 3, gcc 12.2.0, libstdc++ 12, Eigen 3.4.0, alignment 16".
 LOCKSTEP_API std::string abi_words(const lockstep_abi_record&);
 
-/// Empty when a plugin with record `plugin` fits `host`, else the sentence that says what differs and what to do.
+/// How the record `plugin` differs from `host`, and what to do, in one sentence; "" where they fit.
 LOCKSTEP_API std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host);
 
 }  // namespace lockstep

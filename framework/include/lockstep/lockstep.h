@@ -1,5 +1,8 @@
-// Everything that a host program or a plugin's author may include, in one.
+// Every public header in one.
 #pragma once
+
+/// @namespace lockstep
+/// Simulation of mechanisms of rigid bodies by the lock formulation: everything that a host or a plugin may use.
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>

@@ -15,43 +15,48 @@
 
 namespace lockstep {
 
-using VecXc = Eigen::VectorXcd;
+using VecXc = Eigen::VectorXcd;  ///< complex vector of any length
 
-/// Vectors: 6 a slot (force or translation in the world, moment or turn in slot axes; what a particle or a planar
-/// mechanism does not have is ignored and comes out 0), one a row of the dynamics' table. A real and a complex factor
-/// may live side by side.
+/// The matrix of one Newton step of an implicit method, gathered, factored and solved. Vectors have 6 numbers per slot
+/// (force or translation in the world, moment or turn in slot axes; what a particle or a planar mechanism does not have
+/// is ignored and is 0 in results), or 1 per row of the evaluation's table. It can hold a real and a complex factor at
+/// once.
 class LOCKSTEP_API NewtonMatrix {
  public:
-  using Complex = std::complex<double>;
-  NewtonMatrix();
+  using Complex = std::complex<double>;  ///< scalar of the complex factor
+  NewtonMatrix();                        ///< without numbers: call gather() first
   ~NewtonMatrix();
 
-  /// M, J, K(lambda) and D at this evaluation; lambda: 1 per row. The symbolic work is done anew when the description, the links in force or the pairs of the tangents changed;
-  /// otherwise nothing is allocated. Earlier factors keep their numbers until factor() is called.
+  /// Gathers M, J, K(lambda) and D at this evaluation; lambda: 1 per row. The symbolic work is done anew when the
+  /// description, the links in force or the pairs of the tangents changed; otherwise nothing is allocated. Earlier
+  /// factors keep their numbers until factor() is called. Throws what the code of links and forces throws.
   void gather(const Evaluation&, const VecX& lambda);
 
-  /// Throws SolveError when the matrix is singular.
+  /// Factors a M + b D + c K with the rows. Throws SolveError where the matrix is singular.
   void factor(double a, double b, double c);
+  /// Factors the complex matrix; the real factor stays. Throws SolveError where the matrix is singular.
   void factor(Complex a, Complex b, Complex c);
-  /// By the last factor of this scalar; after a later gather() with the old matrix still (simplified Newton).
+  /// Solves by the last real factor; after a later gather() that is still the old matrix (simplified Newton). f, x: 6
+  /// per slot; r, l: 1 per row.
   SolveReport solve(const VecX& f, const VecX& r, VecX& x, VecX& l);
+  /// Solves by the last complex factor.
   SolveReport solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l);
 
-  /// Residuals that solve() lets stand, relative to the terms of their equation: Newton's method needs few digits of a
-  /// correction. At first 1e-12.
+  /// Sets the residual up to which solve() corrects, relative to the terms of each equation: Newton's method needs few
+  /// digits of a correction. Default: 1e-12.
   void set_residual(double enough);
 
-  /// How often a body's own block had no pivot, so that the block factorisation gave way to a dense one (which
+  /// Number of factorisations in which a body's own block had no pivot, so that a dense one was made instead (which
   /// allocates): statics and singular poses.
   long n_dense() const;
 
-  // -- products with what was gathered last: y += M x, D x, K x, J x, J^T l
-  void add_M_times(const VecX& x, VecX& y) const;
-  void add_D_times(const VecX& x, VecX& y) const;
-  void add_K_times(const VecX& x, VecX& y) const;
-  void add_J_times(const VecX& x, VecX& y) const;
-  void add_Jt_times(const VecX& l, VecX& y) const;
-  const TangentSum& tangents() const;
+  // -- products with what was gathered last; x: 6 per slot, l: 1 per row
+  void add_M_times(const VecX& x, VecX& y) const;   ///< y += M x
+  void add_D_times(const VecX& x, VecX& y) const;   ///< y += D x
+  void add_K_times(const VecX& x, VecX& y) const;   ///< y += K x
+  void add_J_times(const VecX& x, VecX& y) const;   ///< y += J x, 1 per row
+  void add_Jt_times(const VecX& l, VecX& y) const;  ///< y += J^T l, 6 per slot
+  const TangentSum& tangents() const;               ///< K and D by pairs of slots
 
  private:
   struct Work;

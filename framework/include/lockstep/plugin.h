@@ -1,6 +1,9 @@
 // All that a plugin includes.
 #pragma once
 
+/// @file plugin.h
+/// What a plugin includes; LOCKSTEP_PLUGIN makes a shared library a plugin.
+
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
@@ -14,33 +17,34 @@
 #include <lockstep/version.h>
 
 // What a plugin was built with: a plain-C record that is data in the plugin's file and is read from there before the
-// plugin is opened, so before a single line of its code can run.
+// plugin is opened, and so before any of its code can run.
 extern "C" {
 
-/// All texts end with a zero; the record holds no pointers, so the linker leaves it as it was compiled.
+/// What a plugin or a host was built with. All texts end with a zero; the record holds no pointers, so the linker
+/// leaves it as it was compiled.
 struct lockstep_abi_record {
-  char magic[16];      // "lockstep-abi"
-  std::uint32_t size;  // of this record in bytes
-  std::int32_t abi;    // kAbiNumber
-  char compiler[16];   // "gcc", "clang"
-  std::int32_t compiler_version[3];
-  char library[16];  // "libstdc++", "libc++"
-  std::int32_t library_version;
-  std::int32_t library_abi;  // _GLIBCXX_USE_CXX11_ABI
-  std::int64_t cxx_level;    // __cplusplus
-  std::int32_t eigen_version[3];
-  std::int32_t alignment;         // EIGEN_MAX_ALIGN_BYTES: memory from the heap
-  std::int32_t static_alignment;  // EIGEN_MAX_STATIC_ALIGN_BYTES: members of objects
-  std::int32_t index_size;        // of Eigen::Index, bytes
-  char flags[64];                 // settings that change objects or arithmetic: "debug-library fast-math "
+  char magic[16];                    ///< "lockstep-abi"
+  std::uint32_t size;                ///< of this record, bytes
+  std::int32_t abi;                  ///< lockstep::kAbiNumber
+  char compiler[16];                 ///< "gcc", "clang" or "unknown"
+  std::int32_t compiler_version[3];  ///< major, minor, patch level
+  char library[16];                  ///< standard library: "libstdc++", "libc++"
+  std::int32_t library_version;      ///< its version
+  std::int32_t library_abi;          ///< _GLIBCXX_USE_CXX11_ABI; 0 of libc++
+  std::int64_t cxx_level;            ///< __cplusplus
+  std::int32_t eigen_version[3];     ///< world, major, minor
+  std::int32_t alignment;            ///< EIGEN_MAX_ALIGN_BYTES: of memory from the heap
+  std::int32_t static_alignment;     ///< EIGEN_MAX_STATIC_ALIGN_BYTES: of members of objects
+  std::int32_t index_size;           ///< of Eigen::Index, bytes
+  char flags[64];                    ///< settings that change objects or arithmetic: "debug-library fast-math "
 };
 }
 
 namespace lockstep {
 
-inline constexpr const char* kAbiSymbol = "lockstep_abi";
-inline constexpr const char* kRegisterSymbol = "lockstep_register_plugin";
-inline constexpr const char* kAbiMagic = "lockstep-abi";
+inline constexpr const char* kAbiSymbol = "lockstep_abi";                   ///< symbol of a plugin's record
+inline constexpr const char* kRegisterSymbol = "lockstep_register_plugin";  ///< symbol of the function that registers
+inline constexpr const char* kAbiMagic = "lockstep-abi";                    ///< lockstep_abi_record::magic
 
 namespace abi_detail {
 template <std::size_t N>
@@ -51,7 +55,7 @@ constexpr void put(char (&to)[N], const char* from) {
 }
 }  // namespace abi_detail
 
-/// The record of whoever compiles this line.
+/// The record of the program or plugin that compiles this.
 constexpr lockstep_abi_record abi_of_this_build() {
   lockstep_abi_record r{};
   abi_detail::put(r.magic, kAbiMagic);
@@ -103,11 +107,11 @@ constexpr lockstep_abi_record abi_of_this_build() {
 
 }  // namespace lockstep
 
-// What a plugin includes. One line makes a shared library a plugin:
-//
-//   LOCKSTEP_PLUGIN(registry) { registry.links.add<CamFollower>(); }
-/// Exports the record of this build and the function that fills a registry. It may throw an Error; then nothing of the
-/// plugin is taken.
+/// Makes a shared library a plugin: exports the record of this build and the function that fills a registry.
+///
+///     LOCKSTEP_PLUGIN(registry) { registry.links.add<CamFollower>(); }
+///
+/// The function may throw an Error; then nothing of the plugin is registered.
 #define LOCKSTEP_PLUGIN(registry)                                                                       \
   extern "C" LOCKSTEP_API const lockstep_abi_record lockstep_abi;                                       \
   extern "C" LOCKSTEP_API constexpr lockstep_abi_record lockstep_abi = ::lockstep::abi_of_this_build(); \

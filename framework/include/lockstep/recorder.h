@@ -18,27 +18,30 @@ namespace lockstep {
 
 /// A quantity that can be recorded, by name.
 struct Channel {
-  std::string name, unit;
-  std::function<double(const Sample&)> value;
-  /// Called at the start of a run and at every accepted step, when present: counts turns, rejected tries.
+  std::string name,                            ///< "crank.angle_z"
+      unit;                                    ///< "rad"; "" without dimension
+  std::function<double(const Sample&)> value;  ///< its value at a state of a run
+  /// Called at the start of a run and after every accepted step, where present: counts turns and rejected attempts.
   std::function<void(const Sample&)> track{};
-  std::function<void(const Sample&)> jumped{};  ///< the same instant once more, with other velocities
-  /// Called before that at the start of a run, when present: forgets what an earlier run left behind.
+  std::function<void(const Sample&)> jumped{};  ///< called as Observer::jumped, where present
+  /// Called at the start of a run before track(), where present: forgets an earlier run.
   std::function<void()> restart{};
 };
 
-/// One name of a system with its unit and a line of help.
+/// Name, unit and one line of help of a channel.
 struct ChannelHelp {
-  std::string name, unit, help;
+  std::string name,  ///< "crank.angle_z"
+      unit,          ///< "rad"; "" without dimension
+      help;          ///< what it is
 };
 
-/// The channel of that name. Sets the system up when it is not (a link's rows have names only then). Work-like channels
-/// add a quadrature to the system, one for all who ask, so make channels before the run (before StepLoop takes the
-/// start). The system must stay where it is in memory from then on. Throws ModelError with the closest name and all
-/// names that the object has.
+/// Makes the channel of this name. The system is set up if it was not (a link's rows have names only then). Channels of
+/// work add a quadrature to the system, shared by all that ask for it, so make channels before the run (before the
+/// StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError with the
+/// closest name and with all quantities of the object.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 
-/// Every channel of the system, those of pairs ("M.x@N") left out; rows of links only when it is set up.
+/// All channels of a system except those of pairs ("M.x@N"); those of links' rows only where it is set up.
 LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 
 
@@ -47,82 +50,92 @@ LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 
 /// One column of a table.
 struct Column {
-  std::string name, unit;  ///< "Bx", "N"; a number without dimension has the unit ""
-  std::vector<double> values;
+  std::string name,            ///< "Bx"
+      unit;                    ///< "N"; "" without dimension
+  std::vector<double> values;  ///< one per row
 };
 
 /// Columns of numbers with name and unit.
 class LOCKSTEP_API Table {
  public:
-  /// A new column at the right. Throws ModelError: a name that is empty or taken, or rows are there already.
+  /// Adds a column at the right. Throws ModelError for a name that is empty or taken, and when there are rows already.
   void add_column(const std::string& name, const std::string& unit = {});
-  /// Memory for n rows in all; beyond it columns grow geometrically.
+  /// Reserves memory for n rows in all; beyond them columns grow geometrically.
   void reserve(std::size_t n);
-  /// One number a column.
+  /// Adds a row: one number per column.
   void add_row(std::span<const double> row);
-  void clear_rows();
+  void clear_rows();  ///< removes all rows; the columns stay
 
-  std::size_t n_rows() const { return columns_.empty() ? 0 : columns_.front().values.size(); }
-  std::size_t n_columns() const { return columns_.size(); }
-  const std::vector<Column>& columns() const { return columns_; }
-  bool has(const std::string& name) const;
-  std::vector<std::string> names() const;
+  std::size_t n_rows() const { return columns_.empty() ? 0 : columns_.front().values.size(); }  ///< number of rows
+  std::size_t n_columns() const { return columns_.size(); }                                     ///< number of columns
+  const std::vector<Column>& columns() const { return columns_; }                               ///< from left to right
+  bool has(const std::string& name) const;  ///< whether there is a column of this name
+  std::vector<std::string> names() const;   ///< of the columns, from left to right
 
-  /// Throws ModelError naming the closest column.
+  /// The column of this name. Throws ModelError with the closest name.
   const Column& column(const std::string& name) const;
+  /// The values of the column of this name. Throws ModelError with the closest name.
   const std::vector<double>& operator[](const std::string& name) const { return column(name).values; }
-  /// Throw ModelError for an unknown column or a table without rows.
+  /// The value in the first row. Throws ModelError for an unknown column or a table without rows.
   double first(const std::string& name) const;
+  /// The value in the last row. Throws ModelError for an unknown column or a table without rows.
   double last(const std::string& name) const;
-  double change(const std::string& name) const { return last(name) - first(name); }  ///< last minus first
+  double change(const std::string& name) const { return last(name) - first(name); }  ///< last() minus first()
 
  private:
   std::vector<Column> columns_;
 };
 
-/// "Bx [N]", or the bare name when the unit is "".
+/// Title of a column: "Bx [N]", or its name alone when the unit is "".
 LOCKSTEP_API std::string title(const Column&);
 
-/// Header `t [s],Bx [N]`, then one line a row; every number in the shortest form that reads back as the same double. A
-/// name with a comma, a quote or a line end stands in quotes.
+/// Writes a table as CSV: the header `t [s],Bx [N]`, then one line per row, every number in the shortest form that
+/// reads back as the same double. A title with a comma, a quote or a line end is put in quotes.
 LOCKSTEP_API void write_csv(std::ostream&, const Table&);
-/// Throws FileError naming the file.
+/// Writes a table to a CSV file. Throws FileError with the file's name.
 LOCKSTEP_API void write_csv(const std::string& file, const Table&);
-/// Headers with or without units. Throws FileError naming file and line: a cell that is no number, a row of another
-/// length.
+/// Reads a CSV file; its first line is the header, with or without units. Throws FileError with file and line: a cell
+/// that is not a number, a row of another length, a header that cannot be a table's.
 LOCKSTEP_API Table read_csv(const std::string& file);
+/// The same from a stream. `file`: its name in messages.
 LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);
 
 
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
 
 
-/// A column of the record: a channel, under its own name or one of the user's ("Bx": "B.force_on_p_world_x").
+/// A column to record: a channel, under its own name or another ("Bx": "B.force_on_p_world_x").
 struct Request {
-  std::string name, channel;
-  Request(const char* own) : name(own), channel(own) {}             // NOLINT: a bare name is a request
+  std::string name,  ///< of the column
+      channel;       ///< name of the channel
+  /// A channel under its own name.
+  Request(const char* own) : name(own), channel(own) {}  // NOLINT: a bare name is a request
+  /// A channel under its own name.
   Request(std::string own) : name(own), channel(std::move(own)) {}  // NOLINT
+  /// The channel `of`, under the name `given`.
   Request(std::string given, std::string of) : name(std::move(given)), channel(std::move(of)) {}
 };
 
-/// An observer that fills a table.
+/// An observer that fills a table: one row per output time.
 class LOCKSTEP_API Recorder : public Observer {
  public:
-  /// Before the run, and before StepLoop takes the start: some channels integrate with the motion. The first column
-  /// is the time, "t [s]". Throws ModelError: an unknown channel, a name that is taken.
+  /// Make it before the run, and before the StepLoop takes the start: some channels add integrated states to the
+  /// system. The first column is the time, "t [s]". Throws ModelError for an unknown channel or a name that is taken.
   explicit Recorder(System& system, std::vector<Request> requests = {});
   ~Recorder() override;
 
-  /// A column of the user's own.
+  /// Adds a column with values of the caller's own. Throws ModelError for a name that is empty or taken, for an empty
+  /// function, and when there are rows already.
   void add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value);
+  /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
-  /// Counts turns for a channel that is used elsewhere (an event's condition), without a column.
+  /// Keeps a channel up to date (counts its turns) that is used elsewhere, as in an event's condition; adds no column.
   void follow(Channel channel);
-  /// Memory for n rows in all; beyond it the table grows geometrically.
+  /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
-  const Table& table() const { return table_; }
+  const Table& table() const { return table_; }  ///< what is recorded so far
 
-  /// A run from a new start begins a new table.
+  /// Begins a new table: removes the rows of an earlier run.
   void start(const Sample&) override;
   void step(const Sample&) override;
   void jumped(const Sample&) override;

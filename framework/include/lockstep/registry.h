@@ -16,45 +16,48 @@
 
 namespace lockstep {
 
-// Registry: shelves of named makers. A plain value that is passed in and filled at run time; two registries in one
-// process know nothing of each other.
+// Registry: shelves of named makers. It is a value, passed to those who need it and filled at run time; two registries
+// in one process are independent.
 
 
 class Registry;
 
-/// The parameters held against a table, and the laws among them made by the registry, before the thing itself is.
-/// Throws SceneError: whatever Params refuses, a law that cannot be made, a law where there is no registry.
+/// Checks parameters against a type's table of keys, and makes the laws among them by the registry `laws`. Throws
+/// SceneError, which begins with `owner`: what Params refuses, a law that cannot be made, a law where `laws` is null.
 LOCKSTEP_API Params checked_params(const Params&, const TypeInfo&, const std::string& owner, const Registry* laws);
 
-/// A shelf: makers of one kind of thing by name. `Make` is the maker's signature after the common (name) lookup.
-/// A class is put on a shelf by `add<T>()`: T::info() is its TypeInfo, T::make(...) its maker.
+/// Makers of one kind of thing by name. A maker takes Args, then checked parameters, and returns a Product.
 template <class Product, class... Args>
 class LOCKSTEP_API Shelf {
  public:
-  using Maker = std::function<Product(Args..., const Params&)>;
+  using Maker = std::function<Product(Args..., const Params&)>;  ///< it may throw, and must not return null
   /// One type of a shelf: description, maker and origin.
   struct Entry {
-    TypeInfo info;
-    Maker make;
-    std::string origin;  ///< "built in", or the plugin's name
+    TypeInfo info;       ///< name, help and keys
+    Maker make;          ///< called with checked parameters
+    std::string origin;  ///< "built in", or the plugin's name; "": added by the host
   };
 
+  /// Adds a class by its TypeInfo, T::info(), and its maker, T::make().
   template <class T>
   void add() {
     add(T::info(), &T::make);
   }
-  /// Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
+  /// Adds a type. Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
   void add(TypeInfo info, Maker make);
-  /// Throws SceneError: unknown name (with the closest), or whatever Params refuses. `laws` makes nested laws.
+  /// Makes a thing of this type, which `owner` names in messages; `laws` makes the laws among its parameters. Throws
+  /// SceneError for an unknown name (with the closest) and for parameters that are refused; PluginError where the maker
+  /// returns null; and what the maker throws, with the type's name.
   Product make(const std::string& name, Args... args, const Params&, const Registry* laws,
                const std::string& owner) const;
-  /// From parameters that were checked against the entry's table already.
+  /// The same from parameters that were checked against the entry's table already. The type must exist.
   Product make_checked(const std::string& name, Args... args, const Params& checked) const;
-  const Entry* find(const std::string& name) const;
-  const std::map<std::string, Entry>& entries() const { return entries_; }
-  std::vector<std::string> names() const;
-  void set_origin(const std::string& origin);  ///< of all entries that have none yet
-  void merge(const Shelf& other);              ///< throws PluginError before it changes anything
+  const Entry* find(const std::string& name) const;                         ///< null: there is no such type
+  const std::map<std::string, Entry>& entries() const { return entries_; }  ///< all types by name
+  std::vector<std::string> names() const;                                   ///< of all types, sorted
+  void set_origin(const std::string& origin);                               ///< of all entries that have none yet
+  /// Adds all entries of another shelf, or none: throws PluginError for a name that is taken.
+  void merge(const Shelf& other);
 
  private:
   std::string kind_;  // "law", "link", ... for messages
@@ -65,22 +68,24 @@ class LOCKSTEP_API Shelf {
 /// Links, laws, forces, integrators and solvers by name.
 class LOCKSTEP_API Registry {
  public:
-  Registry();
-  Shelf<LawPtr<MotionLaw>> laws;
-  Shelf<LawPtr<TranslationLaw>> translation_laws;
-  Shelf<LawPtr<RotationLaw>> rotation_laws;
-  Shelf<std::unique_ptr<Lock>, const Site&> links;
-  Shelf<std::unique_ptr<Force>, const Site&> forces;
-  Shelf<std::unique_ptr<Integrator>> integrators;
-  Shelf<std::unique_ptr<LinearSolver>> solvers;
+  Registry();                                         ///< empty; see builtin_registry()
+  Shelf<LawPtr<MotionLaw>> laws;                      ///< scalar laws
+  Shelf<LawPtr<TranslationLaw>> translation_laws;     ///< laws of a translation
+  Shelf<LawPtr<RotationLaw>> rotation_laws;           ///< laws of a rotation
+  Shelf<std::unique_ptr<Lock>, const Site&> links;    ///< joints and couplings
+  Shelf<std::unique_ptr<Force>, const Site&> forces;  ///< applied forces
+  Shelf<std::unique_ptr<Integrator>> integrators;     ///< time-stepping methods
+  Shelf<std::unique_ptr<LinearSolver>> solvers;       ///< linear solvers
 
-  /// The law that a Value describes: {"type": ..., keys}. A bare number, a text with a unit or a list stands for the
-  /// law "constant", whose first key it becomes.
+  /// Makes the scalar law that a Value describes: {"type": ..., its keys}. A bare number, a text with a unit or a list
+  /// is the law "constant", with the value as its first key. Throws SceneError, which begins with `owner`.
   LawPtr<MotionLaw> scalar_law(const Value&, const std::string& owner = "law") const;
+  /// The same for a translation, m.
   LawPtr<TranslationLaw> translation_law(const Value&, const std::string& owner = "translation law") const;
+  /// The same for a rotation.
   LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const;
 
-  /// All of `other`'s entries, or none: throws PluginError naming the first name that is taken.
+  /// Adds all entries of another registry, or none: throws PluginError with the first name that is taken.
   void merge(const Registry& other);
 };
 
@@ -96,9 +101,9 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 // The registry of everything that comes with lockstep.
 
 
-/// A fresh registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in".
-/// A library that was built with LOCKSTEP_BUILTINS=OFF loads laws and integrators as plugins of these names, from
-/// plugin_folders(); their origin is then "motionlaws" or "integrators". Throws PluginError when it cannot.
+/// A new registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in". A
+/// library built with LOCKSTEP_BUILTINS=OFF loads laws and integrators from the plugins "motionlaws" and "integrators"
+/// in plugin_folders(); these names are then their origin. Throws PluginError when it cannot load them.
 LOCKSTEP_API Registry builtin_registry();
 
 
@@ -109,10 +114,10 @@ LOCKSTEP_API Registry builtin_registry();
 struct MethodSpec {
   std::string type;  ///< name in the registry
   Value keys{};      ///< an object, or null for the defaults
-  Where where{};     ///< where a file says so
+  Where where{};     ///< its place in a file
 };
 
-/// Descriptions of all entries of a shelf.
+/// Descriptions of all types of a shelf, by name.
 template <class S>
 std::vector<TypeInfo> types_of(const S& shelf) {
   std::vector<TypeInfo> all;
@@ -120,12 +125,15 @@ std::vector<TypeInfo> types_of(const S& shelf) {
   return all;
 }
 
-/// From one word: "dopri5", or "dop853:stages=auto:fixed=true". Values are numbers, true, false, or texts, with or
-/// without quotes. Throws ModelError for an unknown name or key, with the closest one.
+/// Reads a method from one word: "dopri5", or "dop853:stages=auto:fixed=true". Values are numbers, true, false, or
+/// texts with or without quotes. `types`: those to choose from, by types_of(). Throws ModelError for an unknown name or
+/// key, with the closest one.
 LOCKSTEP_API MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types);
 
-/// Made from their descriptions. `owner` begins every message. Throw SceneError with the place.
+/// Makes an integrator. Throws SceneError for an unknown name and what is refused, with the place in the file; its
+/// message begins with `owner`.
 LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const MethodSpec&, const Registry&, const std::string& owner);
+/// Makes a linear solver. Throws as make_integrator().
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const MethodSpec&, const Registry&, const std::string& owner);
 
 }  // namespace lockstep

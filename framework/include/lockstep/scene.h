@@ -13,99 +13,109 @@
 
 namespace lockstep {
 
-// Scene: a mechanism as data, and the way from a file to a System. One direction: systems are not reverse-engineered.
+// Scene: a mechanism as data, and the way from a file to a System. A System is not converted back.
 
 
-/// A channel to record, under a name of the user's own ("" : the channel's).
+/// A channel to record.
 struct ChannelRequest {
-  std::string channel, name;
-  Where where{};
+  std::string channel,  ///< name of the channel
+      name;             ///< name of its column; "": the channel's
+  Where where{};        ///< its place in the file
 };
 
-/// The object "run". Zero stands for "not given" in step, until and output.
+/// The object "run" of a scene. In step, until and output 0 means that none is given.
 struct RunSettings {
-  MethodSpec integrator{"dopri5"}, solver{"schur"};
-  double step = 0, until = 0, output = 0;  ///< s
-  std::vector<double> times{};             ///< s, rising
-  Tolerance tolerance;
-  Formulation formulation = Formulation::omega;
-  Stabilization stabilization;
-  bool assemble = true;
-  std::vector<ChannelRequest> record{};
-  std::vector<std::vector<std::string>> draw{};  ///< panels of the picture, each recorded names; empty: by unit
-  Where where{};
+  MethodSpec integrator{"dopri5"},               ///< integrator with its keys
+      solver{"schur"};                           ///< linear solver with its keys
+  double step = 0,                               ///< fixed or largest step, s
+      until = 0,                                 ///< end of the run, s
+      output = 0;                                ///< interval of output times, s
+  std::vector<double> times{};                   ///< output times in place of an interval, s, rising
+  Tolerance tolerance;                           ///< error of a step, for adaptive integrators
+  Formulation formulation = Formulation::omega;  ///< unknowns of the equations of motion
+  Stabilization stabilization;                   ///< how drift off the constraints is removed
+  bool assemble = true;                          ///< the start is assembled
+  std::vector<ChannelRequest> record{};          ///< channels to record
+  /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
+  std::vector<std::vector<std::string>> draw{};
+  Where where{};  ///< place of the object in the file
 };
 
 /// A mechanism as data.
 struct Scene {
-  Value root;
-  std::string file;  ///< as it was asked for; "" when given in C++
-  std::string title, description;
-  std::vector<std::string> plugins{};  ///< "requires"
-  RunSettings run;                     ///< may be changed before build()
+  Value root;                          ///< the whole object
+  std::string file;                    ///< as it was asked for; "" when given in C++
+  std::string title,                   ///< "title", or ""
+      description;                     ///< "description", or ""
+  std::vector<std::string> plugins{};  ///< names of the plugins that it "requires"
+  RunSettings run;                     ///< "run"; may be changed before build()
 };
 
-/// Reads a file. Throws FileError; SceneError with file, line, column, owner, value and next move.
+/// Reads a scene from a JSON file. Throws FileError, and SceneError with file, line, column, owner, value and next
+/// move.
 LOCKSTEP_API Scene read_scene(const std::string& path);
-/// The same from a text or from data made in C++; `file` stands in messages.
+/// Reads a scene from a JSON text. `file`: its name in messages. Throws SceneError.
 LOCKSTEP_API Scene scene_from_text(const std::string& text, const std::string& file);
+/// Reads a scene from data made in C++. `file`: its name in messages. Throws SceneError.
 LOCKSTEP_API Scene scene_from(Value root, std::string file = {});
 
-/// An event whose condition names a channel ("" : it has none); the condition is value(channel) - crosses.
+/// An event of a scene. Where it names a channel, its condition is the channel's value less `crosses`.
 struct EventRequest {
-  Event event;
-  std::string channel{};
-  double crosses = 0;
-  Where where{};
+  Event event;            ///< without the condition
+  std::string channel{};  ///< name of the channel; "": the event has no condition
+  double crosses = 0;     ///< value that the channel crosses, in its unit
+  Where where{};          ///< its place in the file
 };
 
 /// What a scene describes, ready to run.
 struct Mechanism {
-  System system;
-  RunSettings run;
-  std::vector<VelocityTarget> start_speeds{};
-  std::vector<EventRequest> events{};
+  System system;                               ///< set up
+  RunSettings run;                             ///< of the scene
+  std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
+  std::vector<EventRequest> events{};          ///< of the scene
 };
 
-/// Makes the mechanism and sets the system up. Throws SceneError with the place for everything that cannot be, also for
-/// what makers and the System refuse.
+/// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for everything
+/// that is wrong, also for what makers and the System refuse.
 LOCKSTEP_API Mechanism build(const Scene&, const Registry&);
 
-/// The integrator that the settings name, its tolerance set. Throws SceneError: unknown, or a fixed step without a
-/// step.
+/// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, refused keys,
+/// or a method with fixed steps where no step is given.
 LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const RunSettings&, const Registry&);
+/// Makes the solver that the settings name. Throws SceneError.
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const Registry&);
 
 
-// Variables: one quantity of a scene each, and the values it takes from run to run.
+// Variables: one value of a scene each, and the values it takes from run to run.
 
 
-/// A number of a scene and the values it takes.
+/// A plain value of a scene (a number, a word, true or false) and the values it takes from run to run.
 struct Variable {
   std::string path;           ///< as it was asked for: "bodies.rod.mass"
-  std::string place;          ///< the same, however it was asked for: things of a list by their name
-  std::string unit;           ///< of the numbers, "kg"; "" when they have none or it is not known
-  std::vector<Value> values;  ///< numbers in SI, words, true or false; one at least
-  std::string near{};         ///< the closest number of the scene, when this is none of it yet
+  std::string place;          ///< the same in one spelling: things of a list by their names where they have one
+  std::string unit;           ///< SI unit of the numbers, "kg"; "" when they have none or it is not known
+  std::vector<Value> values;  ///< numbers in SI, words, true or false; at least one
+  std::string near{};         ///< the closest path of a number that the scene gives, where it does not give this value
 };
 
-/// "NAME=a:b:n": n numbers evenly from a to b; "NAME=v1,v2,...": these values. NAME is a path (find_place); numbers
-/// are SI, or carry units as in scenes. Throws ModelError or SceneError naming the path: no such place (with the
-/// nearest), values that cannot stand there, and what decides on the columns, which are the same in all runs.
+/// Reads a variable: "NAME=a:b:n" are n numbers evenly from a to b, "NAME=v1,v2,..." these values. NAME is the path of
+/// a plain value in the scene, as in "bodies.rod.mass"; numbers are SI, or carry units as in scenes. Throws ModelError
+/// or SceneError with the path: no such value (with the nearest), values that cannot be there, or what determines the
+/// columns, which are the same in all runs.
 LOCKSTEP_API Variable read_variable(const std::string& text, const Scene&, const Registry&);
 
-/// Of several; refuses the same place twice.
+/// Reads several variables; throws ModelError where two of them are the same value.
 LOCKSTEP_API std::vector<Variable> read_variables(const std::vector<std::string>& texts, const Scene&, const Registry&);
 
-/// The scene with value choice[k] of variable k in its place; its run settings are read anew. Throws SceneError for
-/// settings that cannot be; the rest is checked by build().
+/// The scene in which variable k has its value number choice[k]; the run settings are read again. Throws SceneError for
+/// wrong settings; the rest is checked by build().
 LOCKSTEP_API Scene varied(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                           const Registry&);
 
-/// "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
+/// A choice of values in words: "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
 LOCKSTEP_API std::string setting_text(const std::vector<Variable>&, const std::vector<std::size_t>& choice);
 
-/// A value as it stands in a table: number in shortest form, word, true or false.
+/// A value as tables show it: a number in shortest form, a word, true or false; "" for a list or an object.
 LOCKSTEP_API std::string plain_text(const Value&);
 
 }  // namespace lockstep

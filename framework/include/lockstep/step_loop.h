@@ -15,28 +15,30 @@ namespace lockstep {
 // Observer: is called with the accepted states of a run; never changes them.
 
 
-/// Views, valid during the call. `values` is evaluated only when asked for: accelerations and multipliers at this very
-/// state.
+/// A state of a run as observers and channels see it. All are views, valid during the call; accelerations and
+/// multipliers are solved for only when they are asked for.
 class Sample {
  public:
+  /// Of the state `s`, which the step `r` led to. All three must outlive it.
   Sample(Dynamics& dynamics, const State& s, const StepReport& r) : state(s), report(r), dynamics_(dynamics) {}
-  const State& state;
-  const StepReport& report;
-  const System& system() const { return dynamics_.system(); }
-  /// a, lambda, rows and inputs at this state; solved at the first call.
+  const State& state;                                          ///< the state
+  const StepReport& report;                                    ///< what the last step did
+  const System& system() const { return dynamics_.system(); }  ///< the mechanism
+  /// Accelerations, multipliers, rows and inputs at this state; solved at the first call. Throws what
+  /// Dynamics::evaluate throws.
   const Solution& values() const {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
-  /// What a link does to the body of one of its markers, as Reactions::on_body_of; computed once for all channels that
-  /// ask one after the other.
+  /// Force and moment that a link exerts on the body of one of its markers, by Reactions::on_body_of; computed once for
+  /// all channels that ask one after the other.
   const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const {
     const Evaluated& v = values();
     if (last_.link != &link || last_.at != &at || last_.part != part)
       last_ = {&link, &at, part, Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part)};
     return last_.wrench;
   }
-  Dynamics& dynamics() const { return dynamics_; }
+  Dynamics& dynamics() const { return dynamics_; }  ///< by which values() solves
 
  private:
   struct Asked {
@@ -50,39 +52,48 @@ class Sample {
   mutable Asked last_;
 };
 
-/// Is shown accepted states; never changes them.
+/// Base of what watches a run: it is called with accepted states and never changes them. By default all calls do
+/// nothing.
 class LOCKSTEP_API Observer {
  public:
   virtual ~Observer();
+  /// Called once at the start of a run.
   virtual void start(const Sample&);
-  /// Every accepted step, with the state at its end.
+  /// Called after every accepted step, with the state at its end.
   virtual void step(const Sample&);
-  /// The velocities jumped at the end of the last step (an impact, a link switched, the jump of a law): the same
-  /// instant, the state from which the run goes on.
+  /// Called after step() where an event, an impact or the jump of a law acted at its end: at the same instant, with the
+  /// state from which the run continues.
   virtual void jumped(const Sample&);
-  /// Every output time (the times asked for, or every step when none were): the state interpolated by the method's
-  /// dense output and projected, or the end of a step.
+  /// Called at every output time (the times asked for, or every step when none were): the state interpolated by the
+  /// method's dense output and projected, or the end of a step.
   virtual void output(const Sample&);
+  /// Called at the end of every StepLoop::run_until, also when it throws.
   virtual void finish(const Sample&);
 };
 
 
-// Event: changes the set of links in force between two steps, by time or by a condition located to tolerance.
+// Event: changes the links in force or the state between two steps, by time or by a condition located to tolerance.
 
 
-/// An instant at which the set of links or the state changes.
+/// An instant at which links are switched, the state changes or the run ends.
 struct Event {
-  enum class Crossing { any, rising, falling };
-  std::string name;
-  /// By time: at >= 0 and no condition. By condition: value(sample) passes zero in the given sense.
+  /// Sense in which the condition passes zero.
+  enum class Crossing {
+    any,     ///< either
+    rising,  ///< from below
+    falling  ///< from above
+  };
+  std::string name;  ///< for messages and SimulationReport::stopped_by
+  /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense.
   double at = -1;
-  std::function<double(const Sample&)> value{};
-  Crossing crossing = Crossing::any;
-  double tolerance = 1e-9;                            ///< of the instant, s
-  bool once = true;                                   ///< or at every crossing
-  std::vector<std::string> activate{}, deactivate{};  ///< links
-  bool stop = false;                                  ///< end the run there
-  std::function<void(State&)> change{};               ///< anything else; velocities are made consistent afterwards
+  std::function<double(const Sample&)> value{};  ///< the condition, or none
+  Crossing crossing = Crossing::any;             ///< sense in which the condition passes zero
+  double tolerance = 1e-9;                       ///< of the instant, s
+  bool once = true;                              ///< or at every crossing
+  std::vector<std::string> activate{},           ///< names of links that come into force
+      deactivate{};                              ///< names of links that are released
+  bool stop = false;                             ///< ends the run there
+  std::function<void(State&)> change{};          ///< any other change; velocities are made consistent afterwards
 };
 
 
@@ -91,54 +102,60 @@ struct Event {
 
 /// Steps, tolerances and outputs of a run.
 struct StepLoopOptions {
-  double step = 0;                     ///< fixed step, s; for adaptive methods the largest step (0: no limit)
-  Tolerance tolerance{};               ///< adaptive methods
-  double output = 0;                   ///< interval of output times from the start, s, and the end; 0: every step
-  std::vector<double> output_times{};  ///< or these instants, rising (they win over `output`)
+  double step = 0;        ///< fixed step, s; for adaptive methods the largest step (0: no limit)
+  Tolerance tolerance{};  ///< for adaptive methods
+  double output = 0;      ///< interval of output times from the start on, s, the end being one too; 0: every step
+  std::vector<double> output_times{};  ///< or these instants, s, rising; if given, `output` is ignored
   double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
 };
 
 /// Counters, warnings and the end of a run.
 struct SimulationReport {
-  long steps = 0, rejected = 0;
+  long steps = 0,                                                ///< accepted steps
+      rejected = 0;                                              ///< rejected attempts
   double largest_violation = 0;                                  ///< |C| after accepted steps, m
   long impacts = 0;                                              ///< instants at which unilateral links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
-  double stiff_since = std::numeric_limits<double>::infinity();  ///< first step that only damped fast modes limit, s
-  bool stopped = false;                                          ///< by an event or by stop()
-  std::string stopped_by;
-  std::vector<std::string> warnings{};  ///< in the order in which they came
+  double stiff_since = std::numeric_limits<double>::infinity();  ///< when damped fast modes first limited the steps, s
+  bool stopped = false;                                          ///< by an event or by StepLoop::progress
+  std::string stopped_by;                                        ///< name of the event, or "the caller"
+  std::vector<std::string> warnings{};                           ///< in the order in which they came
 };
 
-/// Runs a mechanism: steps, events, outputs, observers.
+/// Runs a mechanism: steps, events, contacts, outputs, observers.
 class LOCKSTEP_API StepLoop {
  public:
+  /// The run begins at System::start, unless set_state() sets another state. The dynamics must outlive the loop. Throws
+  /// ModelError for a missing integrator, a fixed step that is not given, and options that are negative, not finite or
+  /// not rising.
   StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options = {});
   ~StepLoop();
 
-  /// Where to start (a new run: observers are started again, the report is cleared); default: the system's start.
-  /// Throws AssemblyError when it violates the constraints too much.
+  /// Sets another start, for a new run: observers are started again, the report is cleared. Throws AssemblyError where
+  /// it violates the constraints by more than the limit, ModelError where it does not fit the system.
   void set_state(State);
-  const State& state() const { return state_; }
-  Dynamics& dynamics() { return dynamics_; }
-  const System& system() const { return dynamics_.system(); }
-  Integrator& integrator() { return *method_; }
+  const State& state() const { return state_; }                ///< at the present time
+  Dynamics& dynamics() { return dynamics_; }                   ///< as given
+  const System& system() const { return dynamics_.system(); }  ///< the mechanism
+  Integrator& integrator() { return *method_; }                ///< as given
 
-  void add_observer(Observer&);  ///< not owned
-  /// Throws ModelError for an event without instant and condition, or with an unknown link. An instant that lies before
-  /// the start never comes. What fires at the end of a step is observed before it acts: samples show the state just
-  /// before.
+  void add_observer(Observer&);  ///< not owned; in a run that has begun it is started at once
+  /// Adds an event; the reference stays valid. An instant before the start never comes. Samples at the instant of an
+  /// event show the state just before it acts. Throws ModelError for an event without instant or condition, for a
+  /// tolerance that is not above zero, and for a link that is unknown or merged.
   Event& add_event(Event);
-  /// Called after every accepted step with the time; return false to end the run after this step.
+  /// Called after every accepted step; returns false to end the run there.
   std::function<bool(const State&)> progress{};
 
-  /// Runs on to time `t`; may be called again for more. Observers: start once, finish at the end of every call. On an
-  /// error what was observed so far is finished first (observers' finish is called), then it is thrown.
+  /// Runs on to the time t, s; may be called again for more. Throws ModelError for a t that lies in the past,
+  /// AssemblyError for a start that violates the constraints, and what steps, events and observers throw; observers are
+  /// finished first.
   const SimulationReport& run_until(double t);
-  /// One accepted step of at most h (0: the method's or the option's own).
+  /// Makes one accepted step of at most h, s (0: the method's or the option's own). Throws what run_until() throws, but
+  /// does not finish the observers.
   StepReport step(double h = 0);
-  const SimulationReport& report() const { return report_; }
-  /// Puts a warning into the report and says it by the logger (support/log.h).
+  const SimulationReport& report() const { return report_; }  ///< of the run so far
+  /// Adds a warning to the report and logs it (log.h).
   void warn(const std::string& text);
 
  private:

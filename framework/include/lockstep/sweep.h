@@ -14,51 +14,57 @@ namespace lockstep {
 // The recorder and the events of a mechanism that came from a scene.
 
 
-/// Asks for the places of the bodies that move where the scene asks for nothing.
+/// Where the scene asks for no channel: adds x, y and z of every body that is not fixed to what is recorded.
 LOCKSTEP_API void record_places(Mechanism&);
 
-/// A recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay where
-/// it is in memory. Throws SceneError with the place of a channel that does not exist.
+/// Makes a recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay
+/// where it is in memory. Throws SceneError with the place in the file of a channel that does not exist.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
 
-/// The scene's events with their conditions. Make them before the StepLoop too; `recorder` follows their channels.
+/// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
+/// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
 LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
 
 
-// Sweep: one mechanism run many times, one row of results a run.
+// Sweep: one mechanism run many times, one row of results per run.
 
 
-/// Of one recorded column over a run.
+/// Last and extreme values of one recorded column, in its unit.
 struct ColumnRange {
-  double last = 0, least = 0, most = 0;
+  double last = 0,  ///< in the last row
+      least = 0,    ///< smallest
+      most = 0;     ///< largest
 };
 
-/// What a run leaves behind.
+/// Results of one run.
 struct SweepRun {
-  std::vector<ColumnRange> columns;  ///< without the time; none when nothing was recorded
-  double t = 0;                      ///< of the last recorded instant, s
-  long steps = 0;
-  double cpu = 0;           ///< s of this thread, from building to the end
-  bool failed = false;      ///< then `status` is the reason, and `columns` do not count
-  bool broken_off = false;  ///< by `go_on`
-  std::string status;       ///< "ok", or "stopped by 'landed'" where an event ended the run
+  std::vector<ColumnRange> columns;  ///< of the columns after the time; none when nothing was recorded
+  double t = 0;                      ///< last recorded instant, s
+  long steps = 0;                    ///< accepted steps
+  double cpu = 0;                    ///< processor time of this thread, from building to the end, s
+  bool failed = false;               ///< `status` is then the reason, and `columns` do not count
+  bool broken_off = false;           ///< `go_on` of sweep_run() ended it
+  std::string status;                ///< "ok", or "stopped by 'landed'" where an event ended the run
 };
 
-/// The columns that the scene records, with their units and without rows: the time first, places of the bodies that
-/// move where it asks for nothing. Throws what build() throws.
+/// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
+/// record_places(). Throws what build() and make_recorder() throw.
 LOCKSTEP_API Table recorded_columns(const Scene&, const Registry&);
 
-/// Builds the scene, assembles its start, runs it to its end. Every failure is a result, also columns that are not
-/// those of `like`. `go_on` is asked after every step; what was recorded goes to `history` when that is given.
+/// Builds the scene, assembles its start and runs it to its end. It throws nothing: every failure is a result, also
+/// columns other than those of `like`. `go_on`, where given, is asked after every step and returns false to end the
+/// run; what was recorded is written to `history`, where given.
 LOCKSTEP_API SweepRun sweep_run(const Scene&, const Registry&, const Table& like,
                                 const std::function<bool(const State&)>& go_on = {}, Table* history = nullptr);
 
-/// What a run left behind that came to its end: status "ok", steps and time of computing still to be said.
+/// Results of a finished run from its table, with status "ok" and without steps and cpu, which the table does not have.
 LOCKSTEP_API SweepRun recorded_run(const Table&);
 
-/// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],steps,cpu [s],status", with a line end.
+/// Header of the CSV file of a sweep, with a line end:
+/// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],steps,cpu [s],status".
 LOCKSTEP_API std::string sweep_header(const std::vector<Variable>&, const Table& columns);
-/// One line; the cells of results are empty when the run failed.
+/// Row of the CSV file of a sweep, with a line end; the cells of results are empty when the run failed. `choice`:
+/// number of the value of each variable.
 LOCKSTEP_API std::string sweep_row(long run, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                                    const Table& columns, const SweepRun&);
 
