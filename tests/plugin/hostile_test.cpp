@@ -196,13 +196,13 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   CHECK(contains(rude("no maker"), "plugin 'rude': law 'unmade' has no maker"));
   CHECK(contains(rude("bad key"), "plugin 'rude': law 'odd' cannot be registered"));
   CHECK(rude("std") == "plugin 'rude': registering threw: no such cam");
-  CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is no exception");
+  CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is not an exception");
   CHECK(rude("no words") ==
-        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without words");
-  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is no C++ exception");
-  CHECK(contains(rude("bell"), "its help is no plain line of text"));
-  CHECK(contains(rude("latin"), "its name is no plain line of text"));
-  CHECK(contains(rude("key bell"), "the name of its key number 0 is no plain line of text"));
+        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without a message");
+  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is not a C++ exception");
+  CHECK(contains(rude("bell"), "its help is not a plain line of text"));
+  CHECK(contains(rude("latin"), "its name is not a plain line of text"));
+  CHECK(contains(rude("key bell"), "the name of its key number 0 is not a plain line of text"));
   CHECK(rude("error") == "plugin 'rude': a model that cannot be");
   CHECK(rude("nested") == "plugin 'rude': cam.csv cannot be read: line 3 has no number");
   Registry with_probe = builtin_registry();
