@@ -71,7 +71,7 @@ const std::vector<Bad> kBad = {
     {R"({"name": "G", "type": "belt", "pairs": ["A", "B"], "radius_1": 1, "radius_2": ~-1})",
      {"link 'G', radius_2", "is -1", "above zero"}},
     {R"({"name": "G", "type": "rack_and_pinion", "pairs": ["A", "B"], "radius": ~0})",
-     {"link 'G', radius", "is 0 m", "a pinion has a radius"}},
+     {"link 'G', radius", "is 0 m", "the radius of a pinion must not be zero"}},
     {R"({"name": "G", "type": "screw", "p": "m1", "s": "m2", "lead": ~"2 kg"})", {"link 'G', lead", "a mass"}},
     {R"({"name": "G", "type": "cam_roller", "p": "m1", "s": "m2", "radius": 0.2, "roller": ~-0.1})",
      {"link 'G', roller", "-0.1", "must not be negative"}},

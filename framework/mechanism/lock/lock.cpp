@@ -65,7 +65,7 @@ void difference_tangent(const Lock& link, const Inputs& in, std::span<const doub
   const Lock* const one = &link;
 
   Eigen::Matrix<double, 6 * kMaxSlots, 1> column;
-  const auto add_force = [&](double factor) {  // Jh^T lambda of the moved pose
+  const auto add_force = [&](double factor) {  // Jh^T lambda at the moved pose
     link.gather(Group(&one, 1), at, scratch.rows.spatial_span(shape));
     const RowBlock block = scratch.rows.spatial(shape);
     for (int i = 0; i < on.n; ++i)
