@@ -31,14 +31,14 @@ struct Bad {
 const std::vector<Bad> kBad = {
     // pairs
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~"C"]})",
-     {"link 'G', pairs[1]", "unknown link \"C\"", "a coupling stands after its joints"}},
+     {"link 'G', pairs[1]", "unknown link \"C\"", "a coupling comes after its joints"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [~"G", "A"]})",
      {"link 'G', pairs[0]", "unknown link \"G\""}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~"A"})", {"link 'G'", "pairs", "a list of link names"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~[]})", {"link 'G'", "pairs", "a list of link names"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~3]})", {"link 'G', pairs[1]", "number"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "p": ~"one"})",
-     {"link 'G', p", "\"pairs\" says where", "remove one"}},
+     {"link 'G', p", "\"pairs\" places the link", "remove one"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "at": ~[0, 0, 0]})",
      {"link 'G', at", "inside the pairs", "move it there"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~{"p": "two", "at": [0, 0, 0]}]})",
