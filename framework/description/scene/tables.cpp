@@ -54,8 +54,8 @@ Keys mass_keys() {
   return {
       {"mass", Form::number, Unit::mass, kOptional, "mass, given with \"inertia\""},
       any("inertia", "[Jxx, Jyy, Jzz], {\"xx\":, ..., \"xy\":}, or three rows; products as matrix entries"),
-      any("inertia_at", "point that the inertia is about, own frame", {"center"}),
-      {"inertia_axes", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the inertia, in the own frame"},
+      any("inertia_at", "point about which the inertia is given, own frame", {"center"}),
+      {"inertia_axes", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the inertia, in its own frame"},
       {"center", Form::vector3, Unit::length, Value::List{0, 0, 0}, "mass centre, own frame"},
       any("rod", "a rod; it defines the frame: in its middle, x along it"),
       any("box", "a box about its frame's origin"),

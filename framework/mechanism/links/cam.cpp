@@ -76,7 +76,7 @@ void CamProfile::check(const std::string& link, double roller) const {
   if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
     throw ModelError(who + "the profile of its cam does not close: radius " + brief(first.y) + " m and slope " +
                      brief(first.yd) + " m/rad at 0, " + brief(last.y) + " and " + brief(last.yd) +
-                     " after a turn; let the law repeat after 2 pi");
+                     " after a turn; make the law repeat after 2 pi");
 }
 
 void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {

@@ -37,7 +37,7 @@ void Lock::setup() {
            "has " + rows + "a link has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
   if (unilateral_ && row_count() != 1)
     refuse(*this, "is one-sided and has " + rows +
-                      "a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+                      "a one-sided link has exactly one: use a link of one row, such as stop, distance or "
                       "point_on_plane, or a lock with a mask of one word");
 }
 
