@@ -1,5 +1,5 @@
 // Source: E. Hairer, S. P. Norsett & G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.6 and II.10
-// (P. J. Prince & J. R. Dormand 1981; dense output by the authors). The figures are those of their program DOP853,
+// (P. J. Prince & J. R. Dormand 1981; dense output by the authors). The coefficients are those of their program DOP853,
 // rounded to double.
 #include <lockstep/integrators.h>
 
@@ -43,7 +43,7 @@ constexpr double kB[kStages] =
     {0.054293734116568765, 0, 0, 0, 0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
      -0.1521609496625161, 0.20136540080403034, 0.04471061572777259};
 
-// Against the embedded results of orders 5 and 3.
+// Differences from the embedded results of orders 5 and 3.
 constexpr double kError5[kStages] = 
     {0.01312004499419488, 0, 0, 0, 0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864,
      -0.35032884874997366, 0.3341791187130175, 0.08192320648511571, -0.022355307863886294};

@@ -6,7 +6,7 @@ namespace lockstep {
 
 namespace {
 
-// b - a_late: the end of the step less the late stage.
+// b - a_late: the end of the step minus the late stage.
 Weights gap_of(const EmbeddedScheme& scheme) {
   std::array<double, Weights::kMost> gap{};
   for (int i = 0; i < scheme.tableau.n_stages; ++i)
@@ -19,12 +19,12 @@ Weights gap_of(const EmbeddedScheme& scheme) {
 }  // namespace
 
 Keys EmbeddedOptions::keys() {
-  return {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}},
+  return {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}},
           {"stages",
            Form::choice,
            Unit::none,
            "plain",
-           "where stages are evaluated: as they are, on the constraints (singular positions), or there when needed",
+           "where stages are evaluated: as they are, on the constraints (singular positions), or there if needed",
            {"plain", "manifold", "auto"}}};
 }
 
@@ -37,7 +37,7 @@ EmbeddedOptions EmbeddedOptions::from(const Params& params) {
 
 namespace {
 
-// A scheme without an estimate, and one told to, makes fixed steps.
+// Fixed steps for a scheme without an estimate, or on request.
 std::unique_ptr<StepControl> control_of(const EmbeddedScheme& scheme, const EmbeddedOptions& options) {
   if (options.fixed || !scheme.error) return nullptr;
   return std::make_unique<PiControl>(scheme.tableau.order);
@@ -80,8 +80,8 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   for (StateRate& p : poly_) p = sized_like(state);
 }
 
-// The first stage does not depend on h: rejected attempts keep it. With the rate at the end of the last step, which
-// this one begins with, and that of its late stage the watch sees the fastest mode.
+// The first stage does not depend on h: rejected attempts keep it. From the rate at the end of the last step, which
+// begins this one, and that of its late stage, the watch estimates the fastest mode.
 double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   const bool follows = h_ > 0 && start_.t == landed_t_;
   const double h_before = h_;
@@ -142,7 +142,7 @@ double EmbeddedRungeKutta::estimate(double h) {
 
 std::string EmbeddedRungeKutta::advice() const {
   if (watch_.stiff() && !passage_.near(stages_))
-    return "damped fast modes limit it (stiffness): take an implicit method (--integrator radau5 or "
+    return "damped fast modes limit it (stiffness): use an implicit method (--integrator radau5 or "
            "generalized_alpha)";
   return AdaptiveStepper::advice();
 }
@@ -201,7 +201,7 @@ void EmbeddedRungeKutta::restore(const Snapshot& in) {
 
 double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, double largest) {
   if (fixed()) return 0;
-  h_ = 0;  // the end of the last step is scratch
+  h_ = 0;  // the end of the last step is used as scratch
   dense_ready_ = false;
   const double guess = AdaptiveStepper::first_step(dynamics, state, largest);
   copy_motion(state, start_);

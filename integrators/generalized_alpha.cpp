@@ -14,11 +14,12 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostIterations = 25;
-constexpr double kNewton = 1e-11;   // of the scene's length and the step's move: what Newton may leave of a step
-constexpr double kStalled = 1e-8;   // of the same and of the first change: what shrinks no more is round-off below this
+constexpr double kNewton = 1e-11;  // relative to the scene's length and the step's move: the end of Newton's iteration
+constexpr double kStalled =
+    1e-8;  // relative to the same and to the first change: less that no longer shrinks is round-off
 constexpr int kMostReactions = 30;  // solutions with friction at the new multipliers
-constexpr double kReactions = 1e-6;  // of its first change: what they may leave; Newton does the rest
-constexpr double kSlow = 0.2;        // a worse ratio of two changes asks for a fresh matrix
+constexpr double kReactions = 1e-6;  // relative to its first change: the end of these solutions; Newton does the rest
+constexpr double kSlow = 0.2;        // a larger ratio of two changes needs a fresh matrix
 
 // out -= Jh^T lambda
 void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
@@ -33,7 +34,7 @@ void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
   }
 }
 
-// Largest change of a position or turn, L times the radians; the same of a velocity.
+// Largest change of a position or rotation, the latter times the length; likewise of velocities.
 double largest_change(const VecX& d, double length) {
   double most = 0;
   for (Eigen::Index i = 0; i < d.size(); i += 6)
@@ -45,12 +46,12 @@ double largest_change(const VecX& d, double length) {
 
 TypeInfo GeneralizedAlpha::type_info() {
   return {"generalized_alpha",
-          "implicit, order 2, fixed step, numerical damping that one number sets: stiff springs, large systems",
+          "implicit, order 2, fixed step, numerical damping set by one number: stiff springs, large systems",
           {{"rho_infinity",
             Form::number,
             Unit::none,
             0.8,
-            "what a step leaves of infinitely fast modes: 0 nothing ... 1 everything",
+            "how much of infinitely fast modes a step leaves: 0 nothing ... 1 everything",
             {}},
            {"adaptive", Form::boolean, Unit::none, false, "chooses its steps by the tolerance", {}}}};
 }
@@ -86,7 +87,7 @@ void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
   h_ = 0;
 }
 
-// Consistent accelerations at the start, and wherever the state was moved since the last step (the jump of a law).
+// Consistent accelerations at the start, and if the state was moved since the last step (the jump of a law).
 double GeneralizedAlpha::start_step(Dynamics& dynamics, double h) {
   output_.forget();
   if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) return h;
@@ -110,7 +111,7 @@ Attempt GeneralizedAlpha::attempt(Dynamics& dynamics, double h) {
   return made;
 }
 
-// Its end is on the constraints already, but for what Newton left.
+// The end is already on the constraints, up to the residual of Newton's method.
 ProjectReport GeneralizedAlpha::project_end(Dynamics& dynamics, State& y) {
   ProjectReport report;
   dynamics.normalize(y);
@@ -131,7 +132,7 @@ void GeneralizedAlpha::finish_step(Dynamics& dynamics, StepReport& report) {
   vd_ = vd1_, a_ = a1_, sd_ = sd1_, as_ = as1_, lambda_ = lambda1_;
 }
 
-// Newton until theta/(1 - theta) |change| is small. a0 - v0' is h (alpha_m - alpha_f) v0'' + ...: it goes with h.
+// Newton until theta/(1 - theta) |change| is small. a0 - v0' is h (alpha_m - alpha_f) v0'' + ...: it scales with h.
 bool GeneralizedAlpha::solve(Dynamics& dynamics, double h) {
   const double length = dynamics.system().length(), stretch = h_ > 0 ? h / h_ : 1;
   a0_ = vd_ + stretch * (a_ - vd_);
@@ -178,7 +179,7 @@ double GeneralizedAlpha::estimate(double h) {
   return norm_.of(difference_, start_);
 }
 
-// out = A^-1 M du on the constraints: fast modes, which the step does not resolve, carry no error that counts.
+// out = A^-1 M du on the constraints: removes fast modes, which the step does not resolve, from the error.
 void GeneralizedAlpha::filter(Eigen::Ref<VecX> out) {
   force_.setZero();
   matrix_.add_M_times(du_, force_);
@@ -214,7 +215,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
     ++dynamics.work().factors;
   }
   double change = 0;
-  if (start_.s.size() > 0) {  // no matrix of its own: repeated until it stands
+  if (start_.s.size() > 0) {  // not in the matrix: repeated until it settles
     dynamics.system().state_rates({e.inputs(), vd1_, lambda1_, e.rows()}, sd_now_);
     const double scale = 1 + end_.s.lpNorm<Eigen::Infinity>();
     change = gh * (sd_now_ - sd1_).lpNorm<Eigen::Infinity>() / scale * length;
@@ -243,12 +244,12 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   return std::max({change, largest_change(du_, length), largest_change(al_, length)});
 }
 
-// What friction changes with the multipliers is in no matrix: al and mu are solved again with the friction at
-// lambda1 + mu, until that stands.
+// The dependence of friction on the multipliers is not in the matrix: al and mu are solved again with the friction at
+// lambda1 + mu, until that settles.
 void GeneralizedAlpha::settle_reactions(const Evaluation& e) {
   friction_.setZero();
   e.react(lambda1_, friction_);
-  force_ -= friction_;  // the part that stays
+  force_ -= friction_;  // the part that stays fixed
   double first = 0;
   for (int i = 1; i <= kMostReactions; ++i) {
     lambda_try_ = lambda1_ + mu_;

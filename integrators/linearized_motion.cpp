@@ -6,7 +6,7 @@ void LinearizedMotion::begin(const State& state) {
   const Eigen::Index n = state.v.size();
   for (VecX* v : {&p_, &p_im_, &force_, &force_im_, &al_}) v->setZero(n);
   for (VecXc* v : {&force_c_, &al_c_}) v->setZero(n);
-  matrix_.set_residual(1e-6);  // what the linearisation leaves out is more
+  matrix_.set_residual(1e-6);  // the linearisation neglects more
 }
 
 void LinearizedMotion::gather(const Solution& solution) {
@@ -35,7 +35,7 @@ void LinearizedMotion::solve(double g, const VecX& r, VecX& y) {
   y.tail(n_s) = r.tail(n_s) / g;
 }
 
-// The same; K and D are real, so they are multiplied with both parts in turn.
+// The same; K and D are real, so they multiply both parts in turn.
 void LinearizedMotion::solve(Complex g, const VecX& r_re, const VecX& r_im, VecX& y_re, VecX& y_im) {
   const Eigen::Index n = al_.size(), n_s = r_re.size() - 2 * n;
   const Complex s = 1.0 / g;

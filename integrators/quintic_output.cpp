@@ -20,7 +20,7 @@ HermiteWeights slopes(double x) {
           30 * x2 - 60 * x3 + 30 * x4,  -12 * x2 + 28 * x3 - 15 * x4,    1.5 * x2 - 4 * x3 + 2.5 * x4};
 }
 
-// Value, rate and second rate at one end, in 3 or 4 numbers.
+// Value, first and second derivative at one end, of 3 or 4 numbers each.
 template <class V>
 struct End {
   V p, d, dd;
@@ -70,7 +70,7 @@ bool QuinticOutput::at(double t, State& out) const {
     out.v.segment<3>(6 * k) = blend(d, h_, xa, xb) / h_;
     const End<Vec4> ea = turn_of(a_, vd_a_, k), eb = turn_of(b_, vd_b_, k);
     const Vec4 e = blend(w, h_, ea, eb), ed = blend(d, h_, ea, eb) / h_;
-    out.q.segment<4>(7 * k + 3) = e.normalized();  // w = 2 vec(conj(e) e')/|e|^2, whatever the length of e does
+    out.q.segment<4>(7 * k + 3) = e.normalized();  // w = 2 vec(conj(e) e')/|e|^2, however |e| varies
     out.v.segment<3>(6 * k + 3) = 2 / e.squaredNorm() * (conjugate(Quat::from(e)) * Quat::from(ed)).vec();
   }
   const double x2 = x * x, x3 = x2 * x;

@@ -11,11 +11,11 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTurn = 2.5;  // rad a step: the rotation vector must stay well away from a full turn
+constexpr double kTurn = 2.5;  // rad per step: the rotation vector must stay well away from a full turn
 constexpr double kSqrt6 = 2.4494897427831780982;
 
 constexpr double kC[3] = {(4 - kSqrt6) / 10, (4 + kSqrt6) / 10, 1};
-// T^-1 A^-1 T = (real | alpha, -beta; beta, alpha); Z = T W. Digits by the eigenvectors of A^-1.
+// T^-1 A^-1 T = (real | alpha, -beta; beta, alpha); Z = T W. Computed from the eigenvectors of A^-1.
 constexpr double kReal = 3.6378342527444957322, kAlpha = 2.6810828736277521339, kBeta = 3.0504301992474105694;
 constexpr double kT[3][3] = {{0.09123239487089294279, -0.14125529502095420843, -0.030029194105147424492},
                              {0.24171793270710701896, 0.20412935229379993199, 0.38294211275726193779},
@@ -46,7 +46,7 @@ void collocation_weights(double x, double (&w)[3]) {
 TypeInfo Radau5::type_info() {
   return {"radau5",
           "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
-          {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
+          {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}}}};
 }
 
 std::unique_ptr<Integrator> Radau5::make(const Params& params) {
@@ -72,9 +72,9 @@ void Radau5::begin(Dynamics& dynamics, const State& state) {
   h_before_ = 0;
 }
 
-// The estimate goes with h^4, the weights with h (increments) or with 1 (absolute part), the error of a run with h^5:
-// so estimates up to c tol^-2/5 or c tol^-1/5 tolerances are to pass if the error of a run shall follow the tolerance
-// with slope one. The exponent between them serves both.
+// The estimate scales with h^4, the weights with h (increments) or with 1 (absolute part), the error of a run with h^5.
+// For the error of a run to follow the tolerance with slope one, estimates up to c tol^-2/5 or c tol^-1/5 tolerances
+// must pass. An exponent between them serves both.
 void Radau5::set_tolerance(const Tolerance& tolerance) {
   norm_.set(fixed() ? Tolerance{1e-8, 1e-10} : tolerance);
   loose_ = fixed() ? 1 : std::max(1.0, 0.12 / std::cbrt(tolerance.relative + tolerance.atol_x));
@@ -107,7 +107,7 @@ Attempt Radau5::attempt(Dynamics& dynamics, double h) {
   return made;
 }
 
-// Tangents at the second stage, as far as it is known: the middle of what the three see.
+// Tangents at the second stage as known so far: the middle one of the three.
 void Radau5::linearize(Dynamics& dynamics, double h) {
   displace(start_, Z_.col(1), stage_);
   stage_.t = start_.t + kC[1] * h;
@@ -117,8 +117,8 @@ void Radau5::linearize(Dynamics& dynamics, double h) {
   dynamics.work().factors += 2;
 }
 
-// The stages to begin with: the polynomial of the step before, continued; zeros where there is none, or where the state
-// was moved since.
+// Initial stages: the polynomial of the last step, extrapolated; zeros if there is none, or if the state was moved
+// since.
 void Radau5::guess(double h) {
   const double moved = std::abs(start_.t - t_before_);
   if (h_before_ == 0 || h > 4 * h_before_ || moved > 1e-12 * std::max(std::abs(start_.t), h_before_)) {
@@ -136,7 +136,7 @@ void Radau5::guess(double h) {
   for (int i = 0; i < kStages; ++i) W_.col(i) = row(kTi[i], Z_);
 }
 
-// Newton until theta/(1 - theta) |dZ| is small against the tolerance, IV.8 (8.10), (8.11).
+// Newton until theta/(1 - theta) |dZ| is small relative to the tolerance, IV.8 (8.10), (8.11).
 bool Radau5::solve_stages(Dynamics& dynamics, double h, Attempt& made) {
   const double goal = newton_goal();
   double before = 0, theta = 0;
@@ -151,7 +151,7 @@ bool Radau5::solve_stages(Dynamics& dynamics, double h, Attempt& made) {
       const double ratio = now / before;
       theta = made.iterations == 2 ? ratio : std::sqrt(theta * ratio);
       const double left = PredictiveControl::kMostIterations - made.iterations;
-      if (theta >= 0.99) return now <= 10 * goal;  // round-off, or no end
+      if (theta >= 0.99) return now <= 10 * goal;  // round-off, or divergence
       const double remains = theta / (1 - theta) * now;
       if (remains <= goal) return true;
       const double expected = remains * std::pow(theta, left);
@@ -202,14 +202,14 @@ double Radau5::size_of(const VecX& y) {
   return norm_.of(difference_, start_);
 }
 
-// In tolerances; kappa = sqrt(tolerance) between round-off and 0.03.
+// In units of the tolerance; kappa = sqrt(tolerance) between round-off and 0.03.
 double Radau5::newton_goal() const {
   const double tolerance = norm_.tolerance().relative + norm_.tolerance().atol_x;
   if (fixed()) return 1e-3;
   return loose_ * std::max(1e-15 / tolerance, std::min(0.03, std::sqrt(loose_ * tolerance)));
 }
 
-// A first estimate that is too large is filtered once more where it may be the stiff part alone, IV.8 (8.20).
+// A first estimate that is too large is filtered once more if it may be the stiff part alone, IV.8 (8.20).
 double Radau5::estimate(Dynamics& dynamics, double h) {
   norm_.scale(start_, rate0_, h, end_);
   r2_ = row(kError, Z_) / h;
@@ -227,7 +227,7 @@ double Radau5::estimate(Dynamics& dynamics, double h) {
 }
 
 // The rates at the end are those of the collocation polynomial, h y'(1) = sum (A^-1)_3j Z_j: no stiff term magnifies
-// what Newton left over.
+// the residual of Newton's method.
 void Radau5::finish_step(Dynamics&, StepReport& report) {
   const double h = report.h;
   r_ = row(kEndRate, Z_) / h;

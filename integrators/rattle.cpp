@@ -18,7 +18,7 @@ struct RattleScheme {
   const char* name;
   const char* help;
   int order, n;
-  std::array<double, 5> part;  // of the step, one a substep
+  std::array<double, 5> part;  // of the step, one per substep
 };
 
 namespace {
@@ -77,7 +77,7 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
 
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
-  const std::string advice = "; take dopri5 or dop853, or generalized_alpha where it is stiff";
+  const std::string advice = "; use dopri5 or dop853, or generalized_alpha if it is stiff";
   if (system.n_error_controlled_states() > 0) {
     std::string who;
     for (const auto& link : system.links())
@@ -85,7 +85,7 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
     for (const auto& auxiliary : system.auxiliaries())
       if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
     throw ModelError(
-        fmt::format("{}: {} integrates a state of its own, which is no motion of bodies", scheme_.name, who) + advice);
+        fmt::format("{}: {} integrates its own state, which is not a motion of bodies", scheme_.name, who) + advice);
   }
   for (const Force* force : dynamics.gather(state).reacting())
     throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of links, as friction does; the method "
@@ -140,7 +140,7 @@ bool Rattle::goes_on_from(const State& state) const {
   return ready_ && state.t == now_.t && state.q == now_.q && state.v == now_.v;
 }
 
-// From now_, whose matrix is factored, to now_ a time h later, with the matrix there.
+// Advances now_, whose matrix is factored, by a time h, and its matrix with it.
 void Rattle::substep(Dynamics& dynamics, double h) {
   v_half_ = now_.v + 0.5 * h * guess_;
   kick(find_multipliers(dynamics, h, now_.t + h), h);
@@ -148,8 +148,8 @@ void Rattle::substep(Dynamics& dynamics, double h) {
   now_.q.swap(next_.q), now_.v.swap(next_.v), now_.t = next_.t;
 }
 
-// mu by C(q1) = 0, its matrix that of q0: J(q0) d = -C(q1)/h, M d = -J(q0)^T mu. To round-off, for what is left is no
-// longer symplectic. The evaluation at q1. Throws StepError.
+// Solves C(q1) = 0 for mu with the matrix at q0: J(q0) d = -C(q1)/h, M d = -J(q0)^T mu. To round-off, since a residual
+// is not symplectic. Returns the evaluation at q1. Throws StepError.
 const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
   const double ulp = std::numeric_limits<double>::epsilon();
   double before = HUGE_VAL;
@@ -188,7 +188,7 @@ void Rattle::drift(double h) {
   }
 }
 
-// With C and J v + Ct.
+// Gathers next_, with C and J v + Ct.
 const Evaluation& Rattle::gather_next(Dynamics& dynamics) {
   const Evaluation& e = dynamics.gather(next_);
   e.residuals(C_, Cd_);
@@ -199,7 +199,7 @@ const Evaluation& Rattle::gather_next(Dynamics& dynamics) {
 // The second kick at next_, where `e` was gathered: M d = h/2 f - J^T nu, J d = -(J v + Ct). guess_ is 2 d/h.
 void Rattle::kick(const Evaluation& e, double h) {
   f_ = e.force();
-  for (const Turning& body : turning_) {  // the drift has -w x J w in it
+  for (const Turning& body : turning_) {  // the drift contains -w x J w
     const Vec3 w = next_.v.segment<3>(6 * body.slot + 3);
     f_.segment<3>(6 * body.slot + 3) += cross(w, Vec3(e.system().slot(body.slot).J * w));
   }

@@ -7,8 +7,7 @@ namespace lockstep {
 
 class Registry;
 
-/// Puts semi_implicit_euler, rk4, dopri5, dop853, generalized_alpha, radau5, rattle2 and rattle4 on the registry's
-/// shelf.
+/// Registers semi_implicit_euler, rk4, dopri5, dop853, generalized_alpha, radau5, rattle2 and rattle4.
 LOCKSTEP_API void register_integrators(Registry&);
 
 }  // namespace lockstep

@@ -7,10 +7,10 @@ namespace lockstep {
 namespace {
 
 constexpr double kWindow = 15;   // steps
-constexpr double kNearly = 0.8;  // of the limit: the step swings about it
+constexpr double kNearly = 0.8;  // of the stability limit, about which the step oscillates
 constexpr double kFast = 0.5;    // h |lambda|: of a mode that is faster than two steps
-constexpr double kDamped = 0.5;  // of |lambda|: an undamped mode has 0, an overdamped one 1
-constexpr double kStill = 0.1;   // of the accelerations over the window
+constexpr double kDamped = 0.5;  // damped part of |lambda|: 0 for an undamped mode, 1 for an overdamped one
+constexpr double kStill = 0.1;   // largest relative change of the accelerations over the window
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void StiffnessWatch::observe(double h, const VecX& dv, const VecX& a_stage, cons
 }
 
 void StiffnessWatch::add(double h, double dv2, double da2, double da_dv, double change) {
-  if (dv2 > 0) {  // each step with its own rate, however small its own error was
+  if (dv2 > 0) {  // each step counts with its own rate, however small its error was
     rate2_ += h * h * da2 / dv2;
     damped_ -= h * da_dv / dv2;
   }

@@ -40,7 +40,7 @@ bool all_numbers(const std::vector<std::string_view>& cells) {
   return true;
 }
 
-// "x [m]" is called x.
+// The name of a column: x for "x [m]".
 std::string name_of(std::string_view cell) { return std::string(trimmed(cell.substr(0, cell.find('[')))); }
 
 std::size_t column_of(const std::string& wanted, const std::vector<std::string>& names, std::size_t n_columns,
@@ -83,7 +83,7 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
                         " is missing");
       if (!parse(cells[k], value))
         throw FileError(place + ": column " + std::to_string(k + 1) + ", '" + std::string(cells[k]) +
-                        "' is no finite number");
+                        "' is not a finite number");
       row.push_back(value);
     }
     if (!rows.empty() && row[0] <= rows.back()[0])
@@ -91,7 +91,7 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
                       "; sort the rows by time");
     rows.push_back(std::move(row));
   }
-  if (rows.empty()) throw FileError(path + ": holds no row of numbers");
+  if (rows.empty()) throw FileError(path + ": has no rows of numbers");
   Columns table;
   table.y.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(y_columns.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -5,7 +5,7 @@ namespace lockstep {
 namespace {
 
 void require_laws(const char* law, const std::vector<LawPtr<MotionLaw>>& laws) {
-  require(!laws.empty(), law, "laws", "are none; give at least one");
+  require(!laws.empty(), law, "laws", "are missing; give at least one");
   for (const auto& inner : laws) require_law(law, "laws", inner);
 }
 
@@ -95,7 +95,7 @@ const TypeInfo& ShiftedLaw::info() {
   static const TypeInfo info{"shift",
                              "y(t) = law(t - delay)",
                              {{"law", Form::law, Unit::none, kRequired, "the law that is delayed"},
-                              {"delay", Form::number, Unit::time, kRequired, "by how much; negative: sooner"}}};
+                              {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}};
   return info;
 }
 

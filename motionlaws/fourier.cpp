@@ -44,7 +44,7 @@ const TypeInfo& Fourier::info() {
 }
 
 LawPtr<MotionLaw> Fourier::make(const Params& p) {
-  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
+  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
   return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});

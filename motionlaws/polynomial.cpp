@@ -11,7 +11,7 @@ Polynomial::Polynomial(std::vector<double> coefficients, double t0) : c_(std::mo
   require_finite("polynomial", "t0", t0);
 }
 
-// Horner's rule for the value and, carried along, for both derivatives.
+// Horner's rule for the value and both derivatives.
 LawValue Polynomial::at(double t) const {
   const double u = t - t0_;
   LawValue r;

@@ -1,4 +1,4 @@
-// Puts every law of this room on the registry's shelves.
+// Registers the laws of this room.
 #pragma once
 
 #include <lockstep/export.h>

@@ -1,4 +1,4 @@
-// This folder as a plugin, where it is no part of the library (LOCKSTEP_BUILTINS=OFF).
+// This folder as a plugin, if it is not part of the library (LOCKSTEP_BUILTINS=OFF).
 #include <lockstep/plugin.h>
 #include "motionlaws/register.h"
 

@@ -22,7 +22,7 @@ LawValue Repeat::at(double t) const {
   double s = std::fmod(t - t0_, period_);
   if (s < 0) s += period_;
   double n = std::round((t - t0_ - s) / period_);
-  if (s >= period_ * (1.0 - kEarly)) s = 0, n += 1;  // meant as the start of the next one
+  if (s >= period_ * (1.0 - kEarly)) s = 0, n += 1;  // counts as the start of the next one
   return raised(law_->at(s), n * gain_);
 }
 
@@ -45,7 +45,7 @@ const TypeInfo& Repeat::info() {
                              {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period"},
                               {"period", Form::number, Unit::time, kRequired, "length of the period"},
                               {"drift", Form::boolean, Unit::none, false,
-                               "each period goes on from the value at which the one before ended"},
+                               "each period continues from the value at which the one before ended"},
                               {"t0", Form::number, Unit::time, 0, "start of a period"}}};
   return info;
 }

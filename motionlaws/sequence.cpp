@@ -7,7 +7,7 @@ namespace lockstep {
 
 Sequence::Sequence(std::vector<Piece> pieces, const SequenceSettings& k) : pieces_(std::move(pieces)), k_(k) {
   require_finite("sequence", "t0", k.t0);
-  require(!pieces_.empty(), "sequence", "laws", "are none; give at least one");
+  require(!pieces_.empty(), "sequence", "laws", "are missing; give at least one");
   double t = k.t0, y = 0;
   for (const Piece& piece : pieces_) {
     require_law("sequence", "laws", piece.law);
@@ -22,7 +22,7 @@ Sequence::Sequence(std::vector<Piece> pieces, const SequenceSettings& k) : piece
   for (std::size_t i = 0; i < start_.size(); ++i) jump_.push_back(jumps_at(i));
 }
 
-// At T_i: the end of piece i - 1 against the start of piece i; at rest beyond the ends.
+// Compares the end of piece i - 1 with the start of piece i at T_i; beyond the ends the law is at rest.
 bool Sequence::jumps_at(std::size_t i) const {
   const std::size_t n = pieces_.size();
   if (k_.run_on && (i == 0 || i == n)) return false;  // a law's own jump is listed by the law
@@ -77,7 +77,7 @@ const TypeInfo& Sequence::info() {
                              {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
                               {"laws", Form::laws, Unit::none, kRequired, "as many laws"},
                               {"continue", Form::boolean, Unit::none, false,
-                               "each law goes on from the value at which the one before ended"},
+                               "each law continues from the value at which the one before ended"},
                               {"outside",
                                Form::choice,
                                Unit::none,
@@ -93,7 +93,7 @@ LawPtr<MotionLaw> Sequence::make(const Params& p) {
   const auto laws = p.laws("laws");
   if (durations.size() != laws.size())
     p.refuse("durations", "are " + std::to_string(durations.size()) + " for " + std::to_string(laws.size()) +
-                              " laws; give one each");
+                              " laws; give one per law");
   std::vector<Piece> pieces;
   for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
   return laws::sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});

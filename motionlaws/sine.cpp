@@ -32,7 +32,7 @@ const TypeInfo& Sine::info() {
 }
 
 LawPtr<MotionLaw> Sine::make(const Params& p) {
-  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given besides omega; give one of the two");
+  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");
   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
   return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});

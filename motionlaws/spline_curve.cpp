@@ -65,7 +65,7 @@ void SplineCurve::fill(const MatX& y, const MatX& x) {
                            (6 * D - 3 * S + 0.5 * C) / (h3 * h2)});
     }
   }
-  // At rest at an end: rates of rounding size only, measured by the mean rates over the range.
+  // At rest at an end if its rates are only roundings, relative to the mean rates over the range.
   const double T = last() - first(), size = y.cwiseAbs().maxCoeff();
   const auto rests = [&](double t) {
     std::vector<double> v(3 * static_cast<std::size_t>(n_components_));
@@ -89,7 +89,7 @@ std::size_t SplineCurve::interval(double t) const {
 
 void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
   const double T = last() - first();
-  double sign = 1, go_on = 1;  // the latter 0: held, at rest
+  double sign = 1, go_on = 1;  // go_on is 0 where the value is held
   if (k_.outside == SplineOutside::repeat) {
     const double s = std::fmod(t - first(), T), into = s < 0 ? s + T : s;
     if (turn_ < 0 && std::fmod(std::round((t - first() - into) / T), 2.0) != 0) sign = -1;
@@ -97,7 +97,7 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
   } else if (k_.outside == SplineOutside::hold) {
     if (t < first() - kEarly * T || t >= last() - kEarly * T) go_on = 0;
     t = std::clamp(t, first(), last());
-  } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // the slack is for sums of steps
+  } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
     throw ModelError("law '" + law_ + "': t = " + number(t) + " s is outside of its range [" + number(first()) + ", " +
                      number(last()) + "] s; give points up to there, or set outside to \"hold\"");
   }

@@ -1,6 +1,6 @@
 // The linear systems behind a spline. Unknown at a point: x = s (slope) for a cubic, x = (s, M) (slope and second
-// derivative) for a quintic; equations: the higher derivatives meet. Gaussian elimination by blocks without exchange is
-// stable, for these are the stationarity conditions of the integrals of ydd^2 and yddd^2 (positive definite up to the
+// derivative) for a quintic; equations: the next derivatives are continuous. Block elimination without exchanges is
+// stable, since these are the stationarity conditions of the integrals of ydd^2 and yddd^2 (positive definite up to the
 // sign of a row).
 #include <Eigen/LU>
 
@@ -11,20 +11,22 @@ namespace {
 
 using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2>;
 
-// What one interval of length h says at one of its ends: near * x_near + far * x_far = rhs * (y_right - y_left).
+// The share of an interval of length h at one of its ends: near * x_near + far * x_far = rhs * (y_right - y_left).
 struct End {
   Block near, far;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> rhs;
 };
 
 // Cubic: the second derivative, from Hermite's form:
-//   ydd(left) = (6 dy - (4 s0 + 2 s1) h)/h^2, ydd(right) = (-6 dy + (2 s0 + 4 s1) h)/h^2; sides are made to add up.
-// Quintic: D = y3 and y4 at the ends,
-//   h^3 y3(left)  = 60 dy - 36 s0 h - 24 s1 h - 9 M0 h^2 + 3 M1 h^2,    h^3 y3(right) = 60 dy - 24 s0 h - 36 s1 h - 3
-//   M0 h^2 + 9 M1 h^2 h^4 y4(left)  = -360 dy + 192 s0 h + 168 s1 h + 36 M0 h^2 - 24 M1 h^2, h^4 y4(right) = 360 dy -
-//   168 s0 h - 192 s1 h - 24 M0 h^2 + 36 M1 h^2
-// `sign` is +1 at the left end, -1 at the right one: y2 and y4 keep their sign under reflection of time, s and y3
-// change it.
+//   h^2 ydd(left)  =  6 dy - 4 s0 h - 2 s1 h
+//   h^2 ydd(right) = -6 dy + 2 s0 h + 4 s1 h
+// Quintic: the third and fourth derivatives,
+//   h^3 y3(left)  =   60 dy -  36 s0 h -  24 s1 h -  9 M0 h^2 +  3 M1 h^2
+//   h^3 y3(right) =   60 dy -  24 s0 h -  36 s1 h -  3 M0 h^2 +  9 M1 h^2
+//   h^4 y4(left)  = -360 dy + 192 s0 h + 168 s1 h + 36 M0 h^2 - 24 M1 h^2
+//   h^4 y4(right) =  360 dy - 168 s0 h - 192 s1 h - 24 M0 h^2 + 36 M1 h^2
+// Signs are such that the two sides of a point add up. `sign` is +1 at the left end, -1 at the right one: ydd and y4
+// keep their sign under reflection of time, s and y3 change it.
 End end_of(double h, int degree, double sign) {
   End e;
   if (degree == 3) {
@@ -42,8 +44,8 @@ End end_of(double h, int degree, double sign) {
   return e;
 }
 
-// Row i of the system: lower * x_(i-1) + diagonal * x_i + upper * x_(i+1) = rhs (a row a component of x, a column a
-// component of y).
+// Row i of the system: lower * x_(i-1) + diagonal * x_i + upper * x_(i+1) = rhs (one row per component of x, one column
+// per component of y).
 struct Row {
   Block lower, diagonal, upper;
   MatX rhs;
@@ -98,7 +100,7 @@ MatX solve(std::vector<Row> rows, int m) {
   return x;
 }
 
-// Both rates of an end given: x = given.
+// An end with given rates: x = given.
 Row given_row(int m, const VecX& rate, const VecX& acceleration, Eigen::Index n_components) {
   Row r{Block::Zero(m, m), Block::Identity(m, m), Block::Zero(m, m), MatX::Zero(m, n_components)};
   if (rate.size() > 0) r.rhs.row(0) = rate.transpose();

@@ -5,14 +5,14 @@
 namespace lockstep {
 
 void add_spline_keys(Keys& keys) {
-  keys.push_back({"degree", Form::integer, Unit::none, 3, "3: acceleration without jump; 5: also jerk and its rate"});
+  keys.push_back({"degree", Form::integer, Unit::none, 3, "3: continuous acceleration; 5: also jerk and its rate"});
   keys.push_back(
-      {"ends", Form::choice, Unit::none, "natural", "what holds at both ends", {"natural", "clamped", "periodic"}});
+      {"ends", Form::choice, Unit::none, "natural", "condition at both ends", {"natural", "clamped", "periodic"}});
   keys.push_back({"outside",
                   Form::choice,
                   Unit::none,
                   "refuse",
-                  "what holds before and after the points",
+                  "behaviour before and after the points",
                   {"refuse", "hold", "repeat"}});
 }
 

@@ -12,7 +12,7 @@ constexpr const char* kLaw = "spline_rotation";
 
 std::string ordinal(Eigen::Index i) { return number(static_cast<double>(i + 1)); }
 
-// One row a quaternion, of length 1, signs made equal from neighbour to neighbour.
+// One row per quaternion, of length 1, with the sign that is nearest to its neighbour.
 MatX aligned(const SplineRotation::Points& points) {
   MatX q(static_cast<Eigen::Index>(points.size()), 4);
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
@@ -20,9 +20,10 @@ MatX aligned(const SplineRotation::Points& points) {
         require_orientation(kLaw, "points", points[static_cast<std::size_t>(i)].second).coefficients().transpose();
     if (i == 0) continue;
     const double cosine = q.row(i).dot(q.row(i - 1));
-    require(std::abs(cosine) > 1e-6, kLaw, "points",
-            "number " + ordinal(i - 1) + " and " + ordinal(i) +
-                " are half a turn apart, so the way round is not defined; give an orientation between them");
+    require(
+        std::abs(cosine) > 1e-6, kLaw, "points",
+        "number " + ordinal(i - 1) + " and " + ordinal(i) +
+            " are half a turn apart, so the direction of the turn is not defined; give an orientation between them");
     if (cosine < 0) q.row(i) *= -1.0;
   }
   return q;
@@ -71,10 +72,10 @@ void SplineRotation::breakpoints(double t0, double t1, std::vector<double>& out)
 
 const TypeInfo& SplineRotation::info() {
   static const TypeInfo info = [] {
-    TypeInfo i{
-        kLaw,
-        "smooth through given orientations",
-        {{"points", Form::any, Unit::none, kRequired, "[[t, orientation], ...], times rising, orientations as everywhere"}}};
+    TypeInfo i{kLaw,
+               "smooth through given orientations",
+               {{"points", Form::any, Unit::none, kRequired,
+                 "[[t, orientation], ...], times rising, orientations in any form"}}};
     add_spline_keys(i.keys);
     return i;
   }();

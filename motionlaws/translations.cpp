@@ -59,11 +59,12 @@ const TypeInfo& ComponentsLaw::info() {
 }
 
 const TypeInfo& AlongLaw::info() {
-  static const TypeInfo info{"along",
-                             "x = origin + axis law(t)",
-                             {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-                              {"law", Form::law, Unit::none, kRequired, "scalar law of the way"},
-                              {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the way is zero"}}};
+  static const TypeInfo info{
+      "along",
+      "x = origin + axis law(t)",
+      {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+       {"law", Form::law, Unit::none, kRequired, "scalar law of the distance"},
+       {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the distance is zero"}}};
   return info;
 }
 

@@ -25,7 +25,7 @@ void Trapezoid::solve(TrapezoidSettings k) {
   const double d = std::abs(k.distance), sign = k.distance < 0 ? -1.0 : 1.0;
   double v = k.speed, a = k.acceleration, T = k.duration;
   if (T == 0) {
-    v = std::min(v, std::sqrt(d * a));  // a short way is a triangle
+    v = std::min(v, std::sqrt(d * a));  // a short distance makes a triangle
     T = d / v + v / a;
   } else if (v == 0) {
     const double least = 2.0 * std::sqrt(d / a), root = T * T - least * least;
@@ -43,7 +43,7 @@ void Trapezoid::solve(TrapezoidSettings k) {
 }
 
 LawValue Trapezoid::at(double t) const {
-  const double s = t - t0_ + kEarly * T_;  // which piece; the value itself is taken at t
+  const double s = t - t0_ + kEarly * T_;  // chooses the piece; the value itself is taken at t
   const double u = t - t0_, r = T_ - u;    // time since the start, time to go
   if (s < 0) return held(y0_);
   if (s >= T_) return held(y0_ + d_);
@@ -63,7 +63,7 @@ void Trapezoid::breakpoints(double t0, double t1, std::vector<double>& out) cons
 const TypeInfo& Trapezoid::info() {
   static const TypeInfo info{
       "trapezoid",
-      "speed that rises, stays and falls linearly, over a distance; held outside",
+      "a distance with a speed that rises linearly, stays and falls linearly; held outside",
       {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative"},
        {"speed", Form::number, Unit::any, kOptional, "largest speed; two of speed, acceleration, duration"},
        {"acceleration", Form::number, Unit::any, kOptional, "size of the acceleration while it is not zero"},

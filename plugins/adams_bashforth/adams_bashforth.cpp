@@ -2,11 +2,11 @@
 //
 //   y(t + x) = y + sum_j w_j(x) f_j,   sum_j w_j t_j^m = x^(m+1)/(m+1),  m = 0 ... order - 1,   t_j: times before t
 //
-// One evaluation a step; the weights follow from the times of the last steps, so that the step may change a little. The
-// end of a step is projected onto the constraints: a move as small as the error of the step. The rates that are kept
-// are of the projected states, each off the smooth curve by as much, and the order stays what it is. Where the history
-// does not fit - at the beginning, after an event, when the state was moved, when the step changes much - a step of
-// Runge and Kutta's method of order 4 is made in place.
+// One evaluation per step; the weights follow from the times of the last steps, so that the step may change a little.
+// The end of a step is projected onto the constraints: a move as small as the error of the step. The stored rates are
+// those of the projected states, which are off the smooth curve by as much, so the order is preserved. Where the
+// history does not fit - at the beginning, after an event, when the state was moved, when the step changes much - a
+// step of Runge and Kutta's method of order 4 is made instead.
 #include <spdlog/fmt/fmt.h>
 
 #include <Eigen/LU>
@@ -25,9 +25,10 @@ class AdamsBashforth final : public Integrator {
   explicit AdamsBashforth(int order) : order_(order) {}
 
   static TypeInfo type_info() {
-    return {"adams_bashforth",
-            "explicit multistep of order 2 to 4, fixed step: one evaluation a step, for smooth motions without events",
-            {{"order", Form::integer, Unit::none, 4, "2, 3 or 4"}}};
+    return {
+        "adams_bashforth",
+        "explicit multistep of order 2 to 4, fixed step: one evaluation per step, for smooth motions without events",
+        {{"order", Form::integer, Unit::none, 4, "2, 3 or 4"}}};
   }
   static std::unique_ptr<Integrator> make(const Params& p) {
     const int order = p.integer("order");
@@ -62,7 +63,7 @@ class AdamsBashforth final : public Integrator {
     return report;
   }
 
-  // t_j and f_j, and the end of the last step: with the State all that the next step reads
+  // t_j and f_j, and the end of the last step: with the State, all that the next step reads
   void save(Snapshot& s) const override {
     s.put(n_kept_);
     for (int j = 0; j < n_kept_; ++j) {
@@ -91,7 +92,7 @@ class AdamsBashforth final : public Integrator {
            state.v == end_.v && state.s == end_.s;
   }
 
-  /// Enough rates before t, at distances like h: weights of times that differ much would be large.
+  /// Enough rates before t, at distances like h: very unequal distances would make large weights.
   bool fits(double t, double h) const {
     if (n_kept_ < order_ - 1) return false;
     for (int j = 0; j < order_ - 1; ++j) {
@@ -102,7 +103,7 @@ class AdamsBashforth final : public Integrator {
     return true;
   }
 
-  /// out = y + sum_j w_j f_j from start_; the rate at its time is k_[0], those before it are kept.
+  /// out = y + sum_j w_j f_j from start_; k_[0] is the rate at its time, kept_ those before it.
   void add_up(double h, State& out) const {
     Eigen::Matrix4d A = Eigen::Matrix4d::Identity();
     Eigen::Vector4d b = Eigen::Vector4d::Zero();
@@ -130,7 +131,7 @@ class AdamsBashforth final : public Integrator {
 
   static void move(State& y, double h, const StateRate& f) { y.q += h * f.q, y.v += h * f.v, y.s += h * f.s; }
 
-  /// Unit quaternions, then onto the constraints where the dynamics says so.
+  /// Normalises the quaternions, then projects onto the constraints if the dynamics does so.
   void land(Dynamics& dynamics, StepReport& report) {
     if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
       dynamics.normalize(end_);
@@ -148,7 +149,7 @@ class AdamsBashforth final : public Integrator {
         start_.t);
   }
 
-  /// The rate at the beginning of the step that was made becomes the newest of the history.
+  /// The rate at the beginning of the last step becomes the newest of the history.
   void keep(double t) {
     std::rotate(kept_.begin(), kept_.end() - 1, kept_.end());
     kept_.front().t = t, kept_.front().f = k_[0];

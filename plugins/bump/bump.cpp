@@ -5,7 +5,7 @@ namespace {
 
 using namespace lockstep;
 
-/// y, yd and ydd are continuous; only the third derivative jumps at the ends, so there are no breakpoints to tell.
+/// y, yd and ydd are continuous; only the third derivative jumps at the ends, so there are no breakpoints to report.
 class Bump final : public MotionLaw {
  public:
   Bump(double height, double at, double width) : height_(height), at_(at), width_(width) {}
@@ -27,8 +27,7 @@ class Bump final : public MotionLaw {
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {
-    if (!(p.number("width") > 0))
-      p.refuse("width", "is " + brief(p.number("width")) + " s; a bump lasts longer than zero");
+    if (!(p.number("width") > 0)) p.refuse("width", "is " + brief(p.number("width")) + " s; it must be above zero");
     return std::make_shared<Bump>(p.number("height"), p.number("at"), p.number("width"));
   }
 

@@ -1,4 +1,4 @@
-// A force as a plugin: the drag of the air, which is at rest, on the point P.
+// A force as a plugin: the drag of air at rest on the point P.
 //
 //   F = -c |v| v at P,   v: velocity of P in the world,   c = coefficient, or density area shape/2
 #include <lockstep/force.h>
@@ -20,12 +20,12 @@ class Drag final : public FormulaForce<Drag> {
     const Vec3T<T> v = at.P.v();
     const T speed = norm(v);
     load.force(-c_ * speed * v, at.P.x());
-    load.dissipates(c_ * speed * speed * speed);  // all that the air takes
+    load.dissipates(c_ * speed * speed * speed);  // the power lost to the air
   }
 
   static TypeInfo info() {
     return {"drag",
-            "drag of the air on P, against its velocity and as its square: by coefficient, or by density and area",
+            "air drag on P, against its velocity and quadratic in speed: by coefficient, or by density and area",
             {{"coefficient", Form::number, Unit::any, kOptional, "force per speed squared, N s^2/m^2"},
              {"density", Form::number, Unit::density, 1.2, "of the air"},
              {"area", Form::number, Unit::any, kOptional, "seen along the motion, m^2"},

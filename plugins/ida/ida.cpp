@@ -2,10 +2,10 @@
 //
 //   F(t, u, u') = u' - f(t, u + d) = 0,   y = (q, v, s) = u + d
 //
-// f = Dynamics::rate, the equations of motion solved for the accelerations. The state that is handed out is projected
-// after each step and its quaternions are normalised; IDA is not told. Instead this move goes into the shift d, so that
-// IDA goes on with u, which nobody touched, while its equation sees the projected state. To a multistep method this is
-// as if its whole history had been moved along by one constant vector: differences stay, and with them order and step.
+// f = Dynamics::rate, the equations of motion solved for the accelerations. After each step the state that is returned
+// is projected and its quaternions are normalised, without IDA's knowledge: the move is added to the shift d, so that
+// IDA continues with an unchanged u while its equation uses the projected state. For a multistep method this moves the
+// whole history by one constant vector: differences are unchanged, and so are order and step.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -34,10 +34,10 @@ void unflatten(const VecX& in, Parts& out) {
   out.s = in.tail(out.s.size());
 }
 
-/// Error weights are increments, as everywhere (step_control.h), counted by the rates and the step at the beginning of
-/// each step; quadratures are not looked at. The Jacobian is found by differences, one evaluation a number of the
-/// state, and is dense: for mechanisms of some ten bodies. Dense output is IDA's own. A run that is taken up again from
-/// a checkpoint begins with order 1, since IDA does not give its history away.
+/// Error weights are increments, as everywhere (stepping.h), from the rates and the step at the beginning of each step;
+/// quadratures do not count. The Jacobian is dense, by differences, with one evaluation per number of the state: for
+/// mechanisms of some ten bodies. Dense output is IDA's own. A run that resumes from a checkpoint begins with order 1,
+/// since IDA does not give access to its history.
 class Ida final : public Integrator {
  public:
   explicit Ida(int max_order) : max_order_(max_order) {}
@@ -45,7 +45,7 @@ class Ida final : public Integrator {
   static TypeInfo type_info() {
     return {"ida",
             "BDF of orders 1 to 5 with error control and dense output, from SUNDIALS: stiff mechanisms",
-            {{"max_order", Form::integer, Unit::none, 5, "highest order, 1 to 5; 2 damps all that is stiff", {}}}};
+            {{"max_order", Form::integer, Unit::none, 5, "highest order, 1 to 5; 2 damps all stiff modes", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) {
@@ -111,7 +111,7 @@ class Ida final : public Integrator {
   void restore(const Snapshot&) override { followed_ = false; }
 
  private:
-  // -- what IDA calls; an exception must not pass through it, so it waits in thrown_
+  // -- IDA's callbacks; an exception must not pass through IDA, so it waits in thrown_
   template <class Act>
   int guarded(Act&& act) {
     try {
@@ -161,8 +161,8 @@ class Ida final : public Integrator {
     });
   }
 
-  // Weights 1/(atol + rtol increment), increment = h |rate|. IDA takes the root of the mean square: by sqrt(n), the sum
-  // counts.
+  // Weights 1/(atol + rtol increment), increment = h |rate|. IDA takes the root of the mean square; the factor sqrt(n)
+  // makes that the root of the sum.
   static int weights(N_Vector u, N_Vector w, void* self) {
     Ida& ida = *static_cast<Ida*>(self);
     return ida.guarded([&] {
@@ -189,7 +189,7 @@ class Ida final : public Integrator {
   struct Sizes {
     double linear = 0, angular = 0;
   };
-  /// Of velocities or accelerations, over all slots.
+  /// The largest velocities or accelerations over all slots.
   static Sizes largest(Eigen::Ref<const VecX> v) {
     Sizes most;
     for (Eigen::Index i = 0; i < v.size(); i += 6) {
@@ -198,7 +198,7 @@ class Ida final : public Integrator {
     }
     return most;
   }
-  /// One number for each kind of quantity; states s apart.
+  /// One scale for each kind of quantity; states s have their own.
   void set_scale(const Sizes& q, const Sizes& v) {
     const Eigen::Index n_q = start_.q.size(), n_v = start_.v.size();
     for (Eigen::Index i = 0; i < n_q; i += 7)
@@ -208,7 +208,7 @@ class Ida final : public Integrator {
   }
 
   // -- a step
-  /// The state that step() left, or was it moved since (an event, a jump of a law, another run)?
+  /// Whether this is the state that step() left, not one moved since (an event, a jump of a law, another run).
   bool is_end_of_last_step(const State& state) const {
     return std::abs(state.t - end_.t) <= kSameInstant * std::max(1.0, std::abs(state.t)) && state.q == end_.q &&
            state.v == end_.v && state.s == end_.s;
@@ -230,7 +230,7 @@ class Ida final : public Integrator {
     h_next_ = h;
   }
 
-  /// One step of IDA, of at most report.h, which becomes what was made; its end stands in end_.
+  /// One step of IDA, of at most report.h, which becomes its length; its end goes to end_.
   void advance(StepReport& report) {
     const double to = start_.t + report.h;
     double t = start_.t;
@@ -238,7 +238,7 @@ class Ida final : public Integrator {
     h_ = std::min(report.h, h_next_);
     thrown_ = nullptr;
     shift_before_ = shift_;
-    // more than once where the last step ended a rounding before the instant that was asked for
+    // more than once if the last step ended a rounding before the requested instant
     while (flag >= 0 && t - start_.t <= 1e-3 * kSameInstant * std::abs(t))
       flag = IDASolve(memory_->ida, to, &t, memory_->u, memory_->ud, IDA_ONE_STEP);
     if (flag < 0) {
@@ -251,8 +251,8 @@ class Ida final : public Integrator {
     end_.t = t < to ? t : to;
   }
 
-  /// Unit quaternions, then onto the constraints where the dynamics says so; the move goes into the shift. False: that
-  /// was too far away.
+  /// Normalises the quaternions, then projects onto the constraints if the dynamics does so; the move goes into the
+  /// shift. False if it was too far.
   bool land(StepReport& report) {
     const ProjectReport landed = project_end(*dynamics_, end_);
     report.violation = landed.before, report.violation_after = landed.after;
@@ -271,25 +271,25 @@ class Ida final : public Integrator {
   }
 
   [[noreturn]] static void refuse(double t, double h, const std::string& what) {
-    throw StepError(fmt::format("ida: {} (t = {:.9g} s, step {:.3g} s); take another method (--integrator), a wider "
-                                "tolerance, or look for a singular place (lockstep check)",
+    throw StepError(fmt::format("ida: {} (t = {:.9g} s, step {:.3g} s); use another method (--integrator), a wider "
+                                "tolerance, or look for a singular position (lockstep check)",
                                 what, t, h),
                     t);
   }
 
-  static constexpr double kMove = 1.5e-8;        // of a number's size, for differences: the root of the rounding unit
-  static constexpr double kTiny = 1e-300;        // nothing moves and no absolute tolerance
-  static constexpr double kNoWeight = 1e30;      // whatever their error
-  static constexpr double kSameInstant = 1e-12;  // of the time
+  static constexpr double kMove = 1.5e-8;        // relative step of differences: the root of the rounding unit
+  static constexpr double kTiny = 1e-300;        // where nothing moves and there is no absolute tolerance
+  static constexpr double kNoWeight = 1e30;      // accepts any error
+  static constexpr double kSameInstant = 1e-12;  // relative to the time
 
   int max_order_;
   Tolerance tolerance_;
   ErrorNorm norm_;  // of the first step
   Dynamics* dynamics_ = nullptr;
   std::unique_ptr<Memory> memory_;
-  double h_ = 0, h_next_ = 0;  // that weights count with, that IDA wants to make
-  bool started_ = false;       // IDA has begun somewhere
-  bool followed_ = false;      // a step was made, and the next one may go on from it
+  double h_ = 0, h_next_ = 0;  // that the weights use, that IDA proposes
+  bool started_ = false;       // IDA has been started
+  bool followed_ = false;      // a step was made, and the next one may continue from it
   State start_, stage_, end_;
   StateRate rate_, difference_;
   mutable VecX y_;  // scratch

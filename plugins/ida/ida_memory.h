@@ -1,4 +1,4 @@
-// What IDA works on: its own memory, two vectors, a dense matrix and its solver; made together and freed together.
+// What IDA works on: its memory, vectors, a dense matrix and its solver, made and freed together.
 #pragma once
 
 #include <ida/ida.h>
@@ -42,7 +42,7 @@ class Memory {
     IDAInit(ida, residual, t, u, ud);
     IDASetUserData(ida, self);
     IDASetErrHandlerFn(
-        ida, [](int, const char*, const char*, char*, void*) {}, nullptr);  // we tell of errors
+        ida, [](int, const char*, const char*, char*, void*) {}, nullptr);  // errors are reported by Ida
     IDAWFtolerances(ida, weights);
     IDASetLinearSolver(ida, solver_, J_);
     IDASetJacFn(ida, jacobian);

@@ -3,7 +3,7 @@
 //
 //   odeint sees    y' = f(t, y),  y = (q, v, s) one after the other in a std::vector<double>
 //   odeint brings  the stages, the estimate of the error, the choice of the step
-//   we bring       f = Dynamics::rate, the weights of the error (ErrorNorm), and the landing: Dynamics::project
+//   we bring       f = Dynamics::rate, the weights of the error (ErrorNorm), and the projection: Dynamics::project
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -37,8 +37,8 @@ void unflatten(const Flat& in, Parts& out) {
   }
 }
 
-/// No dense output: the simulation lands on the times that are wanted. No memory either, so save() and restore() are
-/// the ones that do nothing. With `fixed` it steps as told, without error control.
+/// No dense output: steps end at the requested times. No memory either, so save() and restore() are the ones that do
+/// nothing. With `fixed` it takes the given steps, without error control.
 class CashKarp final : public Integrator {
  public:
   explicit CashKarp(bool fixed) : fixed_(fixed), stepper_(Checker{this}) {}
@@ -46,7 +46,7 @@ class CashKarp final : public Integrator {
   static TypeInfo type_info() {
     return {"odeint_cash_karp54",
             "explicit Runge-Kutta of order 5 with error control, from Boost.odeint: the example of wrapping",
-            {{"fixed", Form::boolean, Unit::none, false, "steps as told, without error control", {}}}};
+            {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) { return std::make_unique<CashKarp>(p.boolean("fixed")); }
@@ -100,7 +100,7 @@ class CashKarp final : public Integrator {
 
  private:
   /// odeint's concept of an ErrorChecker: 1 = the tolerance is just met. `h` and the rates at the beginning make the
-  /// weights; what is not finite comes out infinite, so that odeint rejects it.
+  /// weights; an error that is not finite becomes infinite, so that odeint rejects the step.
   struct Checker {
     CashKarp* self;
     template <class Algebra>
@@ -114,7 +114,7 @@ class CashKarp final : public Integrator {
   };
   using Method = odeint::runge_kutta_cash_karp54<Flat>;
 
-  /// Unit quaternions, then onto the constraints where the dynamics says so. False: that was too far away.
+  /// Normalises the quaternions, then projects onto the constraints if the dynamics does so. False if it was too far.
   bool land(Dynamics& dynamics, StepReport& report) {
     const ProjectReport landed = project_end(dynamics, end_);
     report.violation = landed.before, report.violation_after = landed.after;

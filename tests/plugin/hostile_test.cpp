@@ -82,7 +82,7 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
   const std::string sound = bytes_of(kProbe);
   const std::vector<Case> cases = {
       {"empty file", "it is empty", [] { return hostile("none", ""); }},
-      {"a text", "it does not begin as one", [] { return hostile("text", "#!/bin/sh\necho no\n"); }},
+      {"a text", "it does not begin with an ELF header", [] { return hostile("text", "#!/bin/sh\necho no\n"); }},
       {"only the first four bytes", "it ends too early", [&] { return hostile("magic", sound.substr(0, 4)); }},
       {"cut in the header", "it ends too early", [&] { return hostile("cut40", sound.substr(0, 40)); }},
       {"cut in the middle", "it ends too early", [&] { return hostile("half_of", sound.substr(0, sound.size() / 2)); }},
@@ -95,7 +95,7 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
       {"no segments", "its header is damaged", [] { return hostile("bare", changed(56, two_bytes(0))); }},
       {"segments beyond the end", "it ends too early",
        [] { return hostile("beyond", changed(32, std::string("\0\0\0\1\0\0\0\0", 8))); }},
-      {"a library without a record", "is no plugin of lockstep: it has no symbol \"lockstep_abi\"",
+      {"a library without a record", "is not a lockstep plugin: it has no symbol \"lockstep_abi\"",
        [] { return kModules + "/stranger.so"; }},
       {"a record that is none", "has a record that cannot be read",
        [] { return foreign("magicless", [](auto& r) { r.magic[0] = 'x'; }); }},
@@ -136,16 +136,16 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
            bytes = replaced(bytes, eight_bytes(tag), eight_bytes(DT_LOPROC + 5 + (tag - DT_VERNEED)));
          return hostile("versions", bytes);
        }},
-      {"a file with the name of what is built in", "the name of what lockstep brings itself",
+      {"a file with the name of what is built in", "the name of lockstep's own types",
        [] { return hostile("built in", bytes_of(kProbe)); }},
-      {"a folder", "is a folder, no plain file",
+      {"a folder", "is a folder, not a regular file",
        [] {
          const std::string path = kModules + "/hostile/folder.so";
          fs::remove_all(path);
          fs::create_directories(path);
          return path;
        }},
-      {"a pipe", "is a pipe, no plain file",
+      {"a pipe", "is a pipe, not a regular file",
        [] {
          const std::string path = kModules + "/hostile/pipe.so";
          fs::create_directories(kModules + "/hostile");
@@ -153,7 +153,7 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
          REQUIRE(mkfifo(path.c_str(), 0644) == 0);
          return path;
        }},
-      {"a device", "is a device, no plain file",
+      {"a device", "is a device, not a regular file",
        [] {
          const std::string path = kModules + "/hostile/device.so";
          fs::create_directories(kModules + "/hostile");
@@ -185,30 +185,30 @@ TEST_CASE("a file that may not be read is refused", "[plugin][hostile]") {
 
 TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hostile]") {
   CHECK(rude("") == "loaded");
-  CHECK(rude("twice") == "plugin 'rude': law 'rude_law' is there already; choose another name");
+  CHECK(rude("twice") == "plugin 'rude': law 'rude_law' is already registered; choose another name");
   // "built in", or the plugin of laws in a library without them (LOCKSTEP_BUILTINS=OFF)
   const std::string origin = builtin_registry().laws.find("sine")->origin;
   CHECK((origin == "built in" || origin == "motionlaws"));
   const std::string owner = origin == "built in" ? origin : "plugin " + origin;
   CHECK(rude("taken") ==
-        "plugin 'rude': law 'sine' (plugin rude) is there already (" + owner + "); choose another name");
+        "plugin 'rude': law 'sine' (plugin rude) is already registered (" + owner + "); choose another name");
   CHECK(contains(rude("nameless"), "plugin 'rude': a law has no name"));
   CHECK(contains(rude("no maker"), "plugin 'rude': law 'unmade' has no maker"));
   CHECK(contains(rude("bad key"), "plugin 'rude': law 'odd' cannot be registered"));
   CHECK(rude("std") == "plugin 'rude': registering threw: no such cam");
-  CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is no exception");
+  CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is not an exception");
   CHECK(rude("no words") ==
-        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without words");
-  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is no C++ exception");
-  CHECK(contains(rude("bell"), "its help is no plain line of text"));
-  CHECK(contains(rude("latin"), "its name is no plain line of text"));
-  CHECK(contains(rude("key bell"), "the name of its key number 0 is no plain line of text"));
+        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without a message");
+  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is not a C++ exception");
+  CHECK(contains(rude("bell"), "its help is not a plain line of text"));
+  CHECK(contains(rude("latin"), "its name is not a plain line of text"));
+  CHECK(contains(rude("key bell"), "the name of its key number 0 is not a plain line of text"));
   CHECK(rude("error") == "plugin 'rude': a model that cannot be");
   CHECK(rude("nested") == "plugin 'rude': cam.csv cannot be read: line 3 has no number");
   Registry with_probe = builtin_registry();
   load_plugin(with_probe, kProbe);
   CHECK(rude("as probe", with_probe) ==
-        "plugin 'rude': law 'probe_law' (plugin rude) is there already (plugin probe); choose another name");
+        "plugin 'rude': law 'probe_law' (plugin rude) is already registered (plugin probe); choose another name");
 }
 
 TEST_CASE("a plugin cannot say that it is built in", "[plugin][hostile]") {

@@ -133,7 +133,7 @@ TEST_CASE("a scene asks for plugins by bare name only", "[plugin][search][scene]
     INFO(answer);
     CHECK(contains(answer, "SceneError: "));
     CHECK(contains(answer, "asking.json:2:14"));
-    CHECK(contains(answer, "is no bare name"));
+    CHECK(contains(answer, "is not a bare name"));
     const Called r = call("check '" + path + "'");
     CHECK(r.exit == 3);
     CHECK(contains(r.text, "asking.json:2:14"));
@@ -171,7 +171,8 @@ TEST_CASE("plugins list says of every file how it stands", "[plugin][search][run
   CHECK(brief.exit == 0);
   CHECK(std::count(brief.text.begin(), brief.text.end(), '\n') >= 8);  // six here, and the built plugins
   CHECK(contains(brief.text, "loads    law probe_law"));
-  CHECK(contains(brief.text, "refused  plugin file '" + one + "/damaged.so' is no shared library that can be loaded here: it ends too early"));
+  CHECK(contains(brief.text, "refused  plugin file '" + one +
+                                 "/damaged.so' is not a shared library that can be loaded here: it ends too early"));
   CHECK(contains(brief.text, "refused  it leads out of the plugin folders, to /etc/passwd"));
   CHECK(contains(brief.text, "refused  the file can be written by everybody"));
   CHECK(contains(brief.text, "loads    link cam_follower"));
@@ -179,7 +180,7 @@ TEST_CASE("plugins list says of every file how it stands", "[plugin][search][run
   const Called why = call("plugins list --why", path);
   INFO(why.text);
   CHECK(contains(why.text, "/nowhere (there is no such folder)"));
-  CHECK(contains(why.text, one + "/fine.so is taken, which stands before it"));
+  CHECK(contains(why.text, one + "/fine.so comes before it and is used"));
   CHECK(contains(why.text, "  build   " + abi_words(abi_of_this_build())));
 
   const auto json = nlohmann::json::parse(call("plugins list --json", path).text);

@@ -84,7 +84,7 @@ TEST_CASE("an exception of a law reaches the host with the link, the law, the pl
           "[plugin][user_code]") {
   const std::string whose = "link 'A' (revolute): the law of drive rz ('naughty_law' of plugin naughty) threw: ";
   SAYS(run(driven_by("std")), {"UserCodeError: t = 0.05", whose, "no more"});
-  SAYS(run(driven_by("int")), {"UserCodeError: t = 0.05", whose, "an object of type int, which is no exception"});
+  SAYS(run(driven_by("int")), {"UserCodeError: t = 0.05", whose, "an object of type int, which is not an exception"});
   SAYS(run(driven_by("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
   SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
                          "torque": {"type": "naughty_law", "does": "std"}})"),
@@ -132,7 +132,7 @@ TEST_CASE("an exception of a force or an integrator reaches the host by name", "
 TEST_CASE("a link that writes outside of its rows is refused before the first step", "[plugin][user_code]") {
   const std::string whose = "UserCodeError: link 'B' (naughty_link of plugin naughty) ";
   SAYS(run(bad_link("row")), {whose + "writes outside of its rows"});
-  SAYS(run(bad_link("next row")), {whose + "writes outside of its rows, behind row 2"});
+  SAYS(run(bad_link("next row")), {whose + "writes outside of its rows, beyond row 2"});
   SAYS(run(bad_link("before")), {whose + "writes outside of its rows"});
   SAYS(run(bad_link("side")), {whose + "writes outside of its rows"});
   SAYS(run(bad_link("unwritten")), {whose + "leaves Ct of row z unwritten"});

@@ -150,9 +150,9 @@ TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
   check_words(roller(laws::law([](auto u) { return 0.3 + 0.4 * cos(u); }), 0.05),
               {"link 'cam'", "the radius of its cam is", "deg", "above zero"});
   check_words(roller(lobes(), 3.0), {"link 'cam'", "curvature", "1/m at", "a roller of 3 m does not fit", "hollow"});
-  check_words(flat(lobes()), {"link 'cam'", "curvature", "flat face", "convex", "take cam_roller"});
-  check_words(roller(nullptr, 0.05), {"link 'cam'", "no law of its radius"});
-  check_words(flat(nullptr), {"link 'cam'", "no law of its radius"});
+  check_words(flat(lobes()), {"link 'cam'", "curvature", "flat face", "convex", "use cam_roller"});
+  check_words(roller(nullptr, 0.05), {"link 'cam'", "no law for its radius"});
+  check_words(flat(nullptr), {"link 'cam'", "no law for its radius"});
   check_words(roller(egg(), -0.1), {"link 'cam'", "roller is -0.1 m", "must not be negative"});
   check_words(roller(egg(), std::nan("")), {"link 'cam'", "roller", "negative"});
 }

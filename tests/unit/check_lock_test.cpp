@@ -203,7 +203,7 @@ TEST_CASE("check_lock names what is forgotten or written where it does not belon
   CHECK(says(rod(Fault::slots), "slots() leaves out body 'cam', on which its marker 's' is"));
   CHECK(says(rod(Fault::slots), "row length depends on body 'cam', which is not among slots()"));
   CHECK(says(rod(Fault::names), "two rows are called 'length'"));
-  CHECK(says(rod(Fault::padding), "writes outside of its rows, behind row 0"));
+  CHECK(says(rod(Fault::padding), "writes outside of its rows, beyond row 0"));
   CHECK(says(rod(Fault::nan), "C of row length is not finite at t = "));
   CHECK(says(rod(Fault::kind), "row length is of the kind rotation, but moves of body 'arm' change it"));
 }

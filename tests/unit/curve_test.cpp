@@ -149,7 +149,7 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   check_words(wire(constant_translation(Vec3(1, 2, 3)), 0.5), {"link 'wire'", "near s = 0.5", "\"near\""});
   check_words(wire(nullptr, 0), {"link 'wire'", "no path was given"});
   check_words(rail(nullptr, turning()), {"link 'rail'", "no path was given"});
-  check_words(rail(helix(), nullptr), {"link 'rail'", "no turn of the axes"});
+  check_words(rail(helix(), nullptr), {"link 'rail'", "no law for the axes"});
   // beyond the end of a spline that is not said to go on: the law itself says so
   const auto splined = laws::path({{0, Vec3(1, 0, 0)}, {1, Vec3(2, 0, 0)}, {2, Vec3(3, 1, 0)}});
   check_words(wire(splined, 0.5), {"link 'wire'", "path"});

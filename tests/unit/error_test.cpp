@@ -82,7 +82,7 @@ TEST_CASE("what is no Error becomes UserCodeError with its thing, its time and t
   const ErrorContext context{.thing = kPlugins, .t = 0.25};
   const auto error = error_of<UserCodeError>(context, 7);
   CHECK(std::string(error.what()) ==
-        "t = 0.25 s: force 'F' (wind of plugin weather) threw: an object of type int, which is no exception");
+        "t = 0.25 s: force 'F' (wind of plugin weather) threw: an object of type int, which is not an exception");
   CHECK(error.thing.origin == "weather");
   CHECK(error.t == 0.25);
   CHECK(message_of<UserCodeError>([&] { throw_in({.thing = kHosts}, std::length_error("too long")); }) ==

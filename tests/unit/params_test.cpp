@@ -311,7 +311,7 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", R"({"angles": [1, 2, 3], "sequence": "xxy"})"), {"turn.sequence", "\"xxy\""});
   check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]})"),
               {"turn.matrix", "off by 3", "1e-06"});
-  check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]})"), {"mirror"});
+  check_words(problem_of("turn", R"({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]})"), {"reflection"});
   check_words(problem_of("turn", R"({"matrix": [1, 0, 0]})"), {"3 numbers"});
   check_words(problem_of("turn", R"({"x": "y"})"), {"two of"});
   check_words(problem_of("turn", R"({"x": "y", "z": "-y"})"), {"parallel"});

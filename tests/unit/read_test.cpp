@@ -102,7 +102,7 @@ TEST_CASE("places stay right behind a byte order mark and with the line ends of 
 
 TEST_CASE("a key that stands twice is refused with both places", "[unit][scene]") {
   check_words(problem_of("{\"a\": 1,\n \"b\": {\"a\": 1},\n \"a\": 2}"),
-              {"a.json:3:2: ", "key \"a\" stands twice", "first at a.json:1:2", "remove one"});
+              {"a.json:3:2: ", "key \"a\" is given twice", "first at a.json:1:2", "remove one"});
   CHECK(problem_of(R"([{"a": 1}, {"a": 2}])") == "no error");
 }
 
@@ -126,8 +126,8 @@ TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]
       {"[nan]", {"a.json:1:2: ", "NaN"}},
       {"[1, 1e999]", {"a.json:1:5: ", "1e999", "1e308"}},
       {"[-1e400]", {"-1e400", "range"}},
-      {"{\"a\": 1,}", {"a.json:1:9: ", "comma stands before the closing }"}},
-      {"[1,\n2,\n]", {"a.json:3:1: ", "comma stands before the closing ]"}},
+      {"{\"a\": 1,}", {"a.json:1:9: ", "there is a comma before the closing }"}},
+      {"[1,\n2,\n]", {"a.json:3:1: ", "there is a comma before the closing ]"}},
       {"[1 2]", {"a.json:1:4: ", "comma is missing"}},
       {"{\"a\": 1\n \"b\": 2}", {"a.json:2:2: ", "comma is missing"}},
       {"{\"a\" 1}", {"a.json:1:6: ", "colon is missing"}},
@@ -138,7 +138,7 @@ TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]
       {"{} # words", {"a.json:1:4: ", "comments are not allowed"}},
       {"{\"a\": [1, 2", {"a.json:1:12: ", "ends inside the list", "a.json:1:7", "] is missing"}},
       {"{\"a\": 1", {"ends inside the object", "a.json:1:1", "} is missing"}},
-      {"{} {}", {"a.json:1:4: ", "behind the end"}},
+      {"{} {}", {"a.json:1:4: ", "after the end"}},
       {"[\"abc", {"a.json:1:2: ", "missing closing quote"}},
       {"[\"a\tb\"]", {"a.json:1:2: ", "control character"}},
       {"[\"\\q\"]", {"a.json:1:2: ", "backslash"}},

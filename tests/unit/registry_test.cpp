@@ -131,7 +131,7 @@ TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
   registry.laws.set_origin("built in");
   const auto problem = [](const auto& act) { return message_of<PluginError>(act); };
   check_words(problem([&] { registry.laws.add<OwnConstant>(); }),
-              {"law 'constant' is there already (built in)", "another name"});
+              {"law 'constant' is already registered (built in)", "another name"});
   check_words(problem([&] { registry.laws.add({}, &OwnConstant::make); }), {"a law has no name"});
   check_words(problem([&] { registry.forces.add({"wind", "", {}}, nullptr); }), {"force 'wind' has no maker"});
   check_words(problem([&] {

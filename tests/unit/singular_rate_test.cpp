@@ -110,5 +110,5 @@ TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
   StepLoop run(dynamics,
                  builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
-                       {"dop853", "singular position", "start a little off it"});
+                       {"dop853", "singular position", "start slightly off it"});
 }

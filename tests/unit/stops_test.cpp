@@ -113,7 +113,7 @@ TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
   check_words(refusal(arm(R"("stops": [{"axis": "rx", "high": 1}])")), {"stops[0].axis", "holds rx already"});
   check_words(refusal(arm("", R"("forces": [{"name": "F", "type": "spring_damper", "p": "arm", "s": "ground",
                                              "at_p": [1, 0, 0], "at_s": [2, 0, 0], "stiffness": 1, "link": "A"}])")),
-              {"force 'F', link", "acts in no link"});
+              {"force 'F', link", "does not act in a link"});
 }
 
 TEST_CASE("scene: friction is refused where a law turns the axis away", "[unit][scene]") {

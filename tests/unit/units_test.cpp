@@ -109,8 +109,8 @@ TEST_CASE("what cannot be read is refused with the text and what to write", "[un
   check_words(read_quantity("1e999 mm", Unit::length).problem, {"range"});
   check_words(read_quantity("1e308 km", Unit::length).problem, {"range"});
   check_words(read_quantity("5 mm", Unit::none).problem, {"without a unit", "5 mm"});
-  check_words(read_quantity("1 N m/rad s", Unit::torsion_damping).problem, {"two ways", "N m s/rad"});
-  check_words(read_quantity("1 m/", Unit::length).problem, {"ends in a sign"});
+  check_words(read_quantity("1 N m/rad s", Unit::torsion_damping).problem, {"ambiguous", "N m s/rad"});
+  check_words(read_quantity("1 m/", Unit::length).problem, {"ends with \"*\" or \"/\""});
   check_words(read_quantity("1 m^x", Unit::length).problem, {"m^x"});
   check_words(read_quantity("1 m^99", Unit::length).problem, {"m^99"});
   check_words(read_quantity("1 m // s", Unit::speed).problem, {"missing"});

@@ -74,7 +74,7 @@ TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]"
   check_words(read.refusal("bodies.bob.particle=1:500 g:3"), {"has a unit, the other has none"});
   check_words(read.refusal("links.A.drive.law.amplitude=10 mm,30 deg"), {"a length and an angle", "mixed"});
   check_words(read.refusal("run.integrator=dopri"), {"did you mean \"dopri5\"?"});
-  check_words(read.refusal("run.integrator=a:b:3"), {"is no number"});
+  check_words(read.refusal("run.integrator=a:b:3"), {"is not a number"});
   check_words(read.refusal("run.assemble=maybe"), {"expected true or false"});
   check_words(read.refusal("planar=w"), {"\"auto\""});
   check_words(read.refusal("run.record.0=bob.y"), {"cannot vary"});

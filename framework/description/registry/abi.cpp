@@ -33,7 +33,7 @@ lockstep_abi_record read_abi(const std::string& path) {
   const std::string who = "plugin file '" + path + "' ";
   const auto place = file.exported(kAbiSymbol);
   if (!place)
-    throw PluginError(who + "is no plugin of lockstep: it has no symbol \"" + kAbiSymbol +
+    throw PluginError(who + "is not a lockstep plugin: it has no symbol \"" + kAbiSymbol +
                       "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
   constexpr std::size_t kHead = offsetof(lockstep_abi_record, compiler);
   lockstep_abi_record record{};

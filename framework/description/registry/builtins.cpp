@@ -1,4 +1,4 @@
-// The one file that knows every room's register function.
+// Registers everything built in; the only file that knows every room's register function.
 #include <lockstep/registry.h>
 
 #include "framework/mechanism/forces/register.h"
@@ -21,7 +21,7 @@ void add_laws_and_integrators(Registry& registry) {
   register_integrators(registry);
 }
 #else
-// Their origin is the plugin's name.
+// Their origin is the name of the plugin.
 void add_laws_and_integrators(Registry& registry) {
   for (const char* folder : {"motionlaws", "integrators"}) try {
       load_plugin(registry, folder);

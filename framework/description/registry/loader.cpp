@@ -19,7 +19,7 @@ namespace dll = boost::dll;
 
 using Register = void(Registry&);
 
-// What a library's start leaves behind in the processor: some switch small numbers off for the whole process.
+// Restores the floating-point environment after a library was loaded, since some switch denormal numbers off.
 class KeepRounding {
  public:
   KeepRounding() { std::fegetenv(&before_); }
@@ -29,10 +29,10 @@ class KeepRounding {
   std::fenv_t before_;
 };
 
-// Opened libraries by path: they stay so, because objects carry their code.
+// Opened libraries by path. They are never closed, because objects carry their code.
 dll::shared_library& opened(const fs::path& file) {
   static std::mutex mutex;
-  static auto& libraries = *new std::map<std::string, dll::shared_library>;  // never destroyed: nothing is unloaded
+  static auto& libraries = *new std::map<std::string, dll::shared_library>;  // never destroyed
   const std::lock_guard lock(mutex);
   dll::shared_library& library = libraries[file.string()];
   if (library.is_loaded()) return library;
@@ -40,7 +40,7 @@ dll::shared_library& opened(const fs::path& file) {
   library.load(file, error, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
   if (error) {
     std::string why = error.message();
-    try {  // the throwing form has the loader's own words
+    try {  // the throwing form has the system loader's message
       library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
     } catch (const std::exception& e) {
       why = e.what();
@@ -51,7 +51,7 @@ dll::shared_library& opened(const fs::path& file) {
   return library;
 }
 
-// The entries of `from` as those of the plugin, whatever it says itself of where they come from.
+// Adds the entries of `from` with the plugin as their origin, whatever origin they claim.
 template <class Shelf>
 void put(Shelf& to, const Shelf& from, const std::string& name) {
   for (const auto& [type, entry] : from.entries()) to.add(entry.info, entry.make);
@@ -86,8 +86,7 @@ void check_plugin_file(const std::string& file) {
 std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders) {
   const std::string file = find_plugin(name_or_path, folders);
   const std::string name = plugin_name(file), who = "plugin '" + name + "': ";
-  if (name == "built in")
-    throw PluginError(who + "its file has the name of what lockstep brings itself; give it another");
+  if (name == "built in") throw PluginError(who + "its file has the name of lockstep's own types; rename it");
   check_plugin_file(file);
   const KeepRounding rounding;
   dll::shared_library& library = opened(file);  // its code runs from here on

@@ -1,4 +1,4 @@
-// A plugin's file, read by the ELF format (System V ABI, chapters 4 and 5) before anything of it is opened.
+// Reads the ELF file of a plugin (System V ABI, chapters 4 and 5) before any of its code is loaded.
 #pragma once
 
 #include <elf.h>
@@ -13,10 +13,10 @@
 
 namespace lockstep {
 
-/// The bytes of a file; every access is held against its end.
+/// The bytes of a file; every access is checked against its end.
 class Bytes {
  public:
-  /// Throws PluginError when it is no plain file, cannot be read, is empty, or is larger than 2^30 bytes.
+  /// Throws PluginError when it is not a regular file, cannot be read, is empty, or is larger than 2^30 bytes.
   explicit Bytes(std::string path);
 
   template <class T>
@@ -40,8 +40,8 @@ class Bytes {
   std::vector<char> bytes_;
 };
 
-/// A shared library in its file: header, segments, dynamic table and symbols are read and checked, so far as damage there
-/// would bring the system's loader down. Throws PluginError that names what is wrong.
+/// A shared library's file. Header, segments, dynamic table and symbols are read, and checked where damage would crash
+/// the system's loader. Throws PluginError that names what is wrong.
 class SharedFile {
  public:
   struct Place {

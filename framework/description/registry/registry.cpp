@@ -14,7 +14,7 @@ std::string origin_words(const std::string& origin) {
   return origin == "built in" ? " (built in)" : " (plugin " + origin + ")";
 }
 
-// What follows "type", or a constant: anything but an object is the value of the law "constant".
+// The law of an object with "type"; anything but an object is the value of the law "constant".
 template <class L>
 LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry& laws, const std::string& owner) {
   if (v.object() == nullptr) {
@@ -40,8 +40,7 @@ Params checked_params(const Params& params, const TypeInfo& info, const std::str
   for (const Key& key : info.keys) {
     const Value v = holds_law(key.form) ? all.given_or_default(key) : Value();
     if (v.is_null() || (laws == nullptr && !all.has(key.name))) continue;
-    if (laws == nullptr)
-      all.refuse(key.name, "it holds a law, and there is nothing here that makes laws; pass a registry");
+    if (laws == nullptr) all.refuse(key.name, "it holds a law, but nothing here can make laws; pass a registry");
     const std::string place = part_of(owner, key.name);
     if (key.form == Form::law) all.put_law(key.name, laws->scalar_law(v, place));
     if (key.form == Form::translation_law) all.put_law(key.name, laws->translation_law(v, place));
@@ -61,7 +60,7 @@ void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
   if (info.name.empty()) throw PluginError("a " + kind_ + " has no name; give its TypeInfo one");
   if (!make) throw PluginError(what + " has no maker; pass a function that makes it");
   if (const Entry* taken = find(info.name))
-    throw PluginError(what + " is there already" + origin_words(taken->origin) + "; choose another name");
+    throw PluginError(what + " is already registered" + origin_words(taken->origin) + "; choose another name");
   try {
     check(info);
   } catch (const ModelError& error) {
@@ -92,7 +91,7 @@ Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... a
   Product product = in_context(context, [&]() -> Product {
     try {
       return entry->make(args..., params);
-    } catch (const ParameterError& error) {  // what it builds on may have keys that this type has not
+    } catch (const ParameterError& error) {  // what it builds on may have keys that this type lacks
       const Keys& keys = entry->info.keys;
       const bool its_own = std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == error.key; });
       if (its_own) params.refuse(error.key, error.problem);
@@ -134,7 +133,7 @@ template <class Product, class... Args>
 void Shelf<Product, Args...>::merge(const Shelf& other) {
   for (const auto& [name, entry] : other.entries_)
     if (const Entry* taken = find(name))
-      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is there already" +
+      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is already registered" +
                         origin_words(taken->origin) + "; choose another name");
   auto merged = entries_;
   merged.insert(other.entries_.begin(), other.entries_.end());

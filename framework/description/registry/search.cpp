@@ -38,11 +38,11 @@ bool is_own_group(gid_t group) {
   return group == getegid() || std::find(groups.begin(), groups.end(), group) != groups.end();
 }
 
-// Who could put other code there: "" when only you, root, or who owns this library and so runs in your program anyway.
+// Who else could replace that code: "" if only you, root, or the owner of this library, which you run anyway.
 std::string stranger_at(const fs::path& path) {
   struct stat s {
   }, own{};
-  if (stat(path.c_str(), &s) != 0) return "it cannot be looked at";
+  if (stat(path.c_str(), &s) != 0) return "it cannot be examined";
   if (stat(own_file().c_str(), &own) != 0) own.st_uid = 0, own.st_gid = 0;
   const std::string whose = S_ISDIR(s.st_mode) ? "its folder " + path.string() : "the file";
   if (s.st_uid != 0 && s.st_uid != geteuid() && s.st_uid != own.st_uid)
@@ -71,7 +71,7 @@ std::string problem_of(const fs::path& path, const fs::path& folder, const std::
   return {};
 }
 
-// As a path, with the ending of a library, with "lib" before it as well.
+// The path as it is, with the extension of a library, and also with the prefix "lib".
 std::vector<fs::path> spellings(const fs::path& path) {
   std::vector<fs::path> all = {path};
   if (path.extension() != ending()) {
@@ -149,7 +149,7 @@ std::vector<FoundFile> files_in(const std::vector<std::string>& folders) {
     std::vector<fs::path> paths;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
       if (it->path().extension() == ending()) paths.push_back(it->path());
-    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {  // as find_plugin() takes them
+    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {  // in the order of find_plugin()
       const auto key = [](const fs::path& p) { return std::pair(plugin_name(p.string()), p.string().size()); };
       return key(a) < key(b);
     });

@@ -30,7 +30,8 @@ void look_at(PluginCandidate& c, const Registry& base) {
   try {
     c.build = abi_words(read_abi(c.file));
     const std::string name = plugin_name(c.file);
-    if (name != "built in") c.brings = things_of(base, name);  // a part of the library itself, where that takes such
+    if (name != "built in")
+      c.brings = things_of(base, name);  // a part of the library itself, where that loads its parts as plugins
     if (c.brings.empty()) {
       Registry registry = base;
       load_plugin(registry, c.file);
@@ -48,7 +49,7 @@ void look_at(PluginCandidate& c, const Registry& base) {
 std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<std::string> folders) {
   if (folders.empty()) folders = plugin_folders();
   std::vector<PluginCandidate> all;
-  std::map<std::string, std::string> first;  // of each name: the file that is taken
+  std::map<std::string, std::string> first;  // of each name: the file that is used
   for (const FoundFile& found : files_in(folders)) {
     PluginCandidate c;
     c.name = plugin_name(found.path);
@@ -56,7 +57,7 @@ std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<st
     const auto [taken, is_first] = first.emplace(c.name, found.path);
     if (!is_first) {
       c.state = PluginCandidate::State::hidden;
-      c.why = taken->second + " is taken, which stands before it";
+      c.why = taken->second + " comes before it and is used";
     } else if (!found.problem.empty()) {
       c.why = found.problem;
     } else {

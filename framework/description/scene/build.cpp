@@ -1,4 +1,4 @@
-// build(): the order of things, and what its parts share.
+// build(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
 
 #include "framework/description/scene/builder.h"
@@ -56,20 +56,20 @@ std::string Builder::claim(const Params& object, const std::string& kind) {
   if (name.empty()) refuse(where, kind, "the name is empty; give it one");
   for (const char c : name)
     if (std::string_view(".@,[]\"'").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20)
-      refuse(where, owner,
-             "a name with '" + std::string(1, c) +
-                 "' would not be told apart in channels; use letters, digits, '_' and '-'");
+      refuse(
+          where, owner,
+          "a name with '" + std::string(1, c) + "' would be ambiguous in channels; use letters, digits, '_' and '-'");
   static const std::vector<std::string> kReserved = {"ground", "energy", "momentum", "angular_momentum", "solver"};
   if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
-    refuse(where, owner, "the name \"" + name + "\" is lockstep's own; choose another");
+    refuse(where, owner, "the name \"" + name + "\" is reserved; choose another");
   for (const char* other : {"body", "marker", "link", "force", "event"}) {
     const bool shared =
-        other == kind || (kind != "event" && std::string(other) != "event");  // a channel means one thing
+        other == kind || (kind != "event" && std::string(other) != "event");  // a channel's name is unambiguous
     const auto found = taken_[other].find(name);
     if (shared && found != taken_[other].end())
       refuse(where, owner,
-             "the name is taken by a " + std::string(other) + " at " + found->second.text() +
-                 "; give one of the two another");
+             "the name is already taken by a " + std::string(other) + " at " + found->second.text() +
+                 "; rename one of the two");
   }
   taken_[kind][name] = where;
   return name;
@@ -109,7 +109,7 @@ void Builder::set_merge(const std::string& how) {
   out_.system.set_merge(true, std::move(keep));
 }
 
-// What the System refuses says which body, link or force it is about: its place in the file is put before it.
+// Refusals of the System name a body, link or force: its place in the file is put before them.
 void Builder::set_up(const std::string& normal) {
   System& system = out_.system;
   try {

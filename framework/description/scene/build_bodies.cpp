@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<std::string> kShapes = {"rod", "box", "cylinder", "sphere"};
 
-// Names of those keys that are given.
+// Those of the keys that are given.
 std::vector<std::string> given(const Params& p, const std::vector<std::string>& keys) {
   std::vector<std::string> found;
   for (const std::string& key : keys)
@@ -27,7 +27,7 @@ double shape_mass(const Params& shape, double volume) {
   if (shape.has("mass") == shape.has("density"))
     shape.refuse(
         shape.has("mass") ? "density" : "mass",
-        "give either \"mass\" or \"density\", " + std::string(shape.has("mass") ? "not both" : "there is neither"));
+        "give either \"mass\" or \"density\", " + std::string(shape.has("mass") ? "not both" : "neither is given"));
   return shape.has("mass") ? positive(shape, "mass", "mass") : positive(shape, "density", "density") * volume;
 }
 
@@ -105,10 +105,10 @@ MassProperties read_mass(const Params& body) {
   });
 }
 
-// Mass and, for a rod, where it places its frame. `kind` is the one key of the shapes or "mass" that is given.
+// Mass and, for a rod, the pose of its frame. `kind` is the given key, a shape or "mass".
 Shape read_matter(const Params& body, const std::string& kind) {
   if (kind == "mass") return {read_mass(body), {}};
-  refuse_beside(body, "\"" + kind + "\" brings mass and inertia along",
+  refuse_beside(body, "\"" + kind + "\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
   return placed(body.value(kind).where, [&]() -> Shape {
@@ -117,13 +117,13 @@ Shape read_matter(const Params& body, const std::string& kind) {
   });
 }
 
-// The one of `kinds` that is given; refuses none and several.
+// The one of `kinds` that is given; refuses none, or several.
 std::string the_kind(const Params& body, std::vector<std::string> kinds) {
   const std::vector<std::string> found = given(body, kinds);
   for (std::string& kind : kinds) kind = "\"" + kind + "\"";
-  if (found.empty()) body.refuse("name", "nothing says what it weighs; add one of " + join(kinds, " or "));
+  if (found.empty()) body.refuse("name", "it has no mass; add one of " + join(kinds, " or "));
   if (found.size() > 1)
-    body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both say what it is; remove one of the two");
+    body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both define it; remove one of the two");
   return found.front();
 }
 
@@ -133,13 +133,13 @@ MassProperties read_part(const Value& v, const std::string& owner) {
   kinds.push_back("mass");
   const std::string kind = the_kind(part, kinds);
   const Shape shape = read_matter(part, kind);
-  if (kind == "rod") refuse_beside(part, "\"rod\" says itself where the part is", {"position", "orientation"});
+  if (kind == "rod") refuse_beside(part, "\"rod\" itself places the part", {"position", "orientation"});
   const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
   return shapes::moved(shape.mass, pose);
 }
 
 MassProperties read_compound(const Params& body) {
-  refuse_beside(body, "\"compound\" brings mass and inertia along",
+  refuse_beside(body, "\"compound\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Value::List& items = objects_of(body, "compound");
   if (items.empty()) body.refuse("compound", "the list is empty; give at least one part");
@@ -174,7 +174,7 @@ void Builder::body(const Value& object, const std::string& owner) {
   System& system = out_.system;
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
-    // Its matter may stand there, and is checked; a rod still places the frame.
+    // Its mass may be given, and is checked; a rod still places the frame.
     const std::vector<std::string> matter = given(p, kMass);
     if (matter.size() > 1) the_kind(p, kMass);
     Pose at = home;
@@ -185,7 +185,7 @@ void Builder::body(const Value& object, const std::string& owner) {
     else if (!matter.empty() && (matter.front() != "mass" || p.has("inertia"))) {
       const Shape shape = read_matter(p, matter.front());
       if (matter.front() == "rod") {
-        refuse_beside(p, "\"rod\" says itself where the body is", {"position", "orientation"});
+        refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
         at = shape.home;
       }
     }
@@ -200,7 +200,7 @@ void Builder::body(const Value& object, const std::string& owner) {
     placed(object.where, [&] { system.add_particle(name, mass, home.x).start.v = p.vector3("velocity"); });
     return;
   }
-  if (kind == "rod") refuse_beside(p, "\"rod\" says itself where the body is", {"position", "orientation"});
+  if (kind == "rod") refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
   const Shape shape = kind == "compound" ? Shape{read_compound(p), {}} : read_matter(p, kind);
   const Pose pose = kind == "rod" ? shape.home : home;
   placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
@@ -222,7 +222,7 @@ void Builder::marker(const Value& object, const std::string& owner) {
   Body& body = out_.system.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)
-    refuse_beside(p, "the place is given in the world already (\"world_at\", \"world_orientation\")",
+    refuse_beside(p, "the pose is already given in the world (\"world_at\", \"world_orientation\")",
                   {"at", "orientation"});
   const auto pose = [&](const char* at, const char* orientation) {
     return Pose{p.has(at) ? p.vector3(at) : Vec3(Vec3::Zero()),

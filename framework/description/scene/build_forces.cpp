@@ -25,7 +25,7 @@ void Builder::force(const Value& object, const std::string& owner) {
     where.link = &out_.system.link(link);
     const auto* entry = registry_.forces.find(parts.type);
     if (entry->origin == "built in" && parts.type != "joint_friction")
-      parts.common.refuse("link", "a " + parts.type + " acts in no link; name \"p\" and \"s\"");
+      parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
   }
   placed(object.where, [&] { out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own)); });
 }
@@ -53,8 +53,9 @@ void Builder::event(const Value& object, const std::string& owner) {
   Event& e = request.event;
   e.name = claim(p, "event");
   if (p.has("at") == p.has("when"))
-    p.refuse(p.has("when") ? "when" : "name", p.has("when") ? "\"at\" is given as well; remove one of the two"
-                                                            : "nothing says when it happens; add \"at\" or \"when\"");
+    p.refuse(p.has("when") ? "when" : "name", p.has("when")
+                                                  ? "\"at\" is given as well; remove one of the two"
+                                                  : "it has no instant and no condition; add \"at\" or \"when\"");
   if (p.has("at") && (e.at = p.number("at")) < 0)
     p.refuse("at", "the instant " + number(e.at) + " s lies before the start at 0 s");
   if (p.has("when")) {
@@ -74,9 +75,9 @@ void Builder::event(const Value& object, const std::string& owner) {
   for (const std::string& name : e.activate)
     if (std::find(e.deactivate.begin(), e.deactivate.end(), name) != e.deactivate.end())
       p.refuse("deactivate",
-               "link '" + name + "' is to begin and to end at the same instant; remove it from one of the lists");
+               "link '" + name + "' is activated and deactivated at the same instant; remove it from one of the lists");
   if (e.activate.empty() && e.deactivate.empty() && !e.stop)
-    p.refuse("name", "nothing happens there; add \"activate\", \"deactivate\" or \"stop\": true");
+    p.refuse("name", "the event does nothing; add \"activate\", \"deactivate\" or \"stop\": true");
   out_.events.push_back(std::move(request));
 }
 

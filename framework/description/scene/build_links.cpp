@@ -1,4 +1,4 @@
-// Where links and forces stand; links with their drives, laws and starts.
+// The sites of links and forces; links with their drives, laws and start speeds.
 #include <algorithm>
 #include <cmath>
 
@@ -18,10 +18,10 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 bool still(const Body& body) { return body.fixed; }
 
-// Origin of the new marker for side "p" or "s"; false when nothing says it.
+// Origin of the new marker for side "p" or "s"; false when it is not given.
 bool origin_of(const Params& p, const std::string& key, const Body& body, Vec3& x) {
   const std::string own = "at_" + key;
-  if (p.has("at") && p.has(own)) p.refuse(own, "\"at\" says where both markers are; remove one of the two");
+  if (p.has("at") && p.has(own)) p.refuse(own, "\"at\" places both markers; remove one of the two");
   if (p.has("at") || p.has(own)) {
     x = p.vector3(p.has("at") ? "at" : own);
   } else if (body.freedoms == Freedoms::particle) {
@@ -41,8 +41,8 @@ Quat axes_of(const Params& p) {
 
 }  // namespace
 
-// The marker that the key names, or a new one on the body that it names; `other` is the home pose of the marker on the
-// other side when that one is there already, and the place of last resort.
+// The marker that the key names, or a new one on the body that it names. `other` is the home pose of the marker on the
+// other side, if it exists already, and the default of the new one.
 Marker* Builder::side(const Params& p, const std::string& key, const std::string& name, const Pose* other) {
   const std::string word = p.text(key);
   if (contains(names("marker"), word)) return &out_.system.marker(word);
@@ -57,7 +57,7 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
   if (!origin_of(p, key, body, world.x)) {
     if (other == nullptr)
       p.refuse(key, "\"" + word +
-                        "\" is a body, and nothing says where on it; add \"at\": [x, y, z] (world), or name a marker");
+                        "\" is a body, and no point on it is given; add \"at\": [x, y, z] (world), or name a marker");
     world.x = other->x;
   }
   if (other != nullptr && !p.has("axis") && !p.has("orientation")) world.q = other->q;
@@ -69,7 +69,7 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   site.name = name;
   if (!p.has("p") && !p.has("s")) {
     for (const std::string& key : kPlaces)
-      if (p.has(key)) p.refuse(key, "it says where, but neither \"p\" nor \"s\" says on what; add \"p\"");
+      if (p.has(key)) p.refuse(key, "it gives a place, but neither \"p\" nor \"s\" names a body; add \"p\"");
     return site;
   }
   if (!p.has("p")) p.refuse("s", "\"s\" is given without \"p\"; name the first marker or body \"p\"");
@@ -77,7 +77,7 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   const bool marker_p = contains(known, p.text("p")), marker_s = p.has("s") && contains(known, p.text("s"));
   if (marker_p && (marker_s || !p.has("s")))
     for (const std::string& key : kPlaces)
-      if (p.has(key)) p.refuse(key, "the markers are placed already; remove it, or name bodies instead");
+      if (p.has(key)) p.refuse(key, "the markers have their places already; remove it, or name bodies instead");
   const auto home = [](const Marker& m) { return m.body->home * m.local; };
   Pose at_marker;
   Marker *P = nullptr, *S = nullptr;
@@ -90,17 +90,17 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
                       "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
   if (both && still(*P->body) && still(*S->body))
     p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name +
-                      "' both stand still, so there is nothing to hold; remove it");
+                      "' are both fixed, so there is nothing to hold; remove it");
   site.pairs.emplace_back(P, S);
   return site;
 }
 
-// Of a coupling: each the markers of a link that is there, or two of its own.
+// The pairs of a coupling: each is the markers of an existing link, or two new ones.
 Site Builder::pairs(const Params& p, const std::string& name) {
   for (const char* key : {"p", "s"})
-    if (p.has(key)) p.refuse(key, "\"pairs\" says where the link stands; remove one of the two");
+    if (p.has(key)) p.refuse(key, "\"pairs\" places the link; remove one of the two");
   for (const std::string& key : kPlaces)
-    if (p.has(key)) p.refuse(key, "it stands inside the pairs; move it there");
+    if (p.has(key)) p.refuse(key, "it belongs inside the pairs; move it there");
   const Value::List* items = p.value("pairs").list();
   if (items == nullptr || items->empty())
     p.refuse("pairs", "expected a list of link names and of objects, got " + shown(p.value("pairs")));
@@ -111,10 +111,10 @@ Site Builder::pairs(const Params& p, const std::string& name) {
     const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");
     if (const std::string* word = item.text()) {
       std::vector<std::string> known = names("link");
-      std::erase(known, name);  // the link itself is taken, but not there yet
+      std::erase(known, name);  // its own name is taken, but the link does not exist yet
       if (!contains(known, *word))
         refuse(item.where, place,
-               "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling stands after its joints");
+               "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling comes after its joints");
       const auto its = out_.system.link(*word).pairs();
       if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();

@@ -1,4 +1,4 @@
-// What a link brings along: that it is unilateral, the stops of its travel, its friction.
+// Attributes of a link: that it is unilateral, the stops of its travel, its friction.
 #include <cmath>
 
 #include "framework/description/scene/builder.h"
@@ -32,7 +32,7 @@ void Builder::unilateral(const Params& link, Lock& lock) {
   if (!link.has("one_sided")) return;
   const Params p = params_of(link.value("one_sided"), "one_sided", part_of(link.owner(), "one_sided"), nullptr);
   const std::string side = p.text("side");
-  const bool its_own = lock.unilateral() != nullptr;  // a stop knows its side
+  const bool its_own = lock.unilateral() != nullptr;  // as a stop has
   if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");
   Unilateral u = unilateral_from(p);
   u.below = side == "below";
@@ -64,7 +64,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Site& o
   const Unilateral options = unilateral_from(p);
   if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && has(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
-  if (!p.has("low") && !p.has("high")) p.refuse("axis", "nothing says where it ends; add \"low\" or \"high\"");
+  if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
     p.refuse("high", "it is " + number(p.number("high")) + " and does not lie above \"low\", " +
                          number(p.number("low")) + "; exchange them");
@@ -74,11 +74,11 @@ void Builder::stops(const Value& object, const std::string& owner, const Site& o
     site.name = of.name + ".stop_" + p.text("axis") + "_" + end;
     Marker *P = &of.p(), *S = &of.s();
     std::string coordinate = p.text("axis");
-    if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts turns about z: markers that have it there
+    if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts turns about z: markers with z there
       for (const Marker* m : {P, S})
         if (m->slide || m->spin)
           p.refuse("axis", "marker '" + m->name +
-                               "' moves by a law, so a stop of its turn about x or y needs markers of its own: add a "
+                               "' moves by a law, so a stop of its turn about x or y needs its own markers: add a "
                                "link of type \"stop\"");
       const Pose turned{Vec3::Zero(), axes_with_z(index(axis) - 3)};
       P = &out_.system.add_marker(site.name + ".P", *P->body, P->local * turned);

@@ -1,4 +1,4 @@
-// Builder: what the parts of build() share. Private to this room.
+// Builder: builds a mechanism from a scene. Private to this room.
 #pragma once
 
 #include <map>
@@ -12,9 +12,9 @@
 
 namespace lockstep {
 
-/// "link 'A'": kind and name as they stand in messages.
+/// "link 'A'": kind and name as in messages.
 LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& name);
-/// The same for an object of a list whose name may be missing or no text: then "links[2]".
+/// The same for an object of a list, whose name may be missing or not a text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
 
 /// An object of a table without a shelf, checked, its laws made.
@@ -29,7 +29,7 @@ std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const 
 /// A number that must be greater than zero.
 double positive(const Params&, const std::string& key, const std::string& what);
 
-/// Runs f; a ModelError becomes a SceneError at `where`, `context` before its words.
+/// Runs f; a ModelError becomes a SceneError at `where`, with `context` before its message.
 template <class F>
 decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
@@ -73,7 +73,7 @@ class Builder {
   void set_merge(const std::string& how);
   void set_up(const std::string& normal);
 
-  // Notes the name of a new thing; refuses names that are taken, empty or that channels could not tell apart.
+  // Notes the name of a new thing; refuses names that are taken, empty or ambiguous in channels.
   std::string claim(const Params& object, const std::string& kind);
   std::vector<std::string> names(const std::string& kind) const;
 

@@ -73,7 +73,7 @@ std::string default_words(const Key& key) {
   return "default " + words.substr(0, words.size() - 1);
 }
 
-// The column of a table holds the short words; where to read on comes last.
+// The short words, which go into the table's column, and where to read on, which comes last in the line.
 std::pair<std::string, std::string> split_form(const Key& key, const std::vector<Part>& parts) {
   constexpr std::string_view kSee = ": see ";
   const std::string all = form_words(key, parts);

@@ -1,4 +1,4 @@
-// What a person may ask about the types of a registry and the objects of a scene: names, help, keys.
+// Descriptions of the types of a registry and the objects of a scene: names, help, keys.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace lockstep {
 /// One entry of a shelf, or one object of a scene file.
 struct Description {
   std::string shelf;          ///< "links", "laws", ..., "scene"
-  TypeInfo info;              ///< with the keys that every one of its kind has
+  TypeInfo info;              ///< with the keys that all of its kind share
   std::string origin;         ///< "built in", or the plugin's name
   std::vector<Part> parts{};  ///< what its keys of Form::any hold
 };
@@ -21,11 +21,11 @@ struct Description {
 /// "integrators", "solvers".
 LOCKSTEP_API std::vector<std::string> shelf_names();
 
-/// Everything on one shelf ("laws" brings all three kinds of law); without keys in common. Throws SceneError for
+/// Everything on one shelf (for "laws" all three kinds of law), without the keys that all share. Throws SceneError for
 /// another name.
 LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std::string& shelf);
 
-/// All that have this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with
+/// Everything of this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with
 /// the closest name when there is none.
 LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
 

@@ -12,11 +12,11 @@ namespace lockstep {
 namespace {
 
 using ParseError = nlohmann::detail::exception;
-constexpr int kOutOfRange = 406;  // nlohmann's number of a number that no double holds
+constexpr int kOutOfRange = 406;  // nlohmann's id of a number that no double holds
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// What the parser reads through: it takes one character after the other and `read` counts them.
+// The iterator that the parser reads through; `read` counts the characters.
 struct Counting {
   using iterator_category = std::input_iterator_tag;
   using value_type = char;
@@ -42,8 +42,8 @@ bool begins_with_word(std::string_view text, std::string_view word) {
   return true;
 }
 
-// Takes nlohmann's events and builds the tree. Each event is one token that ends where the parser has read to, and the
-// next one begins behind it and the spaces, commas and colons there.
+// Builds the tree from nlohmann's events. Each event is one token that ends where the parser has read to; the next one
+// begins after it and any spaces, commas and colons.
 class TreeBuilder {
  public:
   TreeBuilder(const std::string& text, const std::string& file)
@@ -62,7 +62,7 @@ class TreeBuilder {
   bool number_unsigned(std::uint64_t) { return number_as_written(); }
   bool number_float(double, const std::string&) { return number_as_written(); }
   bool string(std::string& s) { return put(Value(std::move(s)), here()); }
-  bool binary(nlohmann::json::binary_t&) { return false; }  // no such thing in JSON text
+  bool binary(nlohmann::json::binary_t&) { return false; }  // does not occur in JSON text
   bool start_object(std::size_t) { return open(Value(Value::Object{})); }
   bool start_array(std::size_t) { return open(Value(Value::List{})); }
   bool end_object() { return close(); }
@@ -73,7 +73,7 @@ class TreeBuilder {
     const auto [first, fresh] = open_.back().keys.try_emplace(name, where);
     if (!fresh) {
       refuse(where, "",
-             "key \"" + name + "\" stands twice in this object, first at " + first->second.text() +
+             "key \"" + name + "\" is given twice in this object, first at " + first->second.text() +
                  "; remove one of the two");
     }
     open_.back().key = {name, Value(), where};
@@ -81,8 +81,7 @@ class TreeBuilder {
   }
 
   bool parse_error(std::size_t position, const std::string&, const ParseError& error) {
-    // The bad token begins behind the last good one and at most one comma or colon, and not behind the parser's
-    // position.
+    // The bad token begins after the last good one and at most one comma or colon, and not after the parser's position.
     std::size_t byte = behind_spaces(end_);
     if (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
     byte = std::max(end_, std::min(byte, std::max<std::size_t>(position, 1) - 1));
@@ -99,13 +98,13 @@ class TreeBuilder {
     std::unordered_map<std::string, Where> keys;
   };
 
-  // Line and column of a byte at or behind the last one asked for.
+  // Line and column of a byte, which is at or after the last one asked for.
   Where at(std::size_t byte) {
     for (; counted_ < byte && counted_ < text_.size(); ++counted_) {
       const auto c = static_cast<unsigned char>(text_[counted_]);
       if (c == '\n')
         ++line_, column_ = 1;
-      else if ((c & 0xC0) != 0x80)  // a byte that continues a character counts nothing
+      else if ((c & 0xC0) != 0x80)  // a byte that continues a character does not count
         ++column_;
     }
     return {file_, line_, column_};
@@ -122,10 +121,10 @@ class TreeBuilder {
     return true;
   }
 
-  // As written, whatever the locale. The parser knows the end of a number only by the character behind it.
+  // As written, whatever the locale. The parser knows the end of a number only by the character after it.
   bool number_as_written() {
     const std::size_t from = begin();
-    double x = 0;  // stays when the number is too small for a double; one too large never comes here
+    double x = 0;  // remains where the number is too small for a double; one too large does not get here
     const auto [end, error] = std::from_chars(text_.data() + from, text_.data() + text_.size(), x);
     put(Value(x), at(from));
     end_ = static_cast<std::size_t>(end - text_.data());
@@ -148,7 +147,7 @@ class TreeBuilder {
     if (open_.size() == kMostDepth)
       refuse(v.where, "",
              "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
-                 "; the limit keeps readers safe, flatten this one");
+                 "; the limit keeps readers safe: flatten this one");
     open_.push_back({std::move(v), {}, {}});
     return done(Last::opening);
   }
@@ -163,12 +162,12 @@ class TreeBuilder {
     while (byte < text_.size() && is_space(text_[byte])) ++byte;
     return byte;
   }
-  // Plain words for what the parser found at `byte`, behind the last good token.
+  // Describes what the parser found at `byte`, after the last good token.
   std::string syntax_problem(std::size_t byte, const ParseError&) const;
 
   const std::string& text_;
   std::shared_ptr<const std::string> file_;
-  std::size_t read_ = 0, end_ = 0;  // by the parser; behind the last good token
+  std::size_t read_ = 0, end_ = 0;  // by the parser; end of the last good token
   Last last_ = Last::nothing;
   std::size_t counted_ = 0;
   int line_ = 1, column_ = 1;
@@ -189,25 +188,26 @@ std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& erro
            v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
   }
   if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
-    return "NaN and infinity are no numbers of JSON, and no quantity here may be one; write a finite number";
+    return "NaN and infinity are not JSON numbers, and no quantity here may be one; write a finite number";
   if (rest.front() == '/' || rest.front() == '#') return "comments are not allowed in JSON; remove it";
-  if (rest.front() == '\'') return "texts stand in double quotes; write \"...\"";
+  if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
   if (rest.front() == '+' || rest.front() == '.')
     return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
   const std::string_view between = std::string_view(text_).substr(end_, byte - end_);
   const bool comma = between.find(',') != std::string_view::npos, colon = between.find(':') != std::string_view::npos;
   if (comma && (rest.front() == '}' || rest.front() == ']'))
-    return std::string("a comma stands before the closing ") + rest.front() + "; remove it";
-  if (open_.empty() && last_ != Last::nothing) return "something stands behind the end of the description; remove it";
+    return std::string("there is a comma before the closing ") + rest.front() + "; remove it";
+  if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the description; remove it";
   if (!open_.empty()) {
     const bool object = open_.back().value.object() != nullptr;
     if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
     if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
     if (object && last_ != Last::key) return "expected a key in double quotes";
   }
-  const std::string_view what = error.what();  // "[...] parse error at line 1, column 2: ...": the place is ours
+  const std::string_view what =
+      error.what();  // "[...] parse error at line 1, column 2: ...", of which the place is dropped
   const std::size_t words = what.find(": ");
-  return "no valid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
+  return "invalid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
 }
 
 }  // namespace

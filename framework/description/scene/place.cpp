@@ -13,9 +13,9 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMostLeaves = 20'000;  // that are looked through for a near path
+constexpr std::size_t kMostLeaves = 20'000;  // that are searched for a near path
 
-/// What the tables say of a value: the key and part that it stands under, and, of an object, what it may hold.
+/// What the tables know of a value: its key and part, and of an object, what it may hold.
 struct Kind {
   Key key{};
   Part part{"", Holds::texts};
@@ -45,7 +45,7 @@ void add_part(Kind& kind, const Value& v, const Registry& registry) {
   if (t.shelf == "forces") add_type(kind, v, registry.forces);
 }
 
-// Of v, which stands under the key and part of `kind`; things of a list keep both from it.
+// The kind of v, which is under the key and part of `kind`; the items of a list keep both.
 Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
   if (v.object() == nullptr) return kind;
   if (kind.has_part) add_part(kind, v, registry);
@@ -88,9 +88,9 @@ std::string step_to(const Value& item, std::size_t index) {
   return name != nullptr && name->text() != nullptr ? *name->text() : std::to_string(index);
 }
 
-/// Where a path ends before its time.
+/// Where a path fails.
 struct Miss {
-  std::size_t step = 0;  // the first that leads nowhere; the number of steps: the whole leads to no plain value
+  std::size_t step = 0;  // the first that leads nowhere; the number of steps: the path leads to several values
   std::vector<std::string> candidates{};
   std::string problem{};
 };
@@ -153,7 +153,7 @@ class Walk {
     return true;
   }
 
-  // A key that the scene leaves out: empty at the end of the path, else with what its default holds.
+  // The value of a key that the scene leaves out: empty at the end of the path, else the default.
   static Value by_default(const Kind& kind, bool last) {
     if (kind.has_part && kind.part.holds == Holds::object) return Value(Value::Object{});
     const bool several = kind.key.form == Form::vector3 || kind.key.form == Form::numbers;
@@ -161,7 +161,7 @@ class Walk {
     return {};
   }
 
-  // Lists and objects, also those that are not there yet.
+  // Lists and objects, including those that the scene leaves out.
   bool several() const {
     if (here_->list() != nullptr || here_->object() != nullptr) return true;
     if (!here_->is_null()) return false;
@@ -183,7 +183,7 @@ class Walk {
     }
     const bool plain = here_->list() == nullptr && here_->object() == nullptr;
     if (i == steps_.size())
-      m.problem = plain ? owner + " is not in the scene and holds several values; put it there first"
+      m.problem = plain ? owner + " is not in the scene and holds several values; add it first"
                         : owner + " holds several values; name one of them";
     else
       m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
@@ -215,7 +215,7 @@ std::string closest_number(const Value& root, const std::string& path) {
   return closest_name(path, leaves);
 }
 
-// The path with the closest name in the place of each that leads nowhere, else the closest path to a number; "" : none.
+// The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
 std::string nearest(const Value& root, const std::string& path, const Registry& registry) {
   std::vector<std::string> steps = steps_of(path);
   for (std::size_t tries = 0; tries <= steps.size(); ++tries) {

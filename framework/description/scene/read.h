@@ -8,7 +8,7 @@
 
 namespace lockstep {
 
-/// The Value that the file describes; see read_json. Throws FileError when the file cannot be read, SceneError for its
+/// The Value of the file; see read_json. Throws FileError when the file cannot be read, SceneError for its
 /// content.
 LOCKSTEP_API Value read_json_file(const std::string& path);
 

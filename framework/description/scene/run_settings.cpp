@@ -47,7 +47,8 @@ Stabilization read_stabilization(const Params& run) {
 
 std::vector<double> read_times(const Params& run) {
   if (!run.has("times")) return {};
-  if (run.has("output")) run.refuse("times", "\"output\" and \"times\" both say when to record; remove one of the two");
+  if (run.has("output"))
+    run.refuse("times", "\"output\" and \"times\" both define when to record; remove one of the two");
   const std::vector<double> times = run.numbers("times");
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] < 0) run.refuse("times", "instant " + number(times[i]) + " s lies before the start at 0 s; remove it");
@@ -60,16 +61,15 @@ std::vector<double> read_times(const Params& run) {
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
   const auto name = [](const ChannelRequest& r) { return r.name.empty() ? r.channel : r.name; };
   if (name(request).empty() || request.channel.empty())
-    refuse(request.where, "run.record", "a channel needs a name; \"\" is none");
+    refuse(request.where, "run.record", "a channel needs a name, and \"\" is not one");
   const std::string column = name(request);
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, "run.record",
            "a column's name holds a line end or another control character; a CSV header "
-           "stands on one line: leave it out");
+           "is one line: leave it out");
   const auto same = [&](const ChannelRequest& other) { return name(other) == name(request); };
   if (std::any_of(all.begin(), all.end(), same))
-    refuse(request.where, "run.record",
-           "column \"" + name(request) + "\" is asked for twice; give one of them a name of its own");
+    refuse(request.where, "run.record", "column \"" + name(request) + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
 }
 

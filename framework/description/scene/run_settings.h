@@ -5,7 +5,7 @@
 
 namespace lockstep {
 
-/// Settings as the scene says, defaults where it is silent (or null). Throws SceneError.
+/// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
 
 }  // namespace lockstep

@@ -33,8 +33,8 @@ Scene scene_from(Value root, std::string file) {
           name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
       refuse(where, "scene, requires",
              "\"" + name +
-                 "\" is no bare name; a scene names plugins, as in \"cam_follower\", and where they may come "
-                 "from is said outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
+                 "\" is not a bare name; a scene names plugins, as in \"cam_follower\", and where they may come "
+                 "from is given outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
     }
     scene.plugins.push_back(name);
   }

@@ -7,7 +7,8 @@
 
 namespace lockstep {
 
-/// JSON Schema, draft 2020-12, ends with a newline. That of the built-in registry is written beside the program's build tree as scene.schema.json and installed.
+/// JSON Schema, draft 2020-12, ending with a newline. The build writes that of the built-in registry to its top folder
+/// as scene.schema.json, which is installed.
 LOCKSTEP_API std::string scene_schema(const Registry&);
 
 }  // namespace lockstep

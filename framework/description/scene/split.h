@@ -1,4 +1,4 @@
-// An object whose key "type" names an entry of a shelf: what every one of its kind has, and what is its type's own.
+// Splits an object whose key "type" names an entry of a shelf into the keys of its kind and those of its type.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline bool contains_key(const Keys& keys, const std::string& name) {
   return std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
 }
 
-/// Keys that every one of its kind has, then those of the type; where both have a key of one name, the type's.
+/// The keys of the kind, then those of the type; where both have a key of one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
   Keys keys;
   std::copy_if(common.begin(), common.end(), std::back_inserter(keys),
@@ -31,8 +31,8 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
   return keys;
 }
 
-/// Checks the object against both tables, makes its laws and takes it apart. Throws SceneError; an unknown type with the
-/// closest one.
+/// Checks the object against both tables, makes its laws and splits it. Throws SceneError; for an unknown type, with
+/// the closest one.
 template <class Shelf>
 Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
             const Registry& laws) {

@@ -25,20 +25,19 @@ SceneTable scene() {
              Form::choice,
              Unit::none,
              "off",
-             "normal of the plane that all moves in: three velocities a body; \"auto\": where that is exact",
+             "normal of the plane of all motion: three velocities per body; \"auto\": where that is exact",
              {"off", "auto", "x", "y", "z"}},
             {"merge",
              Form::choice,
              Unit::none,
              "off",
-             "\"auto\": bodies that a fixed link without a law holds together move as one; links that are recorded, or "
-             "that "
+             "\"auto\": bodies joined by a fixed link without a law move as one; links that are recorded, or that "
              "events name, stay",
              {"off", "auto"}},
-            any("bodies", "the bodies; \"ground\" is always there"),
+            any("bodies", "the bodies; \"ground\" always exists"),
             any("markers", "frames on bodies that links and forces name"),
             any("links", "what holds the bodies together"),
-            any("forces", "what pushes them"),
+            any("forces", "the forces applied to them"),
             any("events", "changes of the links in force during the run"),
             any("run", "integrator, duration, output")}},
           {{"requires", Holds::texts},
@@ -50,17 +49,18 @@ SceneTable scene() {
            {"run", Holds::object, "run"}}};
 }
 
-// What gives mass: the same for a body and for a part of a compound.
+// The keys that give mass, the same for a body and for a part of a compound.
 Keys mass_keys() {
-  return {{"mass", Form::number, Unit::mass, kOptional, "mass, with \"inertia\" beside it"},
-          any("inertia", "[Jxx, Jyy, Jzz], {\"xx\":, ..., \"xy\":}, or three rows; products as matrix entries"),
-          any("inertia_at", "point that the inertia is about, own frame", {"center"}),
-          {"inertia_axes", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the inertia, in the own frame"},
-          {"center", Form::vector3, Unit::length, Value::List{0, 0, 0}, "mass centre, own frame"},
-          any("rod", "a rod; it brings its own frame: in its middle, x along it"),
-          any("box", "a box about its frame's origin"),
-          any("cylinder", "a cylinder about its frame's origin, along z"),
-          any("sphere", "a sphere about its frame's origin")};
+  return {
+      {"mass", Form::number, Unit::mass, kOptional, "mass, given with \"inertia\""},
+      any("inertia", "[Jxx, Jyy, Jzz], {\"xx\":, ..., \"xy\":}, or three rows; products as matrix entries"),
+      any("inertia_at", "point about which the inertia is given, own frame", {"center"}),
+      {"inertia_axes", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "axes of the inertia, in its own frame"},
+      {"center", Form::vector3, Unit::length, Value::List{0, 0, 0}, "mass centre, own frame"},
+      any("rod", "a rod; it defines the frame: in its middle, x along it"),
+      any("box", "a box about its frame's origin"),
+      any("cylinder", "a cylinder about its frame's origin, along z"),
+      any("sphere", "a sphere about its frame's origin")};
 }
 std::vector<Part> mass_parts() {
   return {{"inertia", Holds::vector_or_object, "inertia"},
@@ -72,7 +72,7 @@ std::vector<Part> mass_parts() {
 }
 
 SceneTable body() {
-  SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name; no other thing has it")}},
+  SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name, unique in the scene")}},
                mass_parts()};
   for (Key& key : mass_keys()) t.info.keys.push_back(std::move(key));
   const Keys more = {
@@ -134,8 +134,8 @@ SceneTable inertia() {
 
 SceneTable marker() {
   return {{"marker",
-           "a frame on a body, still or moving by laws",
-           {name_key("its name; no other thing has it"),
+           "a frame on a body, fixed there or moved by laws",
+           {name_key("its name, unique in the scene"),
             {"body", Form::text, Unit::none, kRequired, "the body that carries it"},
             {"at", Form::vector3, Unit::length, kOptional, "its origin, body frame"},
             {"orientation", Form::orientation, Unit::none, kOptional, "its axes, in the body frame"},
@@ -145,7 +145,7 @@ SceneTable marker() {
             {"spin", Form::rotation_law, Unit::angle, kOptional, "turns it about them"}}}};
 }
 
-// Where a link or a force stands.
+// The keys that place a link or a force.
 Keys site_keys(Default p_default) {
   return {
       {"p", Form::text, Unit::none, p_default, "the marker P, or a body that is given one"},
@@ -160,7 +160,7 @@ Keys site_keys(Default p_default) {
 SceneTable link() {
   SceneTable t{{"link",
                 "a joint, a lock or any other constraint between bodies",
-                {name_key("its name; no other thing has it"),
+                {name_key("its name, unique in the scene"),
                  {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list links`"}}},
                {{"drive", Holds::object_or_list, "drive"},
                 {"start", Holds::object, "start"},
@@ -177,7 +177,7 @@ SceneTable link() {
       {"turn", Form::rotation_law, Unit::angle, kOptional, "how far P is held turned against S"},
       {"active", Form::boolean, Unit::none, true, "whether it holds from the start"},
       any("start", "how its free coordinates begin"),
-      any("one_sided", "its one row may push and cannot pull: C >= 0 in place of C = 0"),
+      any("one_sided", "its one row may push but not pull: C >= 0 instead of C = 0"),
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
       any("friction", "friction from its own reaction; a force named \"A.friction\"")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
@@ -185,30 +185,30 @@ SceneTable link() {
 }
 
 SceneTable pair() {
-  SceneTable t{{"pair", "two markers that a coupling looks at", {}}};
+  SceneTable t{{"pair", "two markers whose relative motion is coupled", {}}};
   for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
 SceneTable force() {
   SceneTable t{{"force",
-                "what pushes or pulls without holding",
-                {name_key("its name; no other thing has it"),
+                "an applied force: it pushes or pulls, but does not hold",
+                {name_key("its name, unique in the scene"),
                  {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list forces`"}}},
                {},
                "forces"};
   for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
-  t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link that carries it, as friction wants"});
+  t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link in which it acts, for friction"});
   return t;
 }
 
 Keys bounce_keys() {
-  return {{"restitution", Form::number, Unit::none, 0, "speed after an impact to that before it, 0 to 1"},
+  return {{"restitution", Form::number, Unit::none, 0, "ratio of the speed after an impact to that before, 0 to 1"},
           {"rest_speed", Form::number, Unit::any, 0.001, "impacts that leave less end at rest, m/s or rad/s"}};
 }
 
 std::vector<SceneTable> one_sided_parts() {
-  SceneTable one_sided{{"one_sided", "how a link that may push and cannot pull is hit", bounce_keys()}};
+  SceneTable one_sided{{"one_sided", "impacts of a link that may push but not pull", bounce_keys()}};
   one_sided.info.keys.push_back({"side",
                                  Form::choice,
                                  Unit::none,
@@ -233,34 +233,39 @@ std::vector<SceneTable> link_parts() {
   for (const char* axis : {"rx", "ry", "rz"})
     velocity.info.keys.push_back(
         {axis, Form::number, Unit::angular_speed, kOptional, std::string("about ") + axis[1] + " of S"});
-  return {
-      {{"drive",
-        "a law on one free coordinate of a link; exactly one row more",
-        {{"axis", Form::choice, Unit::none, kRequired, "the coordinate of P seen from S", {"x", "y", "z", "rx", "ry", "rz"}},
-         {"law", Form::law, Unit::any, kOptional, "the coordinate as a function of time, m or rad"},
-         {"speed", Form::law, Unit::any, kOptional,
-          "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
-      {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
-       {{"velocity", Holds::object, "start_velocity"}}},
-      velocity};
+  return {{{"drive",
+            "a law on one free coordinate of a link; adds exactly one row",
+            {{"axis",
+              Form::choice,
+              Unit::none,
+              kRequired,
+              "the coordinate of P seen from S",
+              {"x", "y", "z", "rx", "ry", "rz"}},
+             {"law", Form::law, Unit::any, kOptional, "the coordinate as a function of time, m or rad"},
+             {"speed", Form::law, Unit::any, kOptional,
+              "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
+          {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
+           {{"velocity", Holds::object, "start_velocity"}}},
+          velocity};
 }
 
 std::vector<SceneTable> events() {
-  return {{{"event",
-            "a change of the links in force between two steps",
-            {name_key("its name; no other event has it"),
-             {"at", Form::number, Unit::time, kOptional, "the instant; or \"when\""},
-             any("when", "the condition; or \"at\""),
-             any("activate", "links that begin to hold"),
-             any("deactivate", "links that let go"),
-             {"stop", Form::boolean, Unit::none, false, "whether the run ends there"},
-             {"once", Form::boolean, Unit::none, true, "only the first time that the condition is met"}}},
-           {{"when", Holds::object, "condition"}, {"activate", Holds::texts}, {"deactivate", Holds::texts}}},
-          {{"condition",
-            "a channel that crosses a value",
-            {{"channel", Form::text, Unit::none, kRequired, "a channel's name, such as \"slider.x\""},
-             {"crosses", Form::number, Unit::any, 0, "the value"},
-             {"direction", Form::choice, Unit::none, "any", "the sense", {"any", "rising", "falling"}}}}}};
+  return {
+      {{"event",
+        "a change of the links in force between two steps",
+        {name_key("its name, unique among events"),
+         {"at", Form::number, Unit::time, kOptional, "the instant; or \"when\""},
+         any("when", "the condition; or \"at\""),
+         any("activate", "links that begin to act"),
+         any("deactivate", "links that stop acting"),
+         {"stop", Form::boolean, Unit::none, false, "whether the run ends there"},
+         {"once", Form::boolean, Unit::none, true, "only the first time that the condition is met"}}},
+       {{"when", Holds::object, "condition"}, {"activate", Holds::texts}, {"deactivate", Holds::texts}}},
+      {{"condition",
+        "a channel that crosses a value",
+        {{"channel", Form::text, Unit::none, kRequired, "a channel's name, such as \"slider.x\""},
+         {"crosses", Form::number, Unit::any, 0, "the value"},
+         {"direction", Form::choice, Unit::none, "any", "the direction of crossing", {"any", "rising", "falling"}}}}}};
 }
 
 std::vector<SceneTable> runs() {
@@ -278,9 +283,9 @@ std::vector<SceneTable> runs() {
               Form::choice,
               Unit::none,
               "omega",
-              "6 velocities a body, or the 7 coordinates of the paper",
+              "6 velocities per body, or the 7 coordinates of the paper",
               {"omega", "quaternion"}},
-             any("stabilization", "how drift off the constraints is fought; default \"project\"",
+             any("stabilization", "how drift off the constraints is corrected; default \"project\"",
                  {"project", "baumgarte", "none"}),
              any("solver",
                  "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"schur\", with "
@@ -294,8 +299,8 @@ std::vector<SceneTable> runs() {
             {"record", Holds::channels},
             {"draw", Holds::text_lists}}},
           {{"stabilization",
-            "how drift off the constraints is fought",
-            {{"kind", Form::choice, Unit::none, "project", "the way", {"project", "baumgarte", "none"}},
+            "how drift off the constraints is corrected",
+            {{"kind", Form::choice, Unit::none, "project", "the method", {"project", "baumgarte", "none"}},
              {"alpha", Form::number, Unit::frequency, 5, "Baumgarte's damping rate, 1/s"},
              {"beta", Form::number, Unit::frequency, 5, "Baumgarte's stiffness rate, 1/s"},
              {"tolerance", Form::number, Unit::length, 1e-10, "of the constraints, m"}}}}};

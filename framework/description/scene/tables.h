@@ -1,5 +1,4 @@
-// The objects of a scene file: one table of keys each. Parser, schema and `describe` read these; there is no second
-// list.
+// The objects of a scene file, one table of keys each, for parser, schema and `describe` alike.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace lockstep {
 
-/// What stands under a key of Form::any.
+/// What a key of Form::any holds.
 enum class Holds {
   object,            ///< one object of `table`
   objects,           ///< a list of them

@@ -29,7 +29,7 @@ std::vector<std::string> split_at(char mark, const std::string& text) {
   return parts;
 }
 
-// A word of the command line as JSON would have it.
+// A word of the command line as a JSON value.
 Value value_of(const std::string& word) {
   if (word == "true" || word == "false") return Value(word == "true");
   double x = 0;
@@ -37,14 +37,14 @@ Value value_of(const std::string& word) {
   return error == std::errc() && end == word.data() + word.size() ? Value(x) : Value(word);
 }
 
-// The dimension of a text with a unit; nothing for one that has no name here.
+// The dimension of a text with a unit; nothing for one without a name here.
 std::optional<Unit> unit_of(const std::string& text) {
   for (int u = static_cast<int>(Unit::none) + 1; u < static_cast<int>(Unit::any); ++u)
     if (read_quantity(text, static_cast<Unit>(u)).problem.empty()) return static_cast<Unit>(u);
   return {};
 }
 
-/// What may stand at a place, and how words become it.
+/// Reads words into the values that a place may hold.
 class Reader {
  public:
   Reader(const ScenePlace& place, std::string path) : key_(place.key), path_(std::move(path)) {
@@ -53,7 +53,7 @@ class Reader {
                form == Form::numbers || form == Form::points || form == Form::law || form == Form::laws ||
                form == Form::translation_law || form == Form::rotation_law;
     if (numeric_) return;
-    const Value& now = *place.value;  // the tables do not say: it stays of its kind
+    const Value& now = *place.value;  // the tables do not know: it keeps its kind
     const bool open = form == Form::any && key_.choices.empty();
     const bool quantity = now.text() != nullptr && read_quantity(*now.text(), Unit::any).problem.empty();
     numeric_ = open && (now.number() != nullptr || quantity);
@@ -102,7 +102,7 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   if (parts.size() != 3)
     throw ModelError("\"" + path + "\": expected a:b:n, n numbers evenly from a to b, as in 1:5:9");
   if (!reader.numeric())
-    throw ModelError("\"" + path + "\" is no number, so that nothing lies between two values; list them: NAME=v1,v2");
+    throw ModelError("\"" + path + "\" is not a number, so nothing lies between two values; list them: NAME=v1,v2");
   const double a = *reader.read(parts[0]).number(), b = *reader.read(parts[1]).number();
   const bool bare_a = value_of(parts[0]).number() != nullptr, bare_b = value_of(parts[1]).number() != nullptr;
   if (bare_a != bare_b && (bare_a ? a : b) != 0)

@@ -46,7 +46,7 @@ void write_plain(const Value& v, std::string& out) {
 
 bool is_plain(const Value& v) { return v.list() == nullptr && v.object() == nullptr; }
 
-// A list of plain values in one line, or "" when it is none or too long.
+// A list of plain values in one line, or "" if it is not such a list or too long.
 std::string one_line(const Value::List& items) {
   std::string line = "[";
   for (const Value& item : items) {

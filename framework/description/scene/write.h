@@ -8,8 +8,8 @@
 
 namespace lockstep {
 
-/// Pretty JSON, ends with a newline; short lists of plain values on one line. Numbers in the shortest form that reads
-/// back as the same double, locale never asked. Throws SceneError for NaN or infinity, which JSON cannot hold.
+/// Pretty JSON, ending with a newline; short lists of plain values are on one line. Numbers have the shortest form that
+/// reads back as the same double, whatever the locale. Throws SceneError for NaN or infinity, which JSON cannot hold.
 LOCKSTEP_API std::string write_json(const Value&);
 
 }  // namespace lockstep

@@ -37,7 +37,7 @@ Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, Dynamic
   system_.setup();
 }
 
-// Made at the first state.
+// The evaluation is made at the first state.
 Evaluation& Dynamics::own(const State& state) {
   if (!evaluation_) {
     evaluation_ = std::make_unique<Evaluation>(system_, state);

@@ -10,7 +10,7 @@ namespace {
 
 std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
-// visit(row, Jh v + Ct), v: of a slot's linear and angular velocity
+// visit(row, Jh v + Ct) for every row; velocity(slot): its linear and angular velocity.
 template <class Velocity, class Visit>
 void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
   for (const RowEntry& e : rows.entries) {

@@ -36,7 +36,7 @@ SolveReport Factor::solve_motion(const Evaluation& e, const VecX& f, const VecX&
 
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
   if (!fits(e))
-    throw ModelError("a factor is asked for a solution with other links in force than it was computed with; compute it anew");
+    throw ModelError("a factor was computed with other links in force than it is asked to solve with; compute it anew");
   assembler_.read(e.rows());
   SolveReport report;
   if (assembler_.direct()) {
@@ -56,7 +56,7 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   const double t = e.inputs().t;
   const auto when = [&] { return "t = " + number(t) + " s: "; };
   if (!a.allFinite() || !lambda.allFinite()) {
-    e.check();  // names who made it
+    e.check();  // names the culprit
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
                              std::string(solver_->name()) +
                              "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,

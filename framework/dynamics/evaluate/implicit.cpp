@@ -12,7 +12,7 @@ namespace lockstep {
 
 struct NewtonMatrix::Work : NewtonNumbers {
   const System* system = nullptr;
-  long description = -1, pattern = -1;  // revisions of the system and of the tangents that were laid out
+  long description = -1, pattern = -1;  // revisions of the system and tangents that are laid out
   NewtonFactor<double> real;
   NewtonFactor<Complex> complex;
 
@@ -49,7 +49,7 @@ void NewtonMatrix::Work::lay_out(const RowTable& rows) {
   pattern = -1;
 }
 
-// When the pairs of the tangents are known: who is eliminated when, and where every number goes.
+// Once the pairs of the tangents are known: the order of elimination and the place of every number.
 void NewtonMatrix::Work::lay_out_plan() {
   pattern = tangents.revision();
   BlockGraph graph{width, first, static_cast<int>(width.size()), {}};
@@ -124,7 +124,7 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   const Inputs& in = e.inputs();
   w.add_inertia(in);
   for (const RowEntry& entry : rows.entries) {
-    std::array<double, kMaxRows> own{};  // of all rows of the link, those left out in a plane being zero
+    std::array<double, kMaxRows> own{};  // all rows of the link; zero for those that a plane leaves out
     for (int k = 0; k < entry.m; ++k)
       own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = lambda[entry.first_row + k];
     const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];

@@ -28,13 +28,13 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (direct && formulation_ == Formulation::quaternion)
     throw ModelError(
-        "formulation quaternion keeps seven coordinates a body, and this solver reads rows of six velocities; take "
+        "formulation quaternion keeps seven coordinates per body, and this solver reads rows of six velocities; use "
         "solver sparse, block or dense with it");
   if (direct) return lay_out_direct(rows);
   if (system_.plane() && formulation_ == Formulation::quaternion)
     throw ModelError(
-        "formulation quaternion has seven coordinates a body and knows no plane; take formulation omega, or leave "
-        "\"planar\" out");
+        "formulation quaternion has seven coordinates per body and does not support \"planar\"; use formulation omega, "
+        "or remove \"planar\"");
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
@@ -154,7 +154,7 @@ void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> 
       c[norm_row++] = 0.0;
       continue;
     }
-    // (2.4), (2.5): G^T tau - 2 G(qd)^T J w, with the moment tau free of the -w x J w that the 6-velocity form carries
+    // (2.4), (2.5): G^T tau - 2 G(qd)^T J w, with the moment tau without the -w x J w of the 6-velocity form
     const Slot& b = system_.slot(k);
     const Vec3 Jw = b.J * O.w;
     const Quat qd = rate(O.e, O.w);

@@ -38,7 +38,8 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
     for (int j = 0; j < N.width[static_cast<std::size_t>(slot)]; ++j) J[j] = r[N.velocity[static_cast<std::size_t>(j)]];
     J += 6;
   });
-  // The Schur complement of the rows is s/a where the mass rules; so is the proximal term (framework/docs/solvers.md, section 5).
+  // Where the mass dominates, the Schur complement of the rows is s/a; so the proximal term is scaled alike
+  // (framework/docs/solvers.md, section 5).
   E_ = N.plan.proximal() / (std::abs(a) > 0 ? std::abs(a) : 1.0) * N.s;
 
   fill(N);
@@ -56,7 +57,7 @@ void NewtonFactor<T>::fill(const NewtonNumbers& N) {
     for (int i = 0; i < n_rows; ++i)
       for (int j = 0; j < n_columns; ++j) out[N.pairs[p].transposed ? j * n_rows + i : i * n_columns + j] = A_[p](i, j);
   }
-  // A link's jacobian J and J^T: one as it is, the other transposed, so that both have the shape of the block above the
+  // A link's Jacobian J and its transpose J^T, which is stored as J: both have the shape of the block above the
   // diagonal.
   const double* J = J_.data();
   const BlockPlan::Place* place = N.row_places.data();
@@ -77,14 +78,13 @@ void NewtonFactor<T>::fill(const NewtonNumbers& N) {
   }
 }
 
-/// Pivots anywhere: for the poses where a body's own block has none, as in statics, where M is left out.
+/// Dense, with pivots anywhere: for poses where a body's own block has none, as in statics, which leaves M out.
 template <class T>
 void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
   constexpr int kLargest = 3000;
   if (N.n + N.m > kLargest)
     throw SolveError("the matrix of the implicit step has no pivot in a body's own block, and " +
-                     std::to_string(N.n + N.m) +
-                     " unknowns are too many to look for one elsewhere; make the step smaller");
+                     std::to_string(N.n + N.m) + " unknowns are too many to look for one elsewhere; reduce the step");
   ++n_dense_;
   Mat A = Mat::Zero(N.n + N.m, N.n + N.m);
   for (std::size_t p = 0; p < A_.size(); ++p) {
@@ -100,7 +100,7 @@ void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
   A.diagonal().tail(N.m) = (-E_).template cast<T>();
   dense_.compute(A);
   if (!dense_.matrixLU().allFinite() || !(dense_.matrixLU().diagonal().cwiseAbs().minCoeff() > 0))
-    throw SolveError("the matrix of the implicit step is singular or not finite; make the step smaller");
+    throw SolveError("the matrix of the implicit step is singular or not finite; reduce the step");
 }
 
 template <class T>
@@ -112,8 +112,8 @@ void NewtonFactor<T>::add_correction(const NewtonNumbers& N) {
   x_ += d_;
 }
 
-/// Units of the unknowns: translations, turns, and multipliers of the three kinds of rows; of the equations likewise.
-/// visit(number, unit).
+/// visit(unknown, unit) for the five units: translations, rotations, and multipliers of the three kinds of rows. The
+/// equations have the same units.
 template <class Visit>
 void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
   for (std::size_t k = 0; k < N.width.size(); ++k)
@@ -123,9 +123,9 @@ void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
       visit(N.n + e.first_row + k, 2u + static_cast<unsigned>(e.kind[static_cast<std::size_t>(k)]));
 }
 
-/// d = b - A x without the proximal term, and the largest part of it against the terms of its equation. An equation
-/// whose terms are small by chance (the directions that a flat mechanism does not move in) is measured by 1e-3 of what
-/// they would be with the largest unknown of each unit.
+/// d = b - A x without the proximal term, and its largest component relative to the terms of its equation. An equation
+/// whose terms happen to be small (directions in which a flat mechanism does not move) is measured by 1e-3 of what they
+/// would be with the largest unknown of each unit.
 template <class T>
 typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
   constexpr double kFloor = 1e-3;
@@ -179,7 +179,7 @@ template <class T>
 SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
   constexpr int kCorrections = 3;
   SolveReport report;
-  const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its place among six a slot)
+  const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its index among six per slot)
     for (std::size_t k = 0; k < N.width.size(); ++k)
       for (int j = 0; j < N.width[k]; ++j)
         visit(N.first[k] + j, 6 * static_cast<int>(k) + N.velocity[static_cast<std::size_t>(j)]);

@@ -14,16 +14,16 @@
 
 namespace lockstep {
 
-/// What the factors are made of: the mechanism's shape and the numbers gathered last.
+/// What the factors are computed from: the layout of the mechanism and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
   std::vector<BodyMass> mass;                  // of each slot
   std::vector<int> width, first;               // of each slot: unknowns and the first of them
   std::vector<RowEntry> entries;               // as laid out
-  std::vector<double> J;                       // 6 a slot and row, entry after entry
+  std::vector<double> J;                       // 6 per slot and row, entry by entry
   VecX s;                                      // scale of each row, for the proximal term
-  double enough = 1e-12;                       // residuals, of the terms of their equation, that need no correction
-  std::array<int, 6> velocity{};               // which of a slot's six each unknown is: in a plane there are three
+  double enough = 1e-12;                       // relative residual that needs no correction
+  std::array<int, 6> velocity{};  // which of a slot's six velocities each unknown is; in a plane there are three
   int n = 0, m = 0;
   BlockPlan plan;
   std::vector<BlockPlan::Place> pairs, row_places,
@@ -45,7 +45,7 @@ class NewtonFactor {
   using Vec = Eigen::Matrix<T, Eigen::Dynamic, 1>;
 
   void lay_out(const NewtonNumbers&);
-  /// Throws SolveError when the matrix has no inverse.
+  /// Throws SolveError when the matrix is singular.
   void factor(const NewtonNumbers&, T a, T b, T c);
   SolveReport solve(const NewtonNumbers&, const Vec& f, const Vec& r, Vec& x, Vec& l);
   long n_dense() const { return n_dense_; }
@@ -63,8 +63,8 @@ class NewtonFactor {
   void add_correction(const NewtonNumbers&);
   Residual measure(const NewtonNumbers&);
 
-  // The matrix that was factored: a M + b D + c K by pairs, J, and the proximal term; of the six rows and columns the
-  // unknown ones stand first
+  // The matrix that was factored: a M + b D + c K by pairs, J, and the proximal term. The unknowns come first among the
+  // six rows and columns.
   std::vector<Mat6T> A_;
   std::vector<double> J_;
   VecX E_;

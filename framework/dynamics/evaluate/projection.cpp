@@ -17,7 +17,7 @@ ProjectReport Projection::project(Evaluation& e, Factor& factor, State& state, d
   return report;
 }
 
-// d = -M^-1 Jh^T z, (S + E) z = C. Not below round-off of the largest position. Returns whether the factor serves still.
+// d = -M^-1 Jh^T z, (S + E) z = C. Returns whether the factor is still good for the velocities.
 bool Projection::positions(Evaluation& e, Factor& factor, State& state, double goal, ProjectReport& report) {
   double x_max = 0;
   for (Eigen::Index k = 0; k + 7 <= state.q.size(); k += 7)
@@ -49,10 +49,11 @@ double Projection::project_velocity(Evaluation& e, Factor& factor, State& state,
   return velocities(e, factor, false, state, goal);
 }
 
-// From Cd_ at this state; one factor for all rounds. The jacobians are those of the pose, which stays.
+// Starts from Cd_ at this state. One factor serves all rounds, since the pose, and so the Jacobians, do not change.
 double Projection::velocities(const Evaluation& e, Factor& factor, bool factored, State& state, double goal) {
   goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
-  d_.resize(state.v.size()), lambda_.resize(e.rows().n_rows);  // before the first round, which may come late in a run
+  d_.resize(state.v.size()),
+      lambda_.resize(e.rows().n_rows);  // sized here, since the first round may come late in a run
   for (int round = 0; round < kVelocityRounds && !(e.norm(Cd_) <= goal); ++round) {
     if (!factored) factor.compute(e);
     factored = true;

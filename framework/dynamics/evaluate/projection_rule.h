@@ -1,5 +1,5 @@
-// The rule by which the rounds of a projection end (framework/docs/solvers.md, section 6): one for single states and
-// for copies in lanes.
+// When the rounds of a projection end (framework/docs/solvers.md, section 6), for single states and for batches in
+// lanes.
 #pragma once
 
 #include <algorithm>
@@ -8,16 +8,16 @@
 
 namespace lockstep {
 
-/// Rounds onto the positions C = 0; quadratic with a fresh factor, so three are usual.
+/// Rounds of the projection onto C = 0. They converge quadratically with a fresh factor, so three are usual.
 class PositionRounds {
  public:
   PositionRounds() = default;
-  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max;
-  /// what is left at most is still the tolerance.
+  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max. It
+  /// has converged if |C| is within the tolerance.
   PositionRounds(double goal, double tolerance, double length, double x_max)
       : goal_(std::max(goal, 1e-14 * length + 4 * kUlp * x_max)), tolerance_(tolerance) {}
 
-  /// The residual |C| before the next round; true when no further one is wanted.
+  /// Takes the residual |C| before the next round; true when no further round is needed.
   bool ends(double residual) {
     const double before = residual_;
     residual_ = residual;
@@ -31,7 +31,7 @@ class PositionRounds {
   }
   int round() const { return round_; }
   double residual() const { return residual_; }
-  /// Whether the last factor is good for the next round: one serves all of them while it is.
+  /// Whether the last factor is good enough for the next round.
   bool chord() const { return chord_; }
   bool converged() const { return converged_; }
 

@@ -11,9 +11,9 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostSolutions = 50;
-constexpr double kSettled = 1e-12;   // of the friction: the change that ends the search
-constexpr double kForceRoundOff = 1e-15;  // of all other forces: nor is it followed below that
-constexpr double kStalled = 1e-9;    // of the friction: what shrinks no more is round-off below this
+constexpr double kSettled = 1e-12;   // relative to the friction: the change that ends the iteration
+constexpr double kForceRoundOff = 1e-15;  // relative to all other forces: changes below it do not count
+constexpr double kStalled = 1e-9;    // relative to the friction: a change below it that no longer shrinks is round-off
 
 // The largest force on a slot, N; moments are divided by the length.
 double largest_force(const VecX& f, double length) {
@@ -32,9 +32,10 @@ double dot(const VecX& a, const VecX& b, double length) {
 
 }  // namespace
 
-// x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. From the second
-// solution on x is taken where the line through the last two changes r = g(x) - x is nearest to zero (Anderson's method
-// with one earlier try, Aitken's for one number): a friction that is stiff to its own reaction costs few solutions more.
+// Fixed point x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. From
+// the second solution on, x is where the line through the last two changes r = g(x) - x comes nearest to zero
+// (Anderson's method of depth one; for one number, Aitken's), so friction that is stiff to its own reaction costs few
+// more solutions.
 void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
   const double length = e.system().length(), applied = largest_force(e.force(), length);
   const Unsettled all{e, factor, c, a, lambda, report};
@@ -97,9 +98,8 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   throw SolveError(
       at_time(in.t) + culprit.label() + " and the reactions of " + links + "' that it reads do not settle (after " +
           std::to_string(kMostSolutions) + " solutions " + brief(100 * left) +
-          " % of the friction still changes): its coefficient lets the friction raise the reaction by more than "
-          "it needs itself, so the joint would jam; make the coefficient smaller, or the arm on which the load "
-          "presses shorter",
+          " % of the friction still changes): with its coefficient the friction raises its own load without limit, "
+          "so the joint would jam; reduce the coefficient, or the lever arm of the load",
       {.thing = culprit, .t = in.t});
 }
 

@@ -78,7 +78,7 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
 ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }
 
 std::string AdaptiveStepper::advice() const {
-  return "take another method (--integrator), a wider tolerance, or look for a singular position (lockstep check)";
+  return "use another method (--integrator), a wider tolerance, or look for a singular position (lockstep check)";
 }
 
 void AdaptiveStepper::newton_failed(double h, const char* advice) const {

@@ -20,7 +20,7 @@ ErrorContext context_of(const Integrator& method, double t) {
   ErrorContext context{.thing = {.kind = "integrator", .name = "?", .origin = method.origin()}, .t = t, .refuses = true};
   try {
     context.thing.name = method.info().name;
-  } catch (...) {  // the user's code too; stays "?"
+  } catch (...) {  // info() is user code, too; the name stays "?"
   }
   return context;
 }

@@ -14,7 +14,7 @@ namespace {
 template <int kWidth>
 inline void add_block(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w,
                       Eigen::Index at, double* out) {
-  constexpr int kEven = kWidth / 2 * 2;  // in pairs, which every processor has registers for
+  constexpr int kEven = kWidth / 2 * 2;  // in pairs, for which every processor has registers
   using Pairs = Eigen::Array<double, kEven, 1>;
   Pairs sum = Pairs::Zero();
   double last = 0;
@@ -39,7 +39,7 @@ void add_one(const double* base, const StateRate* k, VecX StateRate::*part, doub
   out[at] = sum;
 }
 
-// One part (q, v or s) of y + h sum_i w_i k_i: eight numbers at a time, and the rest of them at once.
+// One part (q, v or s) of y + h sum_i w_i k_i: eight numbers at a time, then the rest in one block.
 inline void add_part(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w,
                      VecX& out) {
   const Eigen::Index size = out.size();

@@ -15,14 +15,14 @@ constexpr double kTurn = 0.5;        // rad per step, with the stages on the con
 constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
 constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints,
 constexpr double kRegular = 3e-2;    // and above which they leave them again
-constexpr double kNowhere = 1e-7;    // indicator below which it reports no more than the proximal term
+constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
-constexpr double kRoundOff = 1e-17;  // of the accelerations, times the indicator
+constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
 constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
-constexpr int kShifts = 12;          // attempted so often; then the best of them is taken,
+constexpr int kShifts = 12;          // attempted this many times; then the best of them is taken,
 constexpr double kCross = 100;       // with an error up to this
 
-// Time that the body which turns fastest at y needs for this angle, s.
+// Time in which the body that turns fastest at y turns by this angle, s.
 double time_to_turn(const State& y, double angle) {
   double w2 = 0;
   for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
@@ -42,7 +42,7 @@ void SingularPassage::start_step() {
   shifts_ = 0, limit_ = 1, best_ = {0, kCross};
 }
 
-// A start in a singular position looks like any with redundant rows until one has probed both sides.
+// A start in a singular position looks like one with redundant rows until both sides have been probed.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
@@ -56,8 +56,8 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   if (found) stages.put(0, rate_);
   if (!found && starts)
     throw StepError(
-        fmt::format("{}: the state at t = {:.9g} s is a singular position from which more than one motion goes on; "
-                    "start a little off it, and with the velocity that is meant",
+        fmt::format("{}: the state at t = {:.9g} s is a singular position from which more than one motion continues; "
+                    "start slightly off it, with the intended velocity",
                     method_, y.t),
         y.t);
   return true;
@@ -100,7 +100,7 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
 
 bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < kSingular; }
 
-// Accelerations are uncertain where the rows could not be met, and by round-off over the indicator.
+// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
   return c.residual > kRowTolerance || c.detector < kNowhere || c.detector * relative_ < kRoundOff;

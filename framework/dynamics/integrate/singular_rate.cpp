@@ -7,11 +7,11 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kDelta = 1e-2;  // nearer, the accelerations are uncertain still
+constexpr double kDelta = 1e-2;  // rad; closer to the position, the accelerations are still uncertain
 constexpr double kDisagree =
-    0.2;  // of the largest acceleration, v^2/L included: no motion changes so much within 6 delta
+    0.2;  // relative to the largest acceleration, v^2/L included: no motion changes so much within 6 delta
 
-// Turns a second: of the body that turns, or moves in lengths of the scene, fastest.
+// The speed of the fastest body, rad/s; translations are divided by the length L of the scene.
 double speed_of(const VecX& v, double L) {
   double w2 = 0;
   for (Eigen::Index i = 0; i < v.size(); i += 6)
@@ -19,7 +19,7 @@ double speed_of(const VecX& v, double L) {
   return std::sqrt(w2);
 }
 
-// Largest number, turns as lengths.
+// The largest component; rotations are multiplied by the length L.
 double largest_component(const VecX& a, double L) {
   double most = 0;
   for (Eigen::Index i = 0; i < a.size(); ++i) most = std::max(most, (i % 6 < 3 ? 1.0 : L) * std::abs(a[i]));
@@ -54,7 +54,7 @@ bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) 
   return true;
 }
 
-// At rest this finds nothing; but off the position the solver learns which small pivots are usual.
+// At rest this finds no rate, but away from the position the solver learns which small pivots are usual.
 void SingularRate::probe_along_forces(Dynamics& dynamics, const State& state) {
   dynamics.rate(state, ahead_);
   const double speed = speed_of(ahead_.v, dynamics.system().length());

@@ -8,7 +8,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTiny = 1e-300;  // nothing moves and no absolute tolerance: 0/0 is 0
+constexpr double kTiny = 1e-300;  // makes 0/0 zero, where nothing moves and there is no absolute tolerance
 
 double squared(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 double squared_difference(const double* a, const double* b) {
@@ -23,8 +23,8 @@ double squared_turn(const double* a, const double* b) {
   return x * x + y * y + z * z;
 }
 
-// Largest squares of the first and of the last three of every slot's 6. `sum` adds all of them and is not finite when
-// any of them is not.
+// Largest squared norms of the first and of the last three of every slot's 6. `sum` adds all of them and is not finite
+// when any of them is not.
 struct Largest {
   double linear = 0, angular = 0, sum = 0;
   explicit Largest(const VecX& v) {
@@ -70,7 +70,7 @@ void ErrorNorm::scale(const State& y0, double length) {
   s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
 }
 
-// Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; what lengthens e is normalised away.
+// Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; a change of |e| is normalised away.
 double ErrorNorm::of(const StateRate& error, const State& y1) const {
   const Eigen::Index n = y1.v.size() / 6;
   const double *d = error.q.data(), *q = y1.q.data();

@@ -40,7 +40,7 @@ double round_off(const State& state, double length) {
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
-constexpr double kVelocityLimit = 1e-6;  // m/s, left of |Jh v + Ct|: more is a contradiction, not round-off
+constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
 
 class Assembler {
  public:
@@ -70,7 +70,7 @@ class Assembler {
       const bool stalled = !(next < 0.9 * now);
       stalls = stalled ? stalls + 1 : 0;
       if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
-      if (stalled && next <= 1e3 * goal) {  // as far as round-off lets it
+      if (stalled && next <= 1e3 * goal) {  // stalled at round-off
         now = std::min(next, now);
         break;
       }
@@ -107,7 +107,7 @@ class Assembler {
       const VecX impulse = compliance.completeOrthogonalDecomposition().solve(gap);
       if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max(1.0, gap.lpNorm<Eigen::Infinity>()))
         throw AssemblyError("start velocity: " + target_names(targets) +
-                            " cannot be had together; the mechanism does not move that way: "
+                            " cannot be met together; the mechanism does not move that way: "
                             "ask for fewer coordinates, or for one that is free");
       state_.v += response * impulse;
       dynamics_.project_velocity(state_);
@@ -115,8 +115,8 @@ class Assembler {
     report.after_v = dynamics_.violation_v(state_);
     residual();
     if (!(report.after_v <= kVelocityLimit))
-      throw AssemblyError("assembly left velocities that no motion can have, " + brief(report.after_v) +
-                          " m/s beside the constraints; worst: " + worst_rows(*now_, Cd_) +
+      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + brief(report.after_v) +
+                          " m/s); worst: " + worst_rows(*now_, Cd_) +
                           ". Two laws may drive one coordinate: look at the drives of these links");
   }
 
@@ -133,7 +133,7 @@ class Assembler {
                         ". Check the start poses of these links' bodies, their markers and masks");
   }
 
-  /// Row of the rate of one coordinate (on 6 a slot), and its present value: a velocity of P along an axis of S, or its
+  /// Row of the rate of one coordinate (6 per slot), and its present value: a velocity of P along an axis of S, or its
   /// angular velocity against S about one.
   VecX target_row(const VelocityTarget& target, double& rate) {
     const Lock& link = dynamics_.system().link(target.link);
@@ -172,7 +172,7 @@ class Assembler {
   State& state_;
   const AssemblyOptions& options_;
   int n_;
-  const Evaluation* now_ = nullptr;  // of residual()
+  const Evaluation* now_ = nullptr;  // set by residual()
   VecX C_, Cd_;
 };
 

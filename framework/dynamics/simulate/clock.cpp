@@ -13,7 +13,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSameInstant = 1e-12;  // of max(|t|, length of the run): what is nearer is merged
+constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
 
 }  // namespace
 
@@ -39,9 +39,9 @@ void Clock::begin(double t, double guess) {
   if (!(advised_ > 0)) advised_ = options_.step > 0 ? options_.step : 1e-3;
 }
 
-// A law jumps at t: its left side is integrated up to a little before t, so that no stage sees the right side; the rest
-// is crossed by the rates there (StepLoop::cross_jump). It is wider than the share of its own duration by which a law
-// may count an instant as the jump (motionlaws/side.h: 1e-12), for laws up to a hundred times as long as the run.
+// Where a law jumps at t, the step ends slightly before t, so that no stage sees the right side; the rest is crossed
+// with the rates there (StepLoop::cross_jump). That rest is wider than the fraction kEarly of its own duration by which
+// a law may count an instant as the jump (laws.h), for laws up to a hundred times as long as the run.
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
   double next = std::min(limit, event);
@@ -66,7 +66,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   const double scale = std::max(std::abs(t), span());
   if (h < 1e-14 * scale)
     throw StepError(
-        fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; take another method (--integrator), a wider "
+        fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
                     method_.info().name, h, t),
         t);
@@ -83,7 +83,7 @@ void Clock::refresh_breakpoints(double t, double limit, double largest) {
   const bool open = !std::isfinite(limit);  // single steps: no end is known
   if (breakpoints_to_ >= (open ? t + 2 * size : limit)) return;
   const double far = open ? t + 256 * size : limit;
-  breakpoints_ = system_.breakpoints(t, std::nextafter(far, kInfinity));  // one at the very end is landed on too
+  breakpoints_ = system_.breakpoints(t, std::nextafter(far, kInfinity));  // including one at the very end
   breakpoints_to_ = far;
   next_breakpoint_ = 0;
 }

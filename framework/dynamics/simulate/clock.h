@@ -14,8 +14,8 @@ class LOCKSTEP_API Clock {
       : system_(system), method_(method), options_(options) {}
 
   struct Target {
-    double t = 0;       ///< where the state shall be
-    double reach = 0;   ///< where the step shall end: t, or a little before it (a law's jump)
+    double t = 0;       ///< where the state is wanted
+    double reach = 0;   ///< where the step ends: t, or slightly before it (a law's jump)
     bool jump = false;  ///< a law jumps at t
   };
 
@@ -28,26 +28,26 @@ class LOCKSTEP_API Clock {
 
   // -- steps
   bool adaptive() const { return adaptive_; }
-  /// How far the first step of a method begun at t may look.
+  /// The longest first step of a method that begins at t.
   double horizon(double t) const;
-  /// The method begun anew at t, with its guess of the first step, or 0.
+  /// The method begins anew at t. `guess`: its first step, or 0.
   void begin(double t, double guess);
   /// Fixed steps are counted from here.
   void set_anchor(double t) { anchor_ = t, n_from_anchor_ = 0; }
   /// The nearest of `limit`, `event`, the laws' jumps and, unless they are interpolated, the output times. `largest`: a
-  /// step length to look ahead by where no end is known.
+  /// step length, by which to look ahead where no end is known.
   Target next_target(double t, double limit, double event, double largest, bool interpolates);
   double step_towards(double t, const Target&, double largest) const;
-  /// A step was made that was asked for as `asked`.
+  /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left
   void pass_output() { ++next_output_; }
-  /// Whether the state at t is output: every step when no times were asked for; else the instants that were, and the
-  /// start of the run. Passes it.
+  /// Whether the state at t is output: every step when no times were requested; else at the requested times, and at the
+  /// start of the run unless they are a list. Passes the time.
   bool output_due(double t);
-  /// Whether the end of the run must still be output: it is, apart from a list of instants.
+  /// Whether the end of the run must still be output, which it is with an output interval.
   bool end_due(double t) const;
   void note_output(double t) { last_output_ = t; }
 

@@ -11,7 +11,7 @@ namespace lockstep {
 
 namespace {
 
-// Name of the row that is violated most, by the norm of the dynamics. Only on the way to an error.
+// The name of the row that is violated most, in the norm of the dynamics. For error messages.
 std::string worst_row(Dynamics& dynamics, const State& state) {
   const Evaluation& at = dynamics.gather(state);
   const RowTable& rows = at.rows();
@@ -71,8 +71,8 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
     const double violation = at.norm(c);
     if (!(violation <= limit))
       throw AssemblyError(
-          fmt::format("{} puts link '{}' in force at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
-                      "let the event come when its markers meet",
+          fmt::format("{} activates link '{}' at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
+                      "activate it when its markers meet",
                       cause, name, state.t, violation, limit));
   }
 }

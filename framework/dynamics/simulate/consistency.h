@@ -1,4 +1,4 @@
-// Whether a run can go on from a state, and what is done to it so that it can. Internal to the step loop; limits in m
+// Checks that a run can continue from a state, and corrections so that it can. Internal to the step loop; limits in m
 // and m/s.
 #pragma once
 
@@ -9,15 +9,15 @@
 
 namespace lockstep {
 
-/// Throws AssemblyError, naming the row that is violated most, where a start violates the constraints.
+/// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 void check_start(Dynamics&, const State&, double limit);
-/// The own states of links that come into force: a driven speed begins where the mechanism is.
+/// Initialises the own states of links that are activated: a driven speed starts from the present coordinate.
 void engage_links(Dynamics&, State&, const std::vector<std::string>& links);
-/// A link can be put in force only where its constraint holds already: else AssemblyError, naming `cause`.
+/// Throws AssemblyError, naming `cause`, unless the constraints of these links already hold.
 void check_links(Dynamics&, const State&, const std::vector<std::string>& links, const std::string& cause,
                  double limit);
-/// Onto the constraints where positions are projected (by less than the limit: more is an AssemblyError); velocities
-/// always: an inelastic impact. Memory follows.
+/// Projects positions onto the constraints if the stabilisation does so (throws AssemblyError if they are off by more
+/// than the limit), and always velocities: an inelastic impact. Then updates the memory.
 void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
 
 }  // namespace lockstep

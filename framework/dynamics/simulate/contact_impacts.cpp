@@ -1,13 +1,13 @@
-// What happens where unilateral links touch: the impact, who stays in contact, who lets go.
+// Contact of unilateral links: the impact, which links stay in contact and which are released.
 //
-// Impact. With the touching_ rows that push, and all rows in force,
+// Impact. With the touching rows that push, and all rows in force,
 //
-//   M dv + Jh^T z = 0,   Jh dv = target - Cd_      z: impulses; Cd_ = Jh v + Ct before; target: e |Cd| away from the
-//                                                 stop, 0 for a row that comes to rest and for all other rows
-//   push = -(+-z) >= 0,   Cd+ >= target,   one of the two an equality      for every touching_ row
+//   M dv + Jh^T z = 0,   Jh dv = target - Cd       z: impulses; Cd = Jh v + Ct before; target: e |Cd| away from the
+//                                                  stop, 0 for a row that comes to rest and for all other rows
+//   push = -(+-z) >= 0,   Cd+ >= target,   one of the two an equality      for every touching row
 //
-// Acceleration, of those that are left at rest: the same with forces and C''. Both complementarities are solved by
-// pivoting the first row that does not fit (Murty's least index), finite where the rows are independent.
+// Accelerations of the rows left at rest: the same with forces and C''. Both complementarity problems are solved by
+// pivoting the first row that does not fit (Murty's least index), which is finite where the rows are independent.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNoise = 1e-10;  // of the largest impulse, speed, force or acceleration: what is less is rounding
+constexpr double kNoise = 1e-10;  // relative to the largest impulse, speed, force or acceleration: less is rounding
 
 std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
 
@@ -46,7 +46,7 @@ ContactManager::Settled ContactManager::settle(State& state) {
   return out;
 }
 
-// Who touches, and what an impact is to leave of its speed. False: nobody.
+// Finds the contacts that touch and the gap rate that an impact has to leave each. False: there are none.
 bool ContactManager::find_touching(const State& state) {
   touching_.clear(), hits_.clear(), aim_.clear(), active_.clear();
   const Inputs& in = dynamics_.inputs(state);
@@ -79,7 +79,7 @@ void ContactManager::impact(State& state) {
   take_impact(state);
 }
 
-// The velocities after it with the rows that are active, and the first row that does not fit to them.
+// The change of velocity with the active rows, and the first row that does not fit it.
 void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
   put_active(state);
   const Evaluation& e = dynamics_.gather(state);
@@ -108,7 +108,7 @@ void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
   }
 }
 
-// v+ and the energy that it cost: an impulse z on a row takes z (Cd- + Cd+)/2, and laws give z Ct.
+// Applies v+ and counts its energy: an impulse z on a row takes z (Cd- + Cd+)/2, and laws give z Ct.
 void ContactManager::take_impact(State& state) {
   const Evaluation& e = dynamics_.gather(state);
   const RowTable& rows = e.rows();
@@ -127,7 +127,8 @@ void ContactManager::take_impact(State& state) {
   for (std::size_t k = 0; k < touching_.size(); ++k) hits_[k] = contacts_.gap(touching_[k], in);
 }
 
-// Those that touch without a speed: the ones that push are in force, the others leave with C'' >= 0. Their names.
+// Of the contacts that touch without speed, those that push come into force; the others leave with C'' >= 0. Returns
+// the names of those in force.
 std::string ContactManager::rest(State& state) {
   std::size_t n = 0;
   for (std::size_t k = 0; k < touching_.size(); ++k) {
@@ -160,7 +161,7 @@ std::string ContactManager::rest(State& state) {
     }
   }
   for (std::size_t k = 0; k < n; ++k)
-    if (active_[k]) names += (names.empty() ? "the rest of link '" : "', '") + contacts_[touching_[k]].link->name();
+    if (active_[k]) names += (names.empty() ? "the contact of link '" : "', '") + contacts_[touching_[k]].link->name();
   if (!names.empty()) names += "'";
   return names;
 }
@@ -169,9 +170,9 @@ void ContactManager::fail(const State& state, const char* what) const {
   std::string names;
   for (const std::size_t i : touching_) names += (names.empty() ? "'" : "', '") + contacts_[i].link->name();
   throw SolveError(
-      fmt::format("t = {:.9g} s: no {} of the one-sided links {}' that touch here push all of them and pull none; they "
-                  "hold one thing several times, or friction in them jams: take one of them out, or make the friction "
-                  "smaller",
+      fmt::format("t = {:.9g} s: there are no {} with which the one-sided links {}' that touch here only push; they "
+                  "hold the same motion several times, or friction in them jams: remove one of them, or reduce the "
+                  "friction",
                   state.t, what, names));
 }
 

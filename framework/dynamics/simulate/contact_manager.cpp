@@ -1,8 +1,8 @@
-// Where unilateral links are hit inside a step, and where one that is in contact would have to pull.
+// Locates where unilateral links are hit inside a step, and where one in contact would have to pull.
 //
-// A contact is free while its gap is above its floor, and hit where the gap comes down to it. One that was let go (or
-// hit) begins at its floor; it is armed again once the gap has risen above the floor by a margin, some roundings of the
-// projection (hysteresis against rounding). Should it sink below by the margin without having risen, it is hit there.
+// A contact is free while its gap is above its floor, and hit where the gap comes down to it. One that was released (or
+// hit) starts at its floor and is re-armed once the gap has risen above the floor by a margin of some roundings of the
+// projection (hysteresis against rounding). If it sinks below by the margin without having risen, it is hit there.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -16,11 +16,11 @@ namespace lockstep {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr int kParts = 6;           // of a step that may hide a hit: it is looked at between them
+constexpr int kParts = 6;           // into which a step that may hide a hit is divided
 constexpr int kHalvings = 40;       // to find the flight between two hits in one step
-constexpr double kNear = 0.25;      // of what a gap may close in a step: nearer is looked at more closely
-constexpr double kShortest = 1e-9;  // of a step: where it is cut at least, so that time goes on
-constexpr double kPull = 1e-9;      // of the largest force: what counts as a pull
+constexpr double kNear = 0.25;      // of what a gap may close in a step: smaller gaps are sampled inside the step
+constexpr double kShortest = 1e-9;  // of a step: the earliest cut, so that time advances
+constexpr double kPull = 1e-9;      // relative to the largest force: what counts as a pull
 
 template <class G>
 double first_below(double ta, double ga, double tb, double gb, double enough, const G& g) {
@@ -46,7 +46,7 @@ void ContactManager::start(const State& state) {
     check_side(i, state, "the start");
     const Gap g = contacts_.gap(i, dynamics_.inputs(state));
     contacts_[i].leave(g);
-    if (g.cd < -contacts_[i].rest_speed()) contacts_[i].clear = true;  // it begins with an impact
+    if (g.cd < -contacts_[i].rest_speed()) contacts_[i].clear = true;  // the run begins with an impact
   }
 }
 
@@ -64,7 +64,7 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
   if (!(depth > limit_)) return;
   throw AssemblyError(
       fmt::format("{} has the one-sided link '{}' (row {}) on its forbidden side: C = {:.6g}, and C {} 0 is free "
-                  "(limit {:.3g} m); move its bodies apart, or turn the side over (\"side\": \"{}\")",
+                  "(limit {:.3g} m); move its bodies apart, or reverse the side (\"side\": \"{}\")",
                   cause, contact.link->name(), contact.link->row_name(0), contact.sign * g.c,
                   contact.sign > 0 ? ">=" : "<=", limit_, contact.sign > 0 ? "below" : "above"));
 }
@@ -98,7 +98,7 @@ double ContactManager::push_at(std::size_t i, double t) {
   return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
 }
 
-// Whether a step may hide a hit although both its ends are free.
+// Whether a step may hide a hit although the contact is free at both ends.
 bool ContactManager::nears(std::size_t i, const Gap& a, const Gap& b, double h) const {
   const Contact& contact = contacts_[i];
   const double way = h * std::max(std::abs(a.cd), std::abs(b.cd));
@@ -144,7 +144,7 @@ double ContactManager::hit_between(std::size_t i, double ta, const Gap& a, doubl
   return lowest <= floor ? fall(ta, a.c, t, lowest, floor) : kNever;
 }
 
-// Gaps at the end of the step, and between where one of them is near; the first hit of the first part that has one.
+// Samples the gaps at the end of the step, and inside it where one of them is small; returns the first hit.
 double ContactManager::locate_hit(const State& end) {
   const std::size_t n = contacts_.size();
   const double t0 = interval_.from().t, t1 = end.t;
@@ -185,7 +185,7 @@ double ContactManager::locate_release(std::size_t i, double t1) {
   return first_below(t0, ga, t1, gb, 1e-10 * std::max(ga, -gb), [&](double t) { return push_at(i, t); });
 }
 
-// Of the links in contact: where the first of those that pull at the end begins to, unless later than `before`.
+// The instant at which the first of the links in contact that pull at the end begins to pull, if before `before`.
 double ContactManager::locate_releases(const State& end, double before) {
   bool any_in_force = false;
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);

@@ -1,5 +1,5 @@
-// ContactManager: unilateral links in a run. Where they are hit inside a step and where they would have to pull; the
-// impact, who stays in contact, who lets go. Internal to the step loop.
+// ContactManager: the unilateral links of a run. Locates hits and releases inside a step, and resolves impacts,
+// contacts and releases. Internal to the step loop.
 #pragma once
 
 #include <limits>
@@ -13,26 +13,26 @@ namespace lockstep {
 
 class ContactManager {
  public:
-  /// `limit`: m, deeper on its forbidden side a link cannot start.
+  /// `limit`: m, how deep on its forbidden side a link may start.
   ContactManager(Dynamics& dynamics, StepInterval& interval, const double& limit)
       : dynamics_(dynamics), interval_(interval), limit_(limit) {}
 
-  /// A new run from here; throws AssemblyError for a link that starts on its forbidden side.
+  /// Starts a new run; throws AssemblyError for a link that starts on its forbidden side.
   void start(const State&);
   bool empty() const { return contacts_.empty(); }
-  /// Throws AssemblyError, naming `cause`, where one of these links is on its forbidden side.
+  /// Throws AssemblyError, naming `cause`, if one of these links is on its forbidden side.
   void check_sides(const State&, const std::vector<std::string>& links, const std::string& cause);
-  /// Gaps and pushes where the next step begins. `moved`: since pushes were evaluated.
+  /// Notes gaps and pushes at the start of the next step. `moved`: the state has changed since they were evaluated.
   void note(const State&, bool moved);
   /// Cuts the step that ended with `state` at the first contact or release; true when there was one.
   bool locate(State& state);
 
   struct Settled {
     bool impact = false;   ///< velocities jumped
-    bool restart = false;  ///< the method must begin anew
-    std::string resting;   ///< the links that stay in contact, in words; their rows are to be made consistent
+    bool restart = false;  ///< the method must restart
+    std::string resting;   ///< names the links that stay in contact, whose rows must be made consistent
   };
-  /// Impacts, contacts that stay and releases at this state.
+  /// Resolves impacts, contacts and releases at this state.
   Settled settle(State&);
 
  private:
@@ -63,9 +63,9 @@ class ContactManager {
   Contacts contacts_;
   double contact_time_ = std::numeric_limits<double>::infinity();  // where the present step meets a contact
   std::vector<std::size_t> released_;                              // the links that pull there
-  std::vector<Gap> samples_;                                       // of all contacts at one instant after the other
+  std::vector<Gap> samples_;                                       // of all contacts, instant by instant
   std::vector<double> sample_times_;
-  // of an impact: the contacts that touch, their gaps before it, the rates they are to have at least, who pushes
+  // of an impact: the contacts that touch, their gaps before it, their least rates after it, which of them push
   std::vector<std::size_t> touching_;
   std::vector<Gap> hits_;
   std::vector<double> aim_;

@@ -6,7 +6,7 @@ namespace lockstep {
 
 void Contacts::lay_out(const System& system, const Stabilization& stabilization) {
   all_.clear();
-  // Ten times what a projection leaves.
+  // Ten times the residual of a projection.
   const double length = system.length(), margin = std::max(0.1 * stabilization.tolerance, 1e-13 * length);
   for (const auto& link : system.links()) {
     if (!link->unilateral()) continue;
@@ -19,7 +19,7 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
   }
 }
 
-// In space, also where the mechanism is planar.
+// Gathers in space, even in a planar mechanism.
 RowView Contacts::gathered(const Lock& link, const Inputs& in) {
   const RowShape shape = link.shape();
   const Lock* const one = &link;

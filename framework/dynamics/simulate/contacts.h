@@ -1,4 +1,4 @@
-// Contacts: the unilateral links of a system, and how far each is from holding. Internal to the step loop.
+// Contacts: the unilateral links of a system and their gaps. Internal to the step loop.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// The row of a unilateral link, counted so that it is free above zero: c = +-C and its rate.
+/// The gap of a unilateral link, c = +-C, which is free above zero, and its rate.
 struct Gap {
   double c = 0, cd = 0;
 };
@@ -15,22 +15,22 @@ struct Gap {
 struct Contact {
   const Lock* link = nullptr;
   double sign = 1;      ///< +1 where C >= 0 is free
-  double margin = 0;    ///< gaps closer together than this are one, in the unit of C
-  double floor = 0;     ///< the gap at which it is touched: 0, or a rounding below, where it was let go
-  bool clear = false;   ///< whether it has been above that by the margin since
+  double margin = 0;    ///< gaps that differ by less are the same, in the unit of C
+  double floor = 0;     ///< the gap at which it touches: 0, or a rounding below, where it was released
+  bool clear = false;   ///< whether the gap has since been above the floor by the margin
   Gap gap;              ///< at the beginning of the present step
-  double push = 0;      ///< there, while in force: its multiplier, counted so that it pushes above zero
-  double push_now = 0;  ///< where it was looked at last
+  double push = 0;      ///< there, while in force: its multiplier, positive when it pushes
+  double push_now = 0;  ///< where it was evaluated last
 
   double restitution() const { return link->unilateral()->restitution; }
   double rest_speed() const { return link->unilateral()->rest_speed; }
   bool above(const Gap& g) const { return g.c > floor + margin; }
-  /// What a gap says about the flight.
+  /// Takes note of a gap while it is free.
   void see(const Gap& g) {
     clear = clear || above(g);
     if (g.c > margin) floor = 0;
   }
-  /// Let go, or hit, at this gap.
+  /// Released, or hit, at this gap.
   void leave(const Gap& g) {
     floor = g.c < 0 ? g.c : 0;
     clear = above(g);
@@ -39,7 +39,7 @@ struct Contact {
 
 class Contacts {
  public:
-  /// Whom to watch.
+  /// Collects the unilateral links.
   void lay_out(const System& system, const Stabilization& stabilization);
   bool empty() const { return all_.empty(); }
   std::size_t size() const { return all_.size(); }
@@ -54,7 +54,7 @@ class Contacts {
 
   /// The gap as the link sees it, whether or not it is in force.
   Gap gap(std::size_t i, const Inputs&);
-  /// Its second rate at these accelerations.
+  /// The second derivative of its gap at these accelerations.
   double gap_dd(std::size_t i, const Evaluated&);
   /// Its row in the table; -1: not in force.
   int row(std::size_t i, const RowTable&) const;
@@ -62,7 +62,7 @@ class Contacts {
  private:
   RowView gathered(const Lock&, const Inputs&);
   std::vector<Contact> all_;
-  RowTable room_;  // for one row that is in no table
+  RowTable room_;  // scratch, for one row
 };
 
 }  // namespace lockstep

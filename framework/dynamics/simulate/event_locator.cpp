@@ -59,7 +59,7 @@ double EventLocator::value_of(std::size_t event, const State& state) {
                        state.t);
 }
 
-// Strictly from one side: a condition that is zero at the beginning of a step has not been crossed by it.
+// Strictly from one side: a condition that is zero at the start of a step is not crossed in it.
 bool EventLocator::crosses(std::size_t event, double now) const {
   const double was = watched_[event].value;
   const bool rises = was < 0 && now >= 0, falls = was > 0 && now <= 0;

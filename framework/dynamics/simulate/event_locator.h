@@ -1,5 +1,5 @@
-// EventLocator: the events of a run, when they come, and where a condition is met inside a step. Internal to the step
-// loop.
+// EventLocator: the events of a run. Knows their instants and locates where a condition is met inside a step. Internal
+// to the step loop.
 #pragma once
 
 #include <deque>
@@ -17,13 +17,13 @@ class EventLocator {
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
-  /// The event added last, in a run that has reached this state.
+  /// Starts the event added last in a run that has reached this state.
   void join(const State&);
   bool empty() const { return events_.empty(); }
   std::size_t size() const { return events_.size(); }
   const Event& operator[](std::size_t i) const { return events_[i]; }
 
-  /// A new run from t: what lies before it never comes.
+  /// Starts a new run at t: earlier events never happen.
   void start(double t);
   /// The next event by time after t; infinity: none.
   double next_instant(double t) const;
@@ -33,7 +33,7 @@ class EventLocator {
   bool locate(State& state);
 
   enum class Due { no, by_time, by_condition };
-  /// Whether event i happens at t; it has happened then.
+  /// Whether event i happens at t; if so, marks it as done.
   Due take(std::size_t i, double t);
 
  private:
@@ -49,7 +49,7 @@ class EventLocator {
 
   Dynamics& dynamics_;
   StepInterval& interval_;
-  std::deque<Event> events_;  // a deque: the references handed out stay good
+  std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
 };
 

@@ -1,4 +1,4 @@
-// Where a quantity that is followed along a step falls to zero. Internal to the step loop.
+// Finds where a quantity falls to zero inside a step. Internal to the step loop.
 #pragma once
 
 #include <boost/math/tools/toms748_solve.hpp>
@@ -6,10 +6,10 @@
 
 namespace lockstep {
 
-/// g is above zero at a and not above zero at b: the far end of a bracket no longer than `tolerance`, or an instant
-/// with 0 >= g >= -enough. There g is not above zero, so what is found is not found again at once. By TOMS 748 (Alefeld,
-/// Potra & Shi, ACM Trans. Math. Softw. 21 (1995) 327), which needs some 8 evaluations where a guarded false position
-/// needs 30; each may cost a step.
+/// For g > 0 at a and g <= 0 at b: the far end of a bracket no longer than `tolerance`, or an instant with
+/// 0 >= g >= -enough. There g <= 0, so the same root is not found again at once. By TOMS 748 (Alefeld, Potra & Shi, ACM
+/// Trans. Math. Softw. 21 (1995) 327), which needs some 8 evaluations where a guarded false position needs 30; each may
+/// cost a step.
 template <class G>
 double falling_root(double a, double ga, double b, double gb, double tolerance, double enough, const G& g) {
   if (!(ga > 0)) return a;

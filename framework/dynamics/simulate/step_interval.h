@@ -1,4 +1,4 @@
-// StepInterval: the step that was made last, the states inside it, and the place to cut it. Internal to the step loop.
+// StepInterval: the last step, the states inside it, and where it is cut. Internal to the step loop.
 #pragma once
 
 #include <lockstep/integrator.h>
@@ -9,9 +9,9 @@ class StepInterval {
  public:
   StepInterval(Dynamics& dynamics, Integrator& method) : dynamics_(dynamics), method_(method) {}
 
-  /// A new run from here.
+  /// Starts a new run from this state.
   void start(const State&);
-  /// The method begun anew at this state.
+  /// Restarts the method at this state.
   void begin(const State&);
   /// One step of the method, at most h, from `state`, which becomes its end.
   void make(State& state, double h);
@@ -20,8 +20,8 @@ class StepInterval {
   const StepReport& report() const { return report_; }
   bool has_dense() const { return has_dense_; }
 
-  /// The state at t inside the step, on the constraints, valid until the next call: by dense output, or by a shorter
-  /// step for a method without; keep_method() first then.
+  /// The state at t inside the step, on the constraints, valid until the next call: by dense output, or for a method
+  /// without it by a shorter step, before which keep_method() is called.
   const State& at(double t);
   /// Remembers the method at the end of the step, before shorter steps are made,
   void keep_method();

@@ -32,8 +32,7 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
       !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
     throw ModelError("the output times must be finite and rising; sort them");
   if (!info.adaptive && options.step == 0)
-    throw ModelError(
-        fmt::format("{} works with a fixed step; say which: StepLoopOptions::step, or --step", info.name));
+    throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
 }
 
 }  // namespace
@@ -49,8 +48,8 @@ struct StepLoop::Parts {
   StepInterval interval;
   EventLocator events;
   ContactManager contacts;
-  StateRate crossing;    // scratch of cross_jump
-  bool started = false;  // observers are
+  StateRate crossing;    // scratch for cross_jump
+  bool started = false;  // the observers
 };
 
 StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options)
@@ -177,7 +176,7 @@ void StepLoop::advance(double limit, double largest) {
   for (Observer* o : observers_) o->jumped(sample);
 }
 
-// The last part of a step to a jump, by the rates on its left side; the error is the square of that part.
+// Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length.
 void StepLoop::cross_jump(double t) {
   const double h = t - state_.t;
   if (h > 0) {
@@ -202,7 +201,7 @@ void StepLoop::begin_method() {
   events.watch(state_);
 }
 
-// Events by time and those whose condition was met, at the present state; whether any changed it.
+// Fires the events by time, and those whose condition was met, at the present state; returns whether any changed it.
 bool StepLoop::fire_events() {
   EventLocator& events = parts_->events;
   bool changed = false, rewound = false;
@@ -224,7 +223,7 @@ bool StepLoop::fire_events() {
 }
 
 void StepLoop::apply(const Event& e) {
-  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force when it is touched
+  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
     const Lock& link = system().link(name);
     const auto number = static_cast<std::size_t>(link.number());
     state_.modes[number] = on && !link.unilateral();
@@ -247,7 +246,7 @@ void StepLoop::settle_contacts() {
   const ContactManager::Settled settled = parts_->contacts.settle(state_);
   if (settled.impact) ++report_.impacts;
   if (!settled.resting.empty()) make_consistent(settled.resting);
-  if (settled.impact) dynamics_.accept(state_);  // counted turns go on at the new speeds
+  if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds
   if (settled.restart) begin_method();
 }
 
@@ -282,7 +281,7 @@ void StepLoop::output_end() {
   if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
-// What observers throw is dropped where another error is under way.
+// Errors of observers are dropped if another error is in flight.
 void StepLoop::finish(Errors of_observers) {
   if (!parts_->started) return;
   std::exception_ptr first;

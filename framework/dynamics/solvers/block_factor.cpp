@@ -34,7 +34,7 @@ struct Passes {
       });
   }
 
-  // Block (a, b) takes Z_a^T W_b; its mirror image, kept transposed, W_a^T Z_b.
+  // Subtracts Z_a^T W_b from block (a, b), and W_a^T Z_b from its mirror image, which is stored transposed.
   void eliminate(const Node& pivot, const unsigned char* order) const {
     const Later* s = later(pivot);
     const std::size_t* target = targets(pivot);
@@ -112,7 +112,7 @@ struct Passes {
   }
 };
 
-// One function for each instruction set (foundation/support/clones.h).
+// Compiled for each instruction set (LOCKSTEP_FLAT_CLONES).
 LOCKSTEP_FLAT_CLONES bool factor_symmetric(const BlockPlan& plan, double* A, double* pivots) {
   const Passes<double> passes{plan, A};
   for (const Node& pivot : plan.nodes) {

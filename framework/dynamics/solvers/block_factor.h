@@ -5,8 +5,8 @@
 //   solve:     y_k = L^-1 b_k, b_s -= Z_s^T y_k  forward;   x_k = R^-1 (y_k - sum_s W_s x_s)  backward
 //
 // Unsymmetric: L R with pivots by rows inside the block. Symmetric: sign A_kk = L L^T, sign = +1 for a slot, -1 for a
-// link (quasi-definite, Vanderbei 1995); Z_s = W_s up to the sign, and only W is kept. Triangles, never inverses: rows
-// that depend on one another leave a block that is all but singular, and its inverse would lose what they share.
+// link (quasi-definite, Vanderbei 1995); Z_s = W_s up to the sign, and only W is kept. Triangles, not inverses:
+// dependent rows leave a nearly singular block, and its inverse would lose the part that they share.
 #pragma once
 
 #include <algorithm>
@@ -25,20 +25,20 @@ class LOCKSTEP_API BlockFactor {
     order_.assign(plan.symmetric ? 0 : plan.nodes.size() * kMaxBlock, 0);
   }
   void clear() { std::fill(A_.begin(), A_.end(), T(0)); }
-  /// Numbers of a block, at a place found in the plan.
+  /// The numbers of the block at a place that the plan found.
   T* at(std::size_t place) { return A_.data() + place; }
 
-  /// Symmetric plan, T = double only. pivots: one an unknown, the squares of L's diagonal, at the unknowns' own places.
-  /// False where a pivot has the wrong sign.
+  /// For a symmetric plan; T = double only. pivots: the squares of L's diagonal, one per unknown. False if a pivot has
+  /// the wrong sign.
   bool factor_symmetric(const BlockPlan& plan, double* pivots);
-  /// Unsymmetric plan. False where a block has no pivot.
+  /// For an unsymmetric plan. False if a block has no pivot.
   bool factor(const BlockPlan& plan);
   /// b becomes the solution.
   void solve(const BlockPlan& plan, T* b) const;
 
  private:
   std::vector<T> A_;
-  std::vector<unsigned char> order_;  // exchanges of rows, kMaxBlock a pivot
+  std::vector<unsigned char> order_;  // row exchanges, kMaxBlock per pivot
 };
 
 extern template class BlockFactor<double>;

@@ -12,7 +12,7 @@
 namespace lockstep {
 namespace block_detail {
 
-/// a b. The library's own product of complex numbers looks for infinities first.
+/// a b. The standard library's complex product checks for infinities first.
 inline double times(double a, double b) { return a * b; }
 inline std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
@@ -35,8 +35,7 @@ inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
   }
 }
 
-// Triangles are kept in one block D of n x n, row-major; the diagonal of the one that is not of unit diagonal holds
-// reciprocals.
+// Triangles share one block D of n x n, row-major; a diagonal that is not all ones is stored as reciprocals.
 
 /// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.
 template <int kJ, bool kUnit, class T>
@@ -65,7 +64,7 @@ inline void solve_upper_transposed(const T* D, T* X, int n) {
   }
 }
 
-/// L L^T = sign D in the lower triangle; pivots: the squares of L's diagonal. False where one is not positive.
+/// L L^T = sign D in the lower triangle; pivots: the squares of L's diagonal. False if one is not positive.
 inline bool cholesky(double* D, int n, double sign, double* pivots) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {
@@ -82,8 +81,8 @@ inline bool cholesky(double* D, int n, double sign, double* pivots) {
   return true;
 }
 
-/// L R = D with rows exchanged, row k with row order[k] >= k; returns the smallest pivot against the largest number of
-/// D, 0 where it fails.
+/// L R = D with rows exchanged, row k with row order[k] >= k; returns the smallest pivot relative to the largest number
+/// of D, 0 on failure.
 template <class T>
 inline double lu(T* D, int n, unsigned char* order) {
   double smallest = HUGE_VAL, size = 0;

@@ -8,7 +8,7 @@
 namespace lockstep {
 namespace {
 
-// Which links may go: one waits until a slot of its own is gone that has still room for its rows, or all of them are.
+// Which links may be eliminated: one waits until one of its slots that has room for its rows is gone, or all are.
 class Support {
  public:
   Support(const BlockGraph& graph, const Neighbours& home, MinimumDegree& order)
@@ -40,7 +40,7 @@ class Support {
   }
 
   const BlockGraph& graph_;
-  const Neighbours& home_;  // in the graph, whoever is gone
+  const Neighbours& home_;  // in the whole graph
   MinimumDegree& order_;
   std::vector<int> room_;  // of an eliminated slot: rows that it can still hold; -1: not eliminated
 };

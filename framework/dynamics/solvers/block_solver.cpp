@@ -41,7 +41,7 @@ class BlockFactorization final : public Factorization {
   BlockFactor<double> factor_;
   std::vector<BlockPlan::Place> mass_, jacobian_, proximal_;  // of slots; of links and their slots; of links
   VecX rhs_, pivots_;
-  std::vector<double> relative_, scratch_;  // pivots of the rows against their scales
+  std::vector<double> relative_, scratch_;  // pivots of the rows relative to their scales
   StopRule rule_;
   PivotWatch watch_;
   double smallest_pivot_ = 0.0;
@@ -87,8 +87,7 @@ void BlockFactorization::measure_pivots(const Kkt& kkt) {
 }
 
 TypeInfo BlockSolver::info() {
-  return {
-      "block", "LDL^T in blocks over slots and links, leaves first: linear on trees, redundant rows in its stride", {}};
+  return {"block", "LDL^T in blocks over slots and links, leaves first: linear on trees, handles redundant rows", {}};
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 

@@ -18,8 +18,8 @@ namespace {
 
 using Qr = Eigen::ColPivHouseholderQR<MatX>;
 
-/// Singular values of B under this part of the largest are zeros. Dependent rows agree to rounding (1e-13 and better
-/// after the projection); a row that fades at a singular place theta rad away leaves about theta.
+/// Singular values of B below this fraction of the largest count as zero. Dependent rows agree to rounding (1e-13 and
+/// better after the projection); a row that vanishes at a singular position theta rad away leaves about theta.
 constexpr double kRankTolerance = 1e-10;
 constexpr int kMaxRefinements = 2;
 
@@ -49,7 +49,7 @@ void solve_lower_transposed(const double* L, int n, double* x) {
   }
 }
 
-// x <- H_k x = x - tau (v . x) v, v = (0, 1, essential part): Eigen's own product asks for memory once a reflection.
+// x <- H_k x = x - tau (v . x) v, v = (0, 1, essential part): Eigen's product allocates for each reflection.
 void reflect(const Qr& qr, Eigen::Index k, VecX& x) {
   const auto essential = qr.matrixQR().col(k).tail(x.size() - k - 1);
   auto rest = x.tail(x.size() - k - 1);
@@ -116,7 +116,7 @@ void DenseFactorization::fill_B(const Kkt& kkt) {
     }
 }
 
-// R_kk^2 / |b_k|^2: the part of a row that the rows before it do not span. Rows beyond the n-th have none.
+// R_kk^2 / |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
 void DenseFactorization::measure_pivots() {
   smallest_pivot_ = Bt_.cols() > Bt_.rows() ? 0.0 : 1.0;
   square_ = Bt_.colwise().squaredNorm();
@@ -126,8 +126,8 @@ void DenseFactorization::measure_pivots() {
   }
 }
 
-// With r the rank, P1^T c~ = t:  y = Q1 (z, 0),  R1^T z = t in the least-squares sense,  P1^T mu = Q2 (-R2^-T P2^T z,
-// 0).
+// With t = P1^T c~:
+//   R1^T z = t  in the least-squares sense,   y = Q1 (z, 0),   P1^T mu = Q2 (-R2^-T P2^T z, 0)
 void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   a = f;
   invert_L(kkt.pattern, a);
@@ -160,7 +160,7 @@ void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c
 
 TypeInfo DenseSolver::info() {
   return {"dense",
-          "rank-revealing QR: exact for redundant rows and reports the rank; for small systems and as a referee",
+          "rank-revealing QR: exact for redundant rows and reports the rank; for small systems and as a reference",
           {}};
 }
 std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::make_unique<DenseSolver>(); }
@@ -215,7 +215,7 @@ SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
     ++report.corrections;
     met = rule_.met(kkt, f, c, a, lambda);
     if (rule_.largest() <= before) continue;
-    a = a_before_, lambda = l_before_;  // rounding only: the last but one is kept
+    a = a_before_, lambda = l_before_;  // only rounding: keep the previous solution
     rule_.met(kkt, f, c, a, lambda);
     break;
   }
@@ -223,7 +223,7 @@ SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
   report.worst_row = rule_.worst_row();
   report.rank = rank_;
   report.smallest_pivot = smallest_pivot_;
-  // Rows short of their usual rank are at a singular place: no contradiction, but a passage.
+  // A rank below the usual one is a singular position, which may be passed: no contradiction.
   report.contradictory = rule_.largest() > kContradiction && rank_ < kkt.pattern.m && rank_ >= usual_rank_;
   return report;
 }

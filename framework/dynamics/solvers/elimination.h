@@ -1,5 +1,5 @@
 // The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections
-// 2 and 5): the numeric half, one text for one matrix and for several matrices at once, one per vector lane. Letters:
+// 2 and 5): the numeric half, the same code for one matrix and for several at once, one per vector lane. Letters:
 //
 //   Y = J M^-1,   D the inverse of a pivot's block,   L = A D below it
 //
@@ -31,7 +31,7 @@
 //   K::columns(i, m)      columns that a diagonal block keeps of slab i
 //   K::row, set_row, add_row   row k of a column in slabs
 //   K::Square<M>          a diagonal block in registers
-//   K::floor, K::mark     residual floors of a slab; what a test says of its rows
+//   K::floor, K::mark     residual floors of a slab; the result of a test of its rows
 // X is the geometry, Spatial or Planar. Everything is always inlined, so that it is compiled for the instruction set of
 // the pass that calls it.
 #pragma once
@@ -44,13 +44,13 @@
 
 namespace lockstep::schur {
 
-/// Space: v and w have three numbers. I: where the inertia's numbers are, xx xy xz yy yz zz behind the mass; strides of
-/// the accelerations and masses of a slot.
+/// Space: v and w have three components. I: where the inertia's xx xy xz yy yz zz are, after the mass. a, mass: strides
+/// of a slot's accelerations and masses.
 struct Spatial {
   static constexpr int nv = 3, nw = 3, n = 6, a = 6, mass = 8;
   static constexpr int I[3][3] = {{1, 2, 3}, {2, 4, 5}, {3, 5, 6}};
 };
-/// A plane: two and one.
+/// A plane: v has two components, w one.
 struct Planar {
   static constexpr int nv = 2, nw = 1, n = 3, a = 4, mass = 2;
   static constexpr int I[1][1] = {{1}};
@@ -69,7 +69,7 @@ struct Numbers {
 };
 
 inline constexpr double kProximal = 1e-9;     ///< eps of loops; trees have none
-inline constexpr double kPivotFloor = 1e-14;  ///< of the diagonal it started from
+inline constexpr double kPivotFloor = 1e-14;  ///< relative to the diagonal before elimination
 
 #define LOCKSTEP_KERNEL [[gnu::always_inline]] inline
 
@@ -88,7 +88,7 @@ LOCKSTEP_KERNEL T larger(const T& a, const T& b) {
 template <class K, int M>
 LOCKSTEP_KERNEL void invert(typename K::template Square<M>& D, const double* diagonal, double* pivot) {
   using Number = typename K::Number;
-  // Else k is no constant, D lives on the stack, and a factor takes three times as long.
+  // Else k is not a constant, D lives on the stack, and a factor takes three times as long.
 #pragma GCC unroll 8
   for (int k = 0; k < M; ++k) {
     typename K::template Slab<M> u[K::slabs(M)];
@@ -144,7 +144,7 @@ LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::templat
   }
 }
 
-/// One pivot: its block inverted, L below it, the products taken from the later blocks.
+/// Eliminates one pivot: inverts its block, forms L below it, subtracts the products from the later blocks.
 template <class K, int M, bool kSolve>
 LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers& z) {
   typename K::template Square<M> D;

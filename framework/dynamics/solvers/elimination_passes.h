@@ -68,7 +68,7 @@ LOCKSTEP_KERNEL void fill_links(const Plan& plan, const Numbers& z) {
                 __attribute__((always_inline)) { fill_own<K, X, M, kTurned>(plan, node, z); });
 }
 
-/// The block between a pivot and one later node: a share of each slot that both touch.
+/// The block between a pivot and one later node: a sum over the slots that both touch.
 template <class K, class X, int M>
 LOCKSTEP_KERNEL void fill_below(const Plan& plan, const Node& node, const Later& later, const Numbers& z) {
   double* block = K::at(z.A, later.block);
@@ -83,7 +83,7 @@ LOCKSTEP_KERNEL void fill_below(const Plan& plan, const Node& node, const Later&
     if (M >= X::nv && later.m == M && !on_hub && p->turned && q->turned) {
       fill_term<K, X, M>(*p, *q, z, block, first);
     } else {
-      if (K::kPacked && first) clear(), first = false;  // what pads the columns as well
+      if (K::kPacked && first) clear(), first = false;  // with the padding of the columns
       if constexpr (K::kPacked)
         if (on_hub) fill_hub_term<K, X>(plan, node, later, term, z);
       if (!on_hub) fill_any_term<K, X>(M, *p, later.m, *q, z, block, first);

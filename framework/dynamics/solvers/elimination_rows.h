@@ -1,5 +1,4 @@
-// What the elimination (elimination.h) is made from and for: S + E from the rows and masses, and the right sides of its
-// solutions, node by node.
+// What goes into the elimination (elimination.h), node by node: S + E from the rows and masses, and right sides.
 #pragma once
 
 #include "framework/dynamics/solvers/elimination.h"
@@ -30,7 +29,7 @@ LOCKSTEP_KERNEL typename K::Number power(const typename K::Number* f, const type
   for (int i = 1; i < X::n; ++i) sum += f[i] * a[i];
   return sum;
 }
-/// The largest a . M a of a slot.
+/// The largest a . M a over the slots.
 template <class K, class X>
 LOCKSTEP_KERNEL typename K::Number largest_energy(const Plan& plan, const Numbers& z, const double* accelerations) {
   typename K::Number most{}, a[X::n], f[X::n];
@@ -94,7 +93,7 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
   typename K::template Square<M> D{};
   typename K::Number linear{}, diagonal[M];
   for (const Side& side : plan.sides_of(node)) {
-    const bool own = !side.hub;  // a hub has columns of its own instead
+    const bool own = !side.hub;  // a hub has its own columns instead
     const double *J = K::at(z.rows, side.J), *I = K::at(z.inverse, X::mass * side.slot);
     double* Y = K::at(z.Y, side.Y);
     const auto take = [&](int c, int i, const Slab& y) __attribute__((always_inline)) {
@@ -203,7 +202,7 @@ LOCKSTEP_KERNEL void add_rows_times(const Plan& plan, const Node& node, const Nu
   }
 }
 
-/// x = J a - c of one link and the scales |J a| + |c|; a on hubs is an unknown still, and counts for the scale alone.
+/// x = J a - c of one link and the scales |J a| + |c|; a on hubs is still unknown, and only enters the scale.
 template <class K, class X, int M, bool kTurned>
 LOCKSTEP_KERNEL void start_link(const Plan& plan, const Node& node, const Numbers& z) {
   using Slab = typename K::template Slab<M>;
@@ -249,7 +248,7 @@ LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Num
   for (int i = 0; i < K::slabs(M); ++i) K::store(K::at(z.r, node.x + i), r[i]);
 }
 
-/// Marks where |r| of a row is not within `tolerance` of its scale, its floor being the least; a NaN never is.
+/// Marks the rows where |r| is not within `tolerance` of the scale, which is at least the floor; a NaN never is.
 template <class K>
 LOCKSTEP_KERNEL void check_link(const Node& node, const Numbers& z, double tolerance, typename K::Marks& unmet) {
   K::with_slab(

@@ -37,8 +37,8 @@ std::vector<std::vector<int>> LinkGraph::links_of_slots() const {
   return out;
 }
 
-// A forest has one link fewer than bodies in each of its parts. A link on one slot hangs on the ground; one on more
-// than two may reach the ground as well.
+// A forest has one link fewer than bodies in each of its parts. A link on one slot is attached to the ground; one on
+// more than two may be as well, and counts as a loop.
 bool LinkGraph::is_tree() const {
   const int ground = n_slots;
   Parts parts(n_slots + 1);

@@ -1,5 +1,5 @@
-// The links as a graph: slots joined by links. Whether it is a tree, which slots are hubs, and in which order its nodes
-// are eliminated. Setup only: what the solvers' plans are made from.
+// The graph of the links, which join slots: whether it is a tree, and in which order its nodes are eliminated. The
+// solvers' plans are made from it at setup.
 #pragma once
 
 #include <set>
@@ -9,25 +9,25 @@
 
 namespace lockstep {
 
-using Neighbours = std::vector<std::vector<int>>;  ///< of each node, sorted, none with itself
+using Neighbours = std::vector<std::vector<int>>;  ///< of each node, sorted, without itself
 
 /// Couples two nodes, once.
 void couple(Neighbours&, int a, int b);
 
-/// Sets that grow together (union-find).
+/// Disjoint sets that are merged (union-find).
 class Parts {
  public:
   explicit Parts(int n);
-  /// One member that stands for the part of k.
+  /// The representative of the part of k.
   int of(int k);
-  /// Makes one part of two; false when they are one already.
+  /// Merges two parts; false when they are one already.
   bool join(int a, int b);
 
  private:
   std::vector<int> root_;
 };
 
-/// Which slots each link touches; the ground is none of them.
+/// Which slots each link touches; the ground is not a slot.
 struct LinkGraph {
   int n_slots = 0;
   std::vector<std::vector<int>> slots;  ///< of each link
@@ -37,9 +37,8 @@ struct LinkGraph {
   bool is_tree() const;
 };
 
-/// Order of elimination by minimum degree: next goes the node whose neighbours weigh least, and of equals the one that
-/// was touched longest ago, so that pivots that follow one another do not wait for one another. Leaves go first, and a
-/// tree makes no fill.
+/// Order of elimination by minimum degree: next is the node whose neighbours weigh least, and of equals the one touched
+/// longest ago, so that successive pivots do not wait for each other. Leaves go first, and a tree makes no fill.
 class MinimumDegree {
  public:
   /// weights: what each node adds to the degree of its neighbours: 1, or its unknowns.
@@ -48,11 +47,11 @@ class MinimumDegree {
   bool done() const { return queue_.empty(); }
   struct Pivot {
     int node = 0;
-    std::vector<int> below;  ///< nodes that are coupled with it when it goes, sorted
+    std::vector<int> below;  ///< nodes that are coupled with it when it is eliminated, sorted
   };
-  /// Eliminates the next node; those below it are coupled with one another from then on.
+  /// Eliminates the next node; those below it become coupled with one another.
   Pivot next();
-  /// A node that is held goes when no free one is left.
+  /// A node that is held is eliminated only when no free one is left.
   void hold(int node, bool on);
 
  private:

@@ -5,12 +5,12 @@
 
 namespace lockstep {
 
-/// What row k of a link measures; a unit-length row counts as a function.
+/// The kind of row k of a link; a unit-length row counts as a function.
 inline RowKind kind_of(const KktLink& link, int k) {
   return link.link < 0 ? RowKind::function : link.kind[static_cast<std::size_t>(k)];
 }
 
-/// visit(link, first unknown of the slot, its width, offset of the m x width jacobian in Kkt::J), in the order of
+/// visit(link, first unknown of the slot, its width, offset of the m x width Jacobian in Kkt::J), in the order of
 /// Kkt::J.
 template <class Visit>
 void for_each_jacobian(const KktPattern& pattern, Visit&& visit) {
@@ -36,7 +36,7 @@ void add_mass_times(const KktPattern&, const std::vector<double>& B, const VecX&
 /// y += J x, and y -= J^T lambda.
 void add_rows_times(const Kkt&, const VecX& x, VecX& y);
 void subtract_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
-/// The same with all numbers taken positive: what the terms of the product amount to, whatever cancels.
+/// The same with absolute values: the size of the product's terms, without cancellation.
 void add_sizes_of_mass_times(const KktPattern&, const std::vector<double>& B, const VecX& x, VecX& y);
 void add_sizes_of_rows_transposed_times(const Kkt&, const VecX& lambda, VecX& y);
 /// s becomes the diagonal of J M^-1 J^T.

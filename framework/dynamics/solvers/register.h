@@ -1,4 +1,4 @@
-// Puts the solvers of this room on their shelf.
+// Registers the solvers of this room.
 #pragma once
 
 #include <lockstep/export.h>

@@ -24,9 +24,9 @@ struct KindBits {
   }
 };
 
-/// The diagonal S_jj = (J M^-1 J^T)_jj of one link's rows becomes s_j: the mean over the force rows for those, over the
-/// moment rows for those, its own number for a function. Reactions of redundant rows then depend on no frame. A link
-/// without a slot, or one whose rows vanish, has no scale of its own; any positive number keeps the matrix definite.
+/// The diagonal S_jj = (J M^-1 J^T)_jj of one link's rows becomes s_j: force rows get their mean, moment rows get
+/// theirs, a function keeps its own. Reactions of redundant rows then do not depend on the frame. A link without a
+/// slot, or one whose rows vanish, has no scale; any positive number keeps the matrix definite.
 /// T: double, or a pack of them, one per lane.
 template <class T>
 [[gnu::always_inline]] inline void average_scales(T* s, int m, const KindBits& kinds) {

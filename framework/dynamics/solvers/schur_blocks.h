@@ -39,7 +39,7 @@ struct PackedBlocks {
   LOCKSTEP_KERNEL void store(double* p, const Slab& v) {
     *reinterpret_cast<Pack<rows<Slab>(0)>*>(p) = v;
   }
-  /// The first nv numbers at p, zeros behind them.
+  /// The first nv numbers at p, followed by zeros.
   template <class Slab, int nv>
   LOCKSTEP_KERNEL Slab head(const double* p, int) {
     Slab v, ones{};
@@ -76,13 +76,13 @@ struct PackedBlocks {
     [[gnu::always_inline]] void store(double* p, double sign = 1.0) const {
       for (int k = 0; k < M; ++k) PackedBlocks::store(p + k * ld, Column(d[k] * sign));
     }
-    /// Column j less u c, row k of it being set.
+    /// Subtracts u c from column j, whose row k is zeroed first.
     [[gnu::always_inline]] void sweep(int, int j, int k, const Column& u, double c) {
       Column Dj = d[j];
       Dj[k] = 0.0;
       d[j] = Dj - u * c;
     }
-    /// A number of the stored block: from memory, where it is spread over a pack as it is loaded.
+    /// A number of the stored block, read from memory so that the load broadcasts it to a pack.
     [[gnu::always_inline]] double stored(const double* p, int k, int j) const { return p[k * ld + j]; }
   };
 

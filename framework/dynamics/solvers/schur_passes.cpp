@@ -7,7 +7,7 @@ namespace {
 
 using K = PackedBlocks;
 
-/// c of one link, from its own axes into those that its rows are kept in.
+/// Turns c of one link from its own axes to those in which its rows are stored.
 template <class X, int M, bool kTurned>
 [[gnu::always_inline]] inline void turn_link(const Node& node, const double* given, const Numbers& z) {
   using Slab = K::Slab<M>;

@@ -42,9 +42,9 @@ Graph::Graph(const RowTable& rows, int n_slots) {
     }
 }
 
-/// Links that may not go before a hub of theirs: a link that leans on a hub alone would have the pivot E. Slots that
-/// are no hubs fall into parts. A part that hangs at one hub by one link is free to go before it. In one that is held
-/// elsewhere too (the ground, another hub, a loop) the links on hubs wait.
+/// Links that must not be eliminated before their hub: the pivot of a link on hubs alone would be E. Slots that are not
+/// hubs fall into parts. A part attached to one hub by one link may go before it; in a part that is also held elsewhere
+/// (the ground, another hub, a loop) the links on hubs wait.
 std::vector<bool> Graph::waiting_links() const {
   Parts parts(links.n_slots);
   const auto part_of = [&](int l) {  // -1: on hubs only
@@ -58,7 +58,7 @@ std::vector<bool> Graph::waiting_links() const {
   for (int l = 0; l < n_links(); ++l)
     for (const int s : links.slots[l])
       if (!is_hub(s)) parts.join(part_of(l), s);
-  std::vector<int> holds(links.n_slots, 0);  // links that tie the part to something else
+  std::vector<int> holds(links.n_slots, 0);  // links that tie the part to the ground or a hub
   for (int l = 0; l < n_links(); ++l)
     if (part_of(l) >= 0 && (links.slots[l].size() == 1 || on_hub(l))) ++holds[part_of(l)];
   std::vector<bool> waiting(n_links());
@@ -89,7 +89,7 @@ class Layout {
   bool packed() const { return plan_.storage == Storage::packed; }
   /// Numbers from one column of m rows to the next.
   int stride(int m) const { return packed() ? pack_size(m) : m; }
-  /// Takes room for n numbers, where columns of m rows may begin.
+  /// Takes room for n numbers, aligned for columns of m rows.
   std::size_t take(std::size_t& size, int m, int n) const {
     if (packed()) size = aligned_to(size, pack_size(m));
     const std::size_t at = size;
@@ -205,7 +205,8 @@ Plan make_plan(const RowTable& rows, int n_slots, bool planar, Storage storage) 
   plan.n_rows = rows.n_rows;
   plan.planar = planar;
   plan.storage = storage;
-  plan.tree = graph.slot_of_hub.empty() && graph.links.is_tree();  // links may lean on E alone before a hub is gone
+  plan.tree =
+      graph.slot_of_hub.empty() && graph.links.is_tree();  // before its hub is gone, a link's pivot may be E alone
   Layout(rows, graph, plan).lay_out(order_of(graph));
   return plan;
 }

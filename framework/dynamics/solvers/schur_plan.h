@@ -1,5 +1,5 @@
-// SchurPlan: the symbolic half of the elimination: which node goes when, and where every number is stored. The solver
-// `schur` and the copies in lanes (tools/batch) use it alike; the numeric half is elimination.h.
+// SchurPlan: the symbolic half of the elimination: the order of the nodes, and where every number is stored. Used by
+// the solver `schur` and by batches in lanes (tools/batch); the numeric half is elimination.h.
 //
 // Nodes are links; a slot with many links (a hub) is a node as well, because eliminating it first would couple all its
 // links with one another. Leaves go first, so that a tree makes no fill (Baraff 1996).
@@ -24,7 +24,7 @@ enum class Storage { packed, lanes };
 struct Side {
   int slot = 0;
   double sign = 1;      ///< of the v-part of a triple
-  bool turned = false;  ///< the first rows are +-[1 | A], in world axes, of which J and Y keep A alone (RowLayout)
+  bool turned = false;  ///< the first rows are +-[1 | A], in world axes, of which J and Y store only A (RowLayout)
   bool hub = false;
   std::size_t J = 0, Y = 0;  ///< offsets; packed: J in the row table
 };
@@ -37,7 +37,7 @@ struct Later {
   int first_term = 0, n_terms = 0;
 };
 
-/// One share of such a block in S: both nodes touch one slot. A hub is its own slot: then its side is -1.
+/// One term of such a block in S, of a slot that both nodes touch. A hub is its own slot: its side is then -1.
 struct Term {
   int pivot_side = 0, later_side = 0;
 };
@@ -47,7 +47,7 @@ struct Node {
   int link = -1;        ///< position in RowTable::entries; -1: a hub
   int hub_slot = -1;    ///< the slot of a hub
   bool on_hub = false;  ///< a link that touches one
-  bool turned = false;  ///< as of its sides
+  bool turned = false;  ///< as its sides are
   int n_turned = 0;     ///< rows that R turns
   int first_row = 0;    ///< of a link, among the table's
   std::size_t R = 0;    ///< packed: offset of R in the row table

@@ -12,7 +12,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr std::size_t kPad = 8;  // numbers behind an array that a pack may read beyond its end
+constexpr std::size_t kPad = 8;  // numbers after an array, since a pack may read beyond its end
 
 using K = schur::PackedBlocks;
 
@@ -45,7 +45,7 @@ class SchurFactorization final : public Factorization {
   std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
   schur::Numbers z_;
   Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, pivot_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
-  const RowTable* rows_ = nullptr;  // that the matrix was computed from, and their revision then
+  const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
   long revision_ = -1;
   bool masses_known_ = false;
   double energy_f_ = 0;                         // largest f . M^-1 f of a slot
@@ -53,7 +53,7 @@ class SchurFactorization final : public Factorization {
   PivotWatch watch_;
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
-  std::vector<double> relative_;  // pivots, when asked
+  std::vector<double> relative_;  // pivots, on demand
 };
 
 TypeInfo SchurSolver::info() {
@@ -127,7 +127,7 @@ void SchurFactorization::count_small_pivots() {
   watch_.count(n);
 }
 
-/// Residual of the last solution; the smallest relative pivot, and the smallest beyond the usual ones.
+/// Adds the residual of the last solution, the smallest relative pivot, and the smallest beyond the usual ones.
 void SchurFactorization::complete(SolveReport& report) {
   find_worst();
   report.residual = worst_;
@@ -224,12 +224,12 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   schur::solve(plan_, z_);
   schur::apply(plan_, x_.data(), z_);
   lambda_ = x_;
-  if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to look
+  if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to measure it
     for (std::size_t i = 0; i < plan_.size_x; ++i) x_[i] = E_[i] * lambda_[i];
     correct();
     ++report.corrections;
   }
-  // the rows of the factor are gone: the caller iterates
+  // the rows have changed since the factor: the caller iterates
   if (kkt.pattern.rows != rows_ || rows_->revision() != revision_) return report;
 
   bool raised = false;

@@ -38,7 +38,7 @@ std::vector<int> order_of_links(const KktPattern& pattern) {
   return out;
 }
 
-// visit(row, column) for every number of K, upper triangle: the masses, the jacobians, the diagonal of E'.
+// visit(row, column) for every number of K, upper triangle: the masses, the Jacobians, the diagonal of E'.
 template <class Visit>
 void for_each_number(const KktPattern& pattern, const std::vector<int>& place, Visit&& visit) {
   for_each_mass(pattern, [&](int first, int width, std::size_t) {
@@ -95,7 +95,7 @@ void SparseFactorization::shape(const KktPattern& pattern) {
   for_each_number(pattern, place_, [&](int row, int column) { positions_.push_back(position(row, column)); });
 }
 
-// Where K(row, column) is stored among K's values.
+// The index of K(row, column) among K's values.
 Eigen::Index SparseFactorization::position(int row, int column) const {
   const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
   const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
@@ -116,7 +116,7 @@ void SparseFactorization::measure_pivots(const Kkt& kkt) {
 }
 
 TypeInfo SparseSolver::info() {
-  return {"sparse", "sparse LDL^T with proximal corrections: any topology, redundant rows in their stride", {}};
+  return {"sparse", "sparse LDL^T with proximal corrections: any topology, handles redundant rows", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
 

@@ -76,7 +76,7 @@ bool StopRule::raise_floors(const Kkt& kkt, const VecX& a) {
   return true;
 }
 
-// The worst row. A NaN passes every comparison here, and stays.
+// Finds the worst row. A NaN counts as worst, and stays.
 bool StopRule::within(const KktPattern& pattern) {
   largest_ = 0.0;
   worst_row_ = -1;
@@ -89,7 +89,7 @@ bool StopRule::within(const KktPattern& pattern) {
   return largest_ <= kRowTolerance && forces_met_;
 }
 
-// r = f - M a - J^T lambda, against what its terms amount to, with the same floor per unit as the rows.
+// r = f - M a - J^T lambda, relative to the size of its terms, with the same floor per unit as the rows.
 bool StopRule::forces_met(const Kkt& kkt, const VecX& f, const VecX& a, const VecX& lambda) {
   r_f_.setZero();
   add_mass_times(kkt.pattern, kkt.M, a, r_f_);

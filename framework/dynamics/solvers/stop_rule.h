@@ -1,5 +1,5 @@
-// The rule by which all solvers stop: the residuals of a solution, when they are small enough, and when what is left is
-// a contradiction (framework/docs/solvers.md, section 5).
+// The stopping rule of all solvers: the residuals of a solution, when they are small enough, and when they are a
+// contradiction (framework/docs/solvers.md, section 5).
 #pragma once
 
 #include <algorithm>
@@ -11,29 +11,28 @@
 
 namespace lockstep {
 
-inline constexpr double kRowTolerance = 1e-12;    ///< of the row's scale
-inline constexpr double kForceTolerance = 1e-14;  ///< of what the terms of M a + J^T lambda - f amount to
-inline constexpr double kScaleFloor = 1e-3;       ///< of the largest scale in the same unit
-/// A residual that stalls above this part of its scale is a contradiction. States off the constraints, as the stages of
-/// an integrator see them, leave up to some 1e-3 (a step with a larger violation is rejected) and must not be called
-/// one.
+inline constexpr double kRowTolerance = 1e-12;    ///< relative to the row's scale
+inline constexpr double kForceTolerance = 1e-14;  ///< relative to the terms of M a + J^T lambda - f
+inline constexpr double kScaleFloor = 1e-3;       ///< relative to the largest scale in the same unit
+/// A residual that stalls above this fraction of its scale is a contradiction. States off the constraints, such as the
+/// stages of an integrator, leave up to about 1e-3 (a step with a larger violation is rejected) and are not one.
 inline constexpr double kContradiction = 1e-2;
 inline constexpr int kMaxCorrections = 3;
-inline constexpr double kSmallPivot = 1e-6;  ///< relative; counted as redundant or singular
+inline constexpr double kSmallPivot = 1e-6;  ///< relative; smaller ones count as redundant or singular
 
-/// The residual floor of one kind of row: no scale is taken under it. `largest`: the largest scale of that kind. Where
-/// all scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding that came
-/// from other units: by Cauchy and Schwarz |J_j a| <= sqrt(S_jj) sqrt(a . M a), in any frame, and likewise for a_f =
-/// M^-1 f, of which M^-1 J^T lambda takes away what the rows do not let pass. S, energy: the largest S_jj and the
-/// largest of those sums a . M a + a_f . M a_f, of the slot that has most. The tolerance is then 1e-15 of the bound, a
-/// few units in the last place.
+/// The residual floor of one kind of row: no scale is smaller. `largest`: the largest scale of that kind. Where all
+/// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding from other
+/// units, bounded in any frame by Cauchy and Schwarz:
+///   |J_j a| <= sqrt(S_jj) sqrt(a . M a),   and likewise for a_f = M^-1 f,   a = a_f - M^-1 J^T lambda
+/// S: the largest S_jj; energy: the largest a . M a + a_f . M a_f of a slot. The tolerance is then 1e-15 of the bound,
+/// a few units in the last place.
 inline double residual_floor(double largest, double S = 0.0, double energy = 0.0) {
   return kScaleFloor * std::max(largest, std::sqrt(S * energy));
 }
 
-/// Corrects a solution until it meets the rule, kMaxCorrections in all at most. measure(): residuals of the present
-/// solution; within(): whether they are small; raise(): raises the residual floors by energy where that may help, else
-/// false; correct(): the next solution.
+/// Corrects a solution until it meets the rule, with at most kMaxCorrections in total. measure(): residuals of the
+/// present solution; within(): whether they are small; raise(): raises the residual floors by energy, false if that
+/// cannot help; correct(): the next solution.
 template <class Measure, class Within, class Raise, class Correct>
 bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise, Correct&& correct) {
   const auto met = [&] { return measure(), within() || (raise() && within()); };
@@ -42,8 +41,8 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
   return done;
 }
 
-/// Small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere. More of
-/// them say that the place is singular.
+/// Counts small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere.
+/// More than that indicate a singular position.
 class PivotWatch {
  public:
   void begin(int n_rows) { usual_ = n_rows; }
@@ -55,8 +54,8 @@ class PivotWatch {
     std::nth_element(pivots.begin(), at, pivots.end());
     return *at;
   }
-  /// Whether rows cannot all hold: their residual stalled at the order of its scale. Contradictory rows are dependent
-  /// always; a small pivot beyond the usual ones is a singular place, to be passed.
+  /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
+  /// always dependent; small pivots beyond the usual ones indicate a singular position, which may be passed.
   bool contradictory(double residual, double before) const {
     return residual > kContradiction && residual > 0.5 * before && now_ <= usual_;
   }
@@ -65,10 +64,10 @@ class PivotWatch {
   int now_ = 0, usual_ = 0;
 };
 
-/// Residuals of the matrix as blocks.
+/// The rule for a matrix in blocks.
 class StopRule {
  public:
-  void analyse(const KktPattern&);  ///< sizes; all that is allocated
+  void analyse(const KktPattern&);  ///< allocates everything
   /// Scales |c| + |J M^-1 f| of the rows, row by row.
   void start(const Kkt&, const VecX& f, const VecX& c);
   /// Residuals of (a, lambda); true when both are small enough.

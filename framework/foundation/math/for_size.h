@@ -1,11 +1,11 @@
-// for_size: a size that is known when the program runs, as a constant, so that loops over it are unrolled.
+// for_size: turns a run-time size 1 .. 8 into a compile-time constant, so that loops over it are unrolled.
 #pragma once
 
 #include <type_traits>
 
 namespace lockstep {
 
-/// Calls f(std::integral_constant<int, n>), n one of kFirst .. kLast, within 1 .. 8. f returns nothing.
+/// Calls f(std::integral_constant<int, n>{}); n must be in kFirst .. kLast, a range within 1 .. 8. f returns void.
 template <int kFirst = 1, int kLast = 8, class F>
 [[gnu::always_inline]] inline void for_size(int n, F&& f) {
   static_assert(1 <= kFirst && kFirst <= kLast && kLast <= 8);

@@ -49,7 +49,7 @@ void Error::attribute(const Thing& whose, const std::string& label) {
 ParameterError::ParameterError(Thing whose, std::string its_key, std::string its_problem)
     : ModelError({.thing = std::move(whose), .key = std::move(its_key), .problem = std::move(its_problem)}) {}
 
-// Out of line, so that each error type has one type record in the process and a plugin's throw meets the host's catch.
+// Out of line, so that each error type has one typeinfo in the process and the host can catch what a plugin throws.
 Error::~Error() = default;
 ModelError::~ModelError() = default;
 ParameterError::~ParameterError() = default;

@@ -18,7 +18,7 @@ void rethrow_in(const ErrorContext& context) {
   } catch (Error& error) {
     const bool foreign = thing.of_a_plugin();
     if (context.refuses) {
-      // what has no solution is the mechanism's, whoever asked for it
+      // an unsolvable mechanism is not the fault of the code that asked for a solution
       const bool its_own = error.kind() != Error::Kind::solve && error.kind() != Error::Kind::assembly;
       if (its_own) error.attribute(thing, foreign ? at_time(context.t) + label : "");
       throw;

@@ -23,7 +23,7 @@ std::shared_ptr<spdlog::logger> logger() {
   const auto fresh = made();
   try {
     spdlog::register_logger(fresh);
-  } catch (const spdlog::spdlog_ex&) {  // another thread was first
+  } catch (const spdlog::spdlog_ex&) {  // another thread registered it first
     if (auto known = spdlog::get(kName)) return known;
   }
   return fresh;

@@ -11,7 +11,7 @@ namespace {
 
 std::string type_in_flight() {
   const std::type_info* type = abi::__cxa_current_exception_type();
-  if (type == nullptr) return "something that is no C++ exception";
+  if (type == nullptr) return "something that is not a C++ exception";
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> name(abi::__cxa_demangle(type->name(), nullptr, nullptr, &status),
                                                     std::free);
@@ -26,16 +26,16 @@ std::string what_of(const std::exception& error) {
 }
 
 std::string thrown_words(const std::exception_ptr& thrown) {
-  if (!thrown) return "something that is no C++ exception";
+  if (!thrown) return "something that is not a C++ exception";
   try {
     std::rethrow_exception(thrown);
   } catch (const std::exception& error) {
     std::string words = what_of(error);
     const auto* outer = dynamic_cast<const std::nested_exception*>(&error);
     if (outer != nullptr && outer->nested_ptr() != nullptr) words += ": " + thrown_words(outer->nested_ptr());
-    return words.empty() ? type_in_flight() + " without words" : words;
+    return words.empty() ? type_in_flight() + " without a message" : words;
   } catch (...) {
-    return type_in_flight() + ", which is no exception";
+    return type_in_flight() + ", which is not an exception";
   }
 }
 

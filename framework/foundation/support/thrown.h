@@ -1,4 +1,4 @@
-// What was thrown, in words; for catch blocks around code that is not ours.
+// Descriptions of thrown objects, for catch blocks around user code.
 #pragma once
 
 #include <exception>
@@ -8,12 +8,12 @@
 
 namespace lockstep {
 
-/// what() of an exception of whatever class; "" where that returns no text at all.
+/// what(), or "" where it returns null.
 LOCKSTEP_API std::string what_of(const std::exception&);
 
-/// what() and what is nested in it ("no profile: file 'x' is empty"), or the type of what is no exception ("an object
-/// of type int, which is no exception"). Null, which std::current_exception() gives for what another language threw, is
-/// "something that is no C++ exception".
+/// what() with the exceptions nested in it ("no profile: file 'x' is empty"), or the type of anything else ("an object
+/// of type int, which is not an exception"). Null, which std::current_exception() returns for an exception of another
+/// language, gives "something that is not a C++ exception".
 LOCKSTEP_API std::string thrown_words(const std::exception_ptr&);
 
 }  // namespace lockstep

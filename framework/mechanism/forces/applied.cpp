@@ -56,15 +56,15 @@ void Applied::act(const Ends<T>& at, Load& load) const {
 
 Keys Applied::keys(Effort effort) {
   const Unit unit = effort == Effort::force ? Unit::force : Unit::torque;
-  return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes of \"axes\""},
+  return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes given by \"axes\""},
           {"law", Form::law, unit, kOptional, "law along \"direction\", added"},
-          {"direction", Form::axis, Unit::none, kOptional, "of \"law\", in the axes of \"axes\""},
+          {"direction", Form::axis, Unit::none, kOptional, "direction of \"law\", in the axes given by \"axes\""},
           {"laws", Form::laws, unit, kOptional, "three laws [x, y, z] of the components, added"},
           {"axes",
            Form::choice,
            Unit::none,
            "world",
-           "the axes that these are given in: the world's, those of p's "
+           "axes in which these are given: the world's, those of p's "
            "body, or those of marker p",
            {"world", "body", "marker"}}};
 }
@@ -139,7 +139,7 @@ std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
   return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
 }
 
-// For callers that the compiler lets inline FormulaForce's functions.
+// Instantiated here for callers that inline FormulaForce's functions.
 template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::WrenchLoad&) const;
 template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::AccountLoad&) const;
 template LOCKSTEP_API void Applied::act(const Ends<SlotJet>&, formula::TangentLoad&) const;

@@ -55,7 +55,7 @@ T second_factor(const T& a2) {
   const T half = 0.5 * sqrt(a2);
   return (1.0 - half / tan(half)) / a2;
 }
-// (1.12) as rotation_vector() of numbers
+// (1.12): rotation_vector() on any scalar
 template <class T>
 Vec3T<T> rotation_vector_of(const QuatT<T>& q) {
   using std::atan2;
@@ -87,7 +87,7 @@ void Bushing::act(const Ends<T>& at, Load& load) const {
   load.shows(d, th, F, M);
 }
 
-// For callers that the compiler lets inline FormulaForce's functions.
+// Instantiated here for callers that inline FormulaForce's functions.
 template LOCKSTEP_API void Bushing::act(const Ends<double>&, formula::WrenchLoad&) const;
 template LOCKSTEP_API void Bushing::act(const Ends<double>&, formula::AccountLoad&) const;
 template LOCKSTEP_API void Bushing::act(const Ends<SlotJet>&, formula::TangentLoad&) const;

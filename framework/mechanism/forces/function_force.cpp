@@ -17,7 +17,7 @@ FunctionForce::FunctionForce(std::string name, std::vector<const Marker*> marker
     if (m == nullptr) throw ModelError("force '" + this->name() + "' (function_force): a marker is null; leave it out");
     if (m->body == nullptr)
       throw ModelError("force '" + this->name() + "' (function_force): marker '" + m->name +
-                       "' is on no body; add it by add_marker");
+                       "' is not on a body; add it with add_marker");
   }
 }
 

@@ -8,8 +8,8 @@
 
 namespace lockstep {
 
-/// What presses the joint together now, N: normal to the sliding, radially and axially to the turning. All zero while the
-/// link is not in force, when nothing rubs.
+/// The loads on the rubbing surfaces, N: normal to the sliding, radial and axial to the turning. All zero while the
+/// link is not in force.
 struct JointFriction::Pressing {
   bool in_force = false;
   double normal = 0, radial = 0, axial = 0;
@@ -22,7 +22,7 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
       "force '" + this->name() + "': link '" + link.name() + "' (" + std::string(link.type()) + ") ";
   if (joint == nullptr)
     throw ModelError(who +
-                     "is no lock of two markers; friction is there in joints such as revolute, prismatic, "
+                     "is not a joint of two markers; friction exists in joints such as revolute, prismatic, "
                      "cylindrical, point_on_plane");
   std::tie(p_, s_) = link.pairs().front();
   check_numbers();
@@ -41,11 +41,11 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
   arm_ = options_.radius > 0 ? options_.radius : options_.axial_radius;
   if (sliding_.isZero(0) && turning_ < 0)
     throw ModelError(who +
-                     "has no free direction or axis that its reaction presses on; friction is there in joints "
+                     "has no free direction or axis that its reaction presses on; friction exists in joints "
                      "such as revolute, prismatic, cylindrical, point_on_plane");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
     throw ParameterError({.kind = "force", .name = this->name()}, "radius",
-                         "is missing; link '" + link.name() + "' only turns, so say at which radius it rubs");
+                         "is missing; link '" + link.name() + "' only turns, so give the radius at which it rubs");
 }
 
 void JointFriction::check_numbers() const {
@@ -75,15 +75,16 @@ const TypeInfo& JointFriction::info() {
       {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
        {"mu_static", Form::number, Unit::none, kOptional, "coefficient at rest (Stribeck); default: mu"},
        {"stribeck_speed", Form::number, Unit::speed, 0.01, "speed over which the coefficient falls to mu"},
-       {"smoothing_speed", Form::number, Unit::speed, 0.001, "speed at which the friction has tanh(1) of its size"},
-       {"radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its radial load"},
-       {"axial_radius", Form::number, Unit::length, 0, "where a joint that turns rubs under its axial load"},
+       {"smoothing_speed", Form::number, Unit::speed, 0.001,
+        "speed at which friction reaches tanh(1) of its full value"},
+       {"radius", Form::number, Unit::length, 0, "where a turning joint rubs under its radial load"},
+       {"axial_radius", Form::number, Unit::length, 0, "where a turning joint rubs under its axial load"},
        {"bending_length", Form::number, Unit::length, kOptional,
-        "a bending moment M on a joint that slides presses with M/length; half the guide for a couple at its ends"},
-       {"preload", Form::number, Unit::force, 0, "normal (radial) force that is always there"},
+        "a bending moment M on a sliding joint presses with M/length; half the guide for a couple at its ends"},
+       {"preload", Form::number, Unit::force, 0, "normal (radial) force that always acts"},
        {"viscous", Form::number, Unit::damping, 0, "viscous friction of the sliding"},
        {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of the turning"},
-       {"load_smoothing", Form::number, Unit::force, 1e-6, "size e of a load below which it counts smoothly"}}};
+       {"load_smoothing", Form::number, Unit::force, 1e-6, "load e below which its magnitude is smoothed"}}};
   return info;
 }
 
@@ -110,11 +111,12 @@ void JointFriction::setup() {
   for (const Marker* m : {p_, s_})
     if (m->slide || m->spin)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
-                       "' moves on its body by a law, and friction is not there for that; drive the link instead");
+                       "' moves on its body by a law, which friction does not support; drive the link instead");
   if (link_->jointed()->turned())
-    throw ModelError("force '" + name() + "': link '" + link_->name() +
-                     "' has a law \"turn\", which turns its free axis away from z of S, and friction is not there for "
-                     "that; turn the marker instead, or drive the link");
+    throw ModelError(
+        "force '" + name() + "': link '" + link_->name() +
+        "' has a law \"turn\", which turns its free axis away from z of S; friction does not support that: "
+        "turn the marker instead, or drive the link");
   P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
 }
 
@@ -123,7 +125,7 @@ double JointFriction::size(double square) const {
   return std::sqrt(square + e * e) - e;
 }
 
-// mu(s)/s of s^2; near rest the first terms of its series.
+// mu(s)/s as a function of s^2; near rest by the first terms of its series.
 template <class T>
 T JointFriction::coefficient(const T& s2) const {
   using std::exp, std::sqrt, std::tanh;
@@ -151,7 +153,7 @@ JointFriction::Pressing JointFriction::pressing(const Inputs& in, const Reaction
   return r;
 }
 
-// The loads are numbers here: the rows hold in S axes, so a reaction with fixed multipliers turns with S.
+// The loads are constants here: the rows are in S axes, so a reaction with fixed multipliers turns with S.
 template <class T, class Load>
 void JointFriction::act(const Pressing& by, const Ends<T>& at, Load& load) const {
   using V = Vec3T<T>;

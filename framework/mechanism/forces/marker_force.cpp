@@ -10,7 +10,7 @@ namespace lockstep {
 namespace {
 void require_body(const std::string& force, const Marker& m) {
   if (m.body == nullptr)
-    throw ModelError("force '" + force + "': marker '" + m.name + "' is on no body; add it by add_marker");
+    throw ModelError("force '" + force + "': marker '" + m.name + "' is not on a body; add it with add_marker");
 }
 }  // namespace
 

@@ -57,7 +57,7 @@ std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
   return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
 }
 
-// For callers that the compiler lets inline FormulaForce's functions.
+// Instantiated here for callers that inline FormulaForce's functions.
 template LOCKSTEP_API void Motor::act(const Ends<double>&, formula::WrenchLoad&) const;
 template LOCKSTEP_API void Motor::act(const Ends<double>&, formula::AccountLoad&) const;
 template LOCKSTEP_API void Motor::act(const Ends<SlotJet>&, formula::TangentLoad&) const;

@@ -1,4 +1,4 @@
-// Puts the built-in forces on a registry's shelf.
+// Registers the built-in forces.
 #pragma once
 
 #include <lockstep/export.h>

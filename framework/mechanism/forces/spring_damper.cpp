@@ -33,12 +33,12 @@ std::unique_ptr<Force> SpringDamper::make(const Site& site, const Params& k) {
 
 void SpringDamper::setup() {
   MarkerForce::setup();
-  if (p().slide || s()->slide) return;  // they may part before the start
+  if (p().slide || s()->slide) return;  // their laws may separate them at the start
   const double length = ((p().body->home * p().local).x - (s()->body->home * s()->local).x).norm();
   const double T = options_.preload - options_.stiffness * options_.free_length;
   if (length > 1e-9 || (T == 0 && !options_.force)) return;
   throw ModelError("force '" + name() + "': markers '" + p().name + "' and '" + s()->name +
-                   "' coincide at the start, so that its force (" + brief(T) + " N at length 0" +
+                   "' coincide at the start, so its force (" + brief(T) + " N at length 0" +
                    (options_.force ? ", and a law" : "") +
                    ") has no direction; move one of them, or make the free length and the preload 0");
 }
@@ -58,12 +58,12 @@ void SpringDamper::act(const Ends<T>& at, Load& load) const {
           pull = LinearSpring{k, c, l0, T0}.force(length, rate, value(law, at.t), load);
   if (apart)
     load.force(-pull * n, x_P, x_S);
-  else if (value_of(pull) == 0)  // no direction and no force, but k d beside it
+  else if (value_of(pull) == 0)  // no force at d = 0, but a tangent
     load.force(-k * d, x_P, x_S);
   load.shows(length, rate, apart ? pull : T(0));
 }
 
-// For callers that the compiler lets inline FormulaForce's functions.
+// Instantiated here for callers that inline FormulaForce's functions.
 template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::WrenchLoad&) const;
 template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::AccountLoad&) const;
 template LOCKSTEP_API void SpringDamper::act(const Ends<SlotJet>&, formula::TangentLoad&) const;

@@ -40,8 +40,8 @@ void TorsionSpringDamper::setup() {
              zS = rotation((s()->body->home * s()->local).q).col(2);
   if (p().spin || s()->spin || 1 + zP.dot(zS) > 1e-9) return;
   throw ModelError("force '" + name() + "': the z axes of markers '" + p().name + "' and '" + s()->name +
-                   "' point against one another at the start, so that there is no angle about them; turn one marker by "
-                   "half a turn about its x axis");
+                   "' are opposed at the start, so there is no angle about them; turn one marker by half a turn about "
+                   "its x axis");
 }
 
 std::vector<Quantity> TorsionSpringDamper::quantities() const {
@@ -66,7 +66,7 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   load.shows(angle, rate, has_angle ? torque : T(0));
 }
 
-// For callers that the compiler lets inline FormulaForce's functions.
+// Instantiated here for callers that inline FormulaForce's functions.
 template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<double>&, formula::WrenchLoad&) const;
 template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<double>&, formula::AccountLoad&) const;
 template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<SlotJet>&, formula::TangentLoad&) const;

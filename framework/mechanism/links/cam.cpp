@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kNoContact = std::numeric_limits<double>::quiet_NaN();
 
-// Newton for f(u) = 0 from a near start; steps of at most 0.3 rad, and uphill ones (f' of the wrong sign) turned round.
+// Newton's method for f(u) = 0 near u: steps of at most 0.3 rad, and of 0.1 rad where f' has the wrong sign.
 template <class F>
 double root(double u, F&& f) {
   double last = 1;
   for (int i = 0; i < 60; ++i) {
-    const auto [value, slope] = f(u);  // slope < 0 at what is looked for
+    const auto [value, slope] = f(u);  // slope < 0 at the root sought
     const double step = slope < 0 ? -value / slope : std::copysign(0.1, value);
     if (!std::isfinite(step)) return kNoContact;
     u += std::clamp(step, -0.3, 0.3);
@@ -69,18 +69,18 @@ void CamProfile::check(const std::string& link, double roller) const {
     const double k = at(u).curvature;
     if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
       throw ModelError(who + "its cam has a curvature of " + brief(k) + " 1/m" + where +
-                       (std::isinf(roller) ? "; a flat face rides on convex profiles only: take cam_roller"
+                       (std::isinf(roller) ? "; a flat face rides on convex profiles only: use cam_roller"
                                            : "; a roller of " + brief(roller) + " m does not fit into that hollow"));
   }
   const LawValue first = radius_->at(0), last = radius_->at(kTwoPi);
   if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
     throw ModelError(who + "the profile of its cam does not close: radius " + brief(first.y) + " m and slope " +
                      brief(first.yd) + " m/rad at 0, " + brief(last.y) + " and " + brief(last.yd) +
-                     " after a turn; let the law repeat after 2 pi");
+                     " after a turn; make the law repeat after 2 pi");
 }
 
 void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
-  const CamProfile::Vec2 p(y.x.v, y.y.v);  // the nearest point of the profile
+  const CamProfile::Vec2 p(y.x.v, y.y.v);  // start from the nearest point of the profile
   double best = std::numeric_limits<double>::infinity();
   const double psi = std::atan2(p[1], p[0]);
   for (int i = -180; i < 180; ++i)
@@ -96,7 +96,7 @@ void RollerOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) co
 void FaceOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
   const CamProfile::Vec2 n(std::cos(alpha), std::sin(alpha));
-  double best = -std::numeric_limits<double>::infinity();  // the foremost point of the profile
+  double best = -std::numeric_limits<double>::infinity();  // start from the point of the profile furthest along n
   for (int i = -180; i < 180; ++i)
     if (const double h = profile.at(alpha + kTwoPi * i / 360).c.dot(n); h > best) best = h, z[0] = kTwoPi * i / 360;
   z[0] = profile.facing(alpha, alpha + z[0]) - alpha;
@@ -109,17 +109,18 @@ void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) cons
 
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
     : PhiLock(std::move(name), p, s, Mask::none, RollerOnCam{CamProfile(std::move(radius)), roller}) {
-  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law of its radius was given");
+  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
   if (!(roller >= 0) || std::isinf(roller))
     throw ParameterError({.kind = "link", .name = this->name()}, "roller",
                          "is " + brief(roller) + " m; it must not be negative");
 }
 
 TypeInfo CamRoller::info() {
-  return {"cam_roller",
-          "the centre P of a roller rides on a disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"},
-           {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
+  return {
+      "cam_roller",
+      "the centre P of a roller rides on a disc cam about z of S; free: everything else",
+      {{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"},
+       {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
@@ -128,13 +129,14 @@ std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
 
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
     : PhiLock(std::move(name), p, s, Mask::none, FaceOnCam{CamProfile(std::move(radius))}) {
-  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law of its radius was given");
+  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
 }
 
 TypeInfo CamFlat::info() {
-  return {"cam_flat",
-          "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
-          {{"radius", Form::law, Unit::length, kRequired, "of the cam over its angle in rad, m, from 0 to 2 pi"}}};
+  return {
+      "cam_flat",
+      "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
+      {{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"}}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Site& site, const Params& p) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN();
 
-// What the user's parameter measures is unknown; these names say no unit.
+// No units: the parameter of the user's curve may be anything.
 std::vector<Quantity> of_curve() { return {{"s", ""}, {"rate", "1/s"}}; }
 
 template <class Function, class Memory>
@@ -26,7 +26,7 @@ double seen_on(const Function& function, const Inputs& in, Memory memory, int k)
 
 }  // namespace
 
-// `like` made normal to the tangent; where that leaves little, the axis that is most nearly normal to it.
+// `like` made normal to the tangent; where that leaves little, a normal from the axis furthest from the tangent.
 Vec3 CurvePoint::normal(double s, const Vec3& like) const {
   const Vec3 t = path_->at(s).v.normalized(), n = like - t.dot(like) * t;
   if (n.norm() > 0.1) return n.normalized();
@@ -59,7 +59,7 @@ double CurvePoint::in_plane(const Vec3& t, const Vec3& rho, double s) const {
 }
 
 double CurvePoint::nearest(const Vec3& rho, double s) const {
-  for (int i = 0; i < 200; ++i) {  // (1/2)|rho - c|^2 falls; Gauss-Newton where its second derivative is none
+  for (int i = 0; i < 200; ++i) {  // Newton on (1/2)|rho - c|^2; Gauss-Newton where its curvature is not positive
     const TranslationValue c = path_->at(s);
     const Vec3 g = rho - c.x;
     const double full = c.v.squaredNorm() - c.a.dot(g), slope = full > 0 ? full : c.v.squaredNorm();
@@ -78,12 +78,12 @@ void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) 
   try {
     s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
   } catch (const ModelError& end) {
-    throw ModelError(who + "P does not begin on its path as far as that goes from s = " + brief(near_) + ": " +
+    throw ModelError(who + "no nearest point on its path at the start, searched from s = " + brief(near_) + ": " +
                      end.what());
   }
   if (!std::isfinite(s))
     throw ModelError(who + "no point of its path near s = " + brief(near_) +
-                     " is nearest to P at the start; let \"near\" say where on the path P begins");
+                     " is nearest to P at the start; set \"near\" to an s near which P begins");
 }
 
 void CurvePoint::reset(std::span<double> z, const LockCoords<Time>& y) const {
@@ -91,8 +91,7 @@ void CurvePoint::reset(std::span<double> z, const LockCoords<Time>& y) const {
   Eigen::Map<Vec3>(z.data() + 3) = normal(z[0], Vec3::Zero());
 }
 
-// The nearest point, not the one in the plane of the last tangent: off the curve the latter would move when asked
-// again.
+// The nearest point, not the one in the plane of the last tangent: off the curve the latter would move with every call.
 void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
   const Vec3 rho(y.x.v, y.y.v, y.z.v), rate(y.x.d, y.y.d, y.z.d);
   const double s = nearest(rho, expected(y));
@@ -124,7 +123,7 @@ PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options optio
     : PhiLock(std::move(name), p, s, Mask::none,
               OnPath{CurvePoint(std::move(options.path), options.near), std::move(options.turn)}) {
   if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
-  if (!phi().turn) throw ModelError("link '" + this->name() + "': no turn of the axes along its path was given");
+  if (!phi().turn) throw ModelError("link '" + this->name() + "': no law for the axes along its path was given");
 }
 
 std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }

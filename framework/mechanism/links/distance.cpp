@@ -18,7 +18,7 @@ Distance::Distance(std::string name, Marker& p, Marker& s, double length)
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
     : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length), 0}) {
   if (!phi().law)
-    throw ModelError("link '" + this->name() + "': no law of its length was given; give one, or a number");
+    throw ModelError("link '" + this->name() + "': no law for its length was given; give one, or a number");
 }
 
 Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
@@ -31,13 +31,13 @@ RowPlan Distance::plan_rows() {
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
   if (distance_at_start(p(), s()) == 0)
     throw ModelError("link '" + name() + "': '" + p().name + "' and '" + s().name +
-                     "' start at one point, so the distance has no direction; move one of them");
+                     "' start at the same point, so the distance has no direction; move one of them");
   return plan;
 }
 
 TypeInfo Distance::info() {
   return {"distance",
-          "keeps the distance of the origins of P and S; free: everything else",
+          "keeps the distance between the origins of P and S; free: everything else",
           {{"length", Form::law, Unit::length, kOptional, "distance, m: a number or a law; default: as at the start"}}};
 }
 

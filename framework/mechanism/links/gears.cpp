@@ -30,7 +30,7 @@ TypeInfo Gear::info() {
             Form::choice,
             Unit::none,
             "external",
-            "external and bevel turn against each other (bevel: both z away from the apex), internal alike",
+            "external and bevel turn in opposite senses (bevel: both z away from the apex), internal in the same",
             {"external", "internal", "bevel"}}}};
 }
 
@@ -60,7 +60,7 @@ TypeInfo Belt::info() {
           "two pulleys in joints on a common carrier, each turning about its own z; no slip",
           {{"radius_1", Form::number, Unit::length, kRequired, "of pulley 1"},
            {"radius_2", Form::number, Unit::length, kRequired, "of pulley 2"},
-           {"crossed", Form::boolean, Unit::none, false, "the pulleys turn against each other"}}};
+           {"crossed", Form::boolean, Unit::none, false, "the pulleys turn in opposite senses"}}};
 }
 
 std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {

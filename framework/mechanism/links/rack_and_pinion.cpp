@@ -11,7 +11,7 @@ namespace {
 double checked_radius(const std::string& link, double radius) {
   if (!std::isfinite(radius) || radius == 0)
     throw ParameterError({.kind = "link", .name = link}, "radius",
-                         "is " + brief(radius) + " m; a pinion has a radius that is not zero");
+                         "is " + brief(radius) + " m; the radius of a pinion must not be zero");
   return radius;
 }
 

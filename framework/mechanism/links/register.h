@@ -1,4 +1,4 @@
-// Puts the built-in links on a registry's shelf.
+// Registers the built-in links.
 #pragma once
 
 #include <lockstep/export.h>

@@ -29,7 +29,7 @@ TurnStop::TurnStop(std::string name, Marker& p, Marker& s, Options o)
 
 TypeInfo Stop::info() {
   return {"stop",
-          "one end of a travel: holds the coordinate of P seen from S only against going beyond its limit",
+          "one end of a travel: keeps the coordinate of P seen from S from passing its limit",
           {{"coordinate",
             Form::choice,
             Unit::none,
@@ -44,7 +44,7 @@ std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
   if (params.has("low") == params.has("high"))
     params.refuse(params.has("low") ? "high" : "coordinate",
                   params.has("low") ? "\"low\" is given as well; one stop has one end, add another for the other"
-                                    : "nothing says where it ends; add \"low\" or \"high\"");
+                                    : "no limit is given; add \"low\" or \"high\"");
   const bool low = params.has("low");
   const double limit = params.number(low ? "low" : "high");
   const Axis axis = axis_from(params.text("coordinate"));

@@ -1,5 +1,5 @@
-// Which instance of the kernel serves which laws: few enough to compile, near enough to what is needed (theory, (5.4)).
-// An absent law in a larger set enters as zero.
+// The kernel instance for a set of laws: a compromise between compile time and specialisation (theory, (5.4)). A law
+// that the instance covers and the link lacks enters as zero.
 #pragma once
 
 #include <type_traits>
@@ -11,8 +11,8 @@ namespace lockstep {
 template <unsigned kWith>
 using Instance = std::integral_constant<unsigned, kWith>;
 
-/// Calls half(Instance<kWith>{}) with the instance of `translation` that serves the laws (with::Bits) and what else is
-/// wanted (kExtra); not at all when the mask holds no translation.
+/// Calls half(Instance<kWith>{}) with the instance of `translation` that covers the laws (with::Bits) and kExtra; not
+/// at all when the mask holds no translation.
 template <unsigned kExtra = 0, class F>
 inline void choose_translation(Mask rows, unsigned laws, F&& half) {
   constexpr unsigned kMarkers = with::uP | with::uS | with::qS;

@@ -37,7 +37,7 @@ void Lock::setup() {
            "has " + rows + "a link has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
   if (unilateral_ && row_count() != 1)
     refuse(*this, "is one-sided and has " + rows +
-                      "a one-sided link has exactly one: take a link of one row, such as stop, distance or "
+                      "a one-sided link has exactly one: use a link of one row, such as stop, distance or "
                       "point_on_plane, or a lock with a mask of one word");
 }
 
@@ -65,7 +65,7 @@ void difference_tangent(const Lock& link, const Inputs& in, std::span<const doub
   const Lock* const one = &link;
 
   Eigen::Matrix<double, 6 * kMaxSlots, 1> column;
-  const auto add_force = [&](double factor) {  // Jh^T lambda of the moved pose
+  const auto add_force = [&](double factor) {  // Jh^T lambda at the moved pose
     link.gather(Group(&one, 1), at, scratch.rows.spatial_span(shape));
     const RowBlock block = scratch.rows.spatial(shape);
     for (int i = 0; i < on.n; ++i)

@@ -21,7 +21,7 @@ MarkerLock::~MarkerLock() = default;
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
   if (slots().n == 0) return;
   throw ModelError("link '" + name() + "': " + what +
-                   " comes after the system was set up, when its rows are counted already; "
+                   " is added after the system was set up and its rows were counted; "
                    "give every law before the first evaluation");
 }
 
@@ -56,7 +56,7 @@ void MarkerLock::add_drive(Drive drive) {
   if (has(mask_, bit))
     throw ModelError(what + ": row " + std::string(lockstep::row_name(index(drive.axis))) + " is held by the mask \"" +
                      to_string(mask_) + "\"; drive a free axis, or give the link a law by move or turn");
-  if (has(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law an axis");
+  if (has(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
   if (is_rotation(drive.axis) && !has(mask_ | bit, Mask::e123))
     throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
                      "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
@@ -186,7 +186,7 @@ ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
     const RotationValue l = turn_->at(in.t);
     D.q = l.q, D.w = l.w, D.a = l.a;
   }
-  for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, the other two turns being held
+  for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, since the other two turns are held
     if (!is_rotation(d.axis)) continue;
     const Vec3 n = Vec3::Unit(index(d.axis) % 3);
     const LawValue l = value(d, in);
@@ -201,7 +201,7 @@ ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
   return D;
 }
 
-// The inner loops: one instance for each set of laws that is worth its own code (theory, (5.4)).
+// The inner loops: one instance per set of laws that is worth its own code (theory, (5.4)).
 
 template <unsigned kWith>
 void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out) {
@@ -272,7 +272,7 @@ void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
   }
 }
 
-// Of the link's own rows: a class that adds rows of its own calls this with its whole group.
+// Gathers MarkerLock's rows only: a class that adds rows calls this with its whole group.
 LOCKSTEP_FLAT_CLONES void MarkerLock::gather_all(Group links, const Inputs& in, RowSpan out) const {
   if (layout() == RowLayout::triple)
     choose_translation<with::world_rows>(rows_, laws_, [&](auto with) { gather_translations<with>(links, in, out); });

@@ -1,4 +1,4 @@
-// MarkerLock in a planar mechanism: the equations of equations.h with everything in the plane or along its normal.
+// MarkerLock in a planar mechanism: the equations of kernel.h with all vectors in the plane or along its normal.
 #include <lockstep/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -18,7 +18,7 @@ int axis_along(const Mat3& A, int n) {
 
 [[noreturn, gnu::noinline, gnu::cold]] void leaves_plane(const MarkerLock& lock, double t) {
   throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + number(t) +
-                   " s, and the scene is planar; take \"planar\" out");
+                   " s, and the scene is planar; remove \"planar\"");
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ bool MarkerLock::setup_plane(Plane plane) {
     if (k != a && has(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
   if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
-    throw ModelError("link '" + name() + "' has laws and no row in the plane of the scene; take \"planar\" out");
+    throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; remove \"planar\"");
   f.uP[0] = P_.u0[plane.i()], f.uP[1] = P_.u0[plane.j()];
   f.uS[0] = S_.u0[plane.i()], f.uS[1] = S_.u0[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)
@@ -48,7 +48,7 @@ bool MarkerLock::setup_plane(Plane plane) {
   return true;
 }
 
-// Its laws leave the plane now.
+// Throws if a law leaves the plane at this time.
 void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
   const int a = flat_.turn_axis;
   if ((laws_ & with::p) && has(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
@@ -58,7 +58,7 @@ void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
   if (other.squaredNorm() > 1e-24) leaves_plane(*this, in.t);
 }
 
-// In world axes; of vectors the components along i, j and the normal.
+// In world axes; vectors by their components along i, j and the normal.
 LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBlock& block) const {
   const Flat& f = flat_;
   const int i = f.plane.i(), j = f.plane.j(), n = f.plane.n;
@@ -101,7 +101,7 @@ LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBl
   block.set(side2_, 0, Vec3(-v), w2);
 }
 
-// About the turn axis of S and P; the plane is seen from the side to which it points.
+// About the common turn axis of S and P, which points at the viewer of the plane.
 template <class Law>
 LOCKSTEP_INLINE void MarkerLock::flat_turn(const Inputs& in, const Law& D, const RowBlock& block) const {
   const Flat& f = flat_;

@@ -9,7 +9,7 @@ void refuse_particles(const std::string& link, const std::string& rows, const Ma
     if (m->body->freedoms == Freedoms::particle)
       throw ModelError(
           "link '" + link + "' holds turns (" + rows + ") of '" + m->body->name +
-          "', which is a particle and does not turn; give it an inertia, or take a link that leaves turns free");
+          "', which is a particle and does not turn; give it an inertia, or use a link that leaves turns free");
 }
 
 Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFrame& P, const MarkerFrame& S) {

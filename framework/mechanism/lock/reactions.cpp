@@ -3,7 +3,7 @@
 namespace lockstep {
 namespace {
 
-// (2.1) generalised force on the link's i-th slot: -J_i^T lambda; its moment carried to the point.
+// (2.1) The generalised force -J_i^T lambda on the link's i-th slot, with its moment about `point`.
 LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, const double* lambda, int i, int part,
                    const Motion& O, const Vec3& point) {
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();
@@ -18,7 +18,7 @@ LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, co
 
 }  // namespace
 
-// A body that is fixed has no rows: it takes what all others give.
+// A fixed body has no Jacobian: its wrench is minus the sum of the wrenches on the others.
 LinkWrench Reactions::on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part) const {
   if (entry(link) < 0) return {};
   const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];

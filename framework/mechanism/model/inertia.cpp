@@ -17,7 +17,7 @@ void require_positive(double x, const std::string& what) {
 // Steiner's term of a mass at d: m (|d|^2 1 - d d').
 Mat3 steiner(double mass, const Vec3& d) { return mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose()); }
 
-// J in axes turned by A: A J A', made symmetric to the last bit.
+// J in axes turned by A: A J A', exactly symmetric.
 Mat3 turned(const Mat3& J, const Mat3& A) {
   const Mat3 K = A * J * A.transpose();
   return 0.5 * (K + K.transpose());
@@ -30,7 +30,7 @@ MassProperties diagonal(double mass, const Vec3& J) {
   return properties;
 }
 
-// Frame in the middle of a rod, x along it, z as near to the world's z as can be.
+// Frame in the middle of a rod, x along it, z as close as possible to the world's z.
 Pose rod_pose(const Vec3& from, const Vec3& to) {
   const Vec3 ex = (to - from).normalized();
   const bool upright = std::hypot(ex[0], ex[1]) < 1e-6;
@@ -70,7 +70,7 @@ void check(const MassProperties& p, const std::string& owner) {
                      "); give a moment about every axis, or make the body a particle");
   if (I[0] + I[1] < I[2] * (1 - 1e-10))
     throw ModelError(who + "the inertia breaks the triangle rule (" + principal +
-                     "): the two smaller must sum up to the largest at least; "
+                     "): the two smaller must add up to at least the largest; "
                      "check whether products are given as matrix entries and about the mass centre");
 }
 
@@ -84,7 +84,7 @@ MassProperties shapes::moved(const MassProperties& p, const Pose& pose) {
 }
 
 MassProperties shapes::compound(std::span<const MassProperties> parts) {
-  if (parts.empty()) throw ModelError("a compound of no parts; give one at least");
+  if (parts.empty()) throw ModelError("a compound without parts; give at least one");
   MassProperties sum;
   for (const MassProperties& part : parts) {
     require_positive(part.mass, "compound: the mass of a part");

@@ -5,7 +5,7 @@
 namespace lockstep {
 namespace {
 
-// The deleter of a labelled pointer: keeps the law and its label as long as anybody holds the pointer.
+// The deleter of a labelled pointer: keeps the law and its label as long as the pointer lives.
 template <class L>
 struct Keeper {
   LawPtr<L> law;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kGimbal = 1e-7;  // rad
 
-// Axes i, j, k of a sequence; m is the axis that is neither i nor j, and sign says whether i, j, m turn to the right.
+// Axes i, j, k of a sequence; m is the axis that is neither i nor j; sign is 1 if i, j, m are right-handed, else -1.
 struct Axes {
   int i, j, k, m;
   double sign;
@@ -67,7 +67,7 @@ Angles to_angles(const std::string& sequence, const Quat& given) {
   Angles r;
   r.value[1] = side * middle - shift;
   r.gimbal = middle < kGimbal || kPi - middle < kGimbal;
-  if (r.gimbal) {  // only the sum (or the difference) of the outer angles is known: all of it goes to the first
+  if (r.gimbal) {  // only the sum (or difference) of the outer angles is defined: the first takes it all
     r.value[0] = wrapped(2 * (middle < kGimbal ? half_sum : half_difference));
   } else {
     r.value[0] = wrapped(half_sum + half_difference);

@@ -40,7 +40,7 @@ const Value::List& law_list(const Value& v, const std::string& context) {
   return *items;
 }
 
-// What a getter of this form does, without its result.
+// Throws what the getter of this form would throw.
 void check_value(const Value& v, const Key& key, const std::string& context) {
   switch (key.form) {
     case Form::number:
@@ -107,7 +107,7 @@ bool is_plain(const std::string& text) {
     if (more == 0) return false;
     const bool outside = (c == 0xc2 && next < 0xa0) || (c == 0xe0 && next < 0xa0) || (c == 0xed && next > 0x9f) ||
                          (c == 0xf0 && next < 0x90) || (c == 0xf4 && next > 0x8f);
-    if (outside) return false;  // control characters, longer than need be, surrogates, beyond U+10FFFF
+    if (outside) return false;  // control characters, overlong forms, surrogates, beyond U+10FFFF
     for (std::size_t k = 1; k <= more; ++k)
       if ((byte(i + k) & 0xc0) != 0x80) return false;
     i += more;
@@ -117,7 +117,7 @@ bool is_plain(const std::string& text) {
 
 void check_plain(const std::string& text, const std::string& what) {
   if (!is_plain(text))
-    throw ModelError(what + " is no plain line of text: it has control characters, or is no UTF-8; rewrite it");
+    throw ModelError(what + " is not a plain line of text: it has control characters, or is not UTF-8; rewrite it");
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ bool holds_law(Form form) {
 
 std::string part_of(const std::string& owner, std::string_view part) {
   if (owner.empty()) return std::string(part);
-  // A name stands in quotes at the end of an owner that is no part itself.
+  // An owner that ends in a quoted name is a thing, any other is itself a part.
   return owner + (owner.back() == '\'' ? ", " : ".") + std::string(part);
 }
 
@@ -152,7 +152,7 @@ void check(const TypeInfo& info) {
     check_plain(key.help, "the help of its key '" + key.name + "'");
     for (const std::string& choice : key.choices) check_plain(choice, "a choice of its key '" + key.name + "'");
     for (std::size_t j = 0; j < i; ++j)
-      if (info.keys[j].name == key.name) throw ModelError(place + "it stands twice in the table; remove one");
+      if (info.keys[j].name == key.name) throw ModelError(place + "it is listed twice in the table; remove one");
     if (key.form == Form::choice && key.choices.empty())
       throw ModelError(place + "a choice without choices; list them");
     if (key.default_value() == nullptr) continue;
@@ -233,7 +233,7 @@ const Key& Params::key_of(std::string_view name) const {
     if (key.name == name) return key;
   lockstep::refuse(object_.where, owner_,
                    "its maker asks for key \"" + std::string(name) + "\", which " +
-                       (keys_.empty() ? "nobody has checked yet; call checked() first"
+                       (keys_.empty() ? "has not been checked yet; call checked() first"
                                       : "its table does not list; add it to the type's keys"));
 }
 
@@ -258,11 +258,11 @@ L Params::made(std::string_view name) const {
   const auto found = laws_.find(key.name);
   if (found == laws_.end()) {
     (void)needed(key);
-    refuse(name, "it holds a law, and there is nothing here that makes laws; pass a registry");
+    refuse(name, "it holds a law, but nothing here can make laws; pass a registry");
   }
   const L* law = std::get_if<L>(&found->second);
   if (law == nullptr)
-    refuse(name, "its maker asks for a law of another kind than its table lists; mend one of the two");
+    refuse(name, "its maker asks for another kind of law than its table lists; correct one of the two");
   return *law;
 }
 

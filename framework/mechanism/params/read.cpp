@@ -40,14 +40,14 @@ Quat read_quaternion(const Value& v, const std::string& context) {
   const Vec4 e(c[0], c[1], c[2], c[3]);
   const double most = e.cwiseAbs().maxCoeff();
   if (most == 0)
-    refuse(v.where, context, "the quaternion [0, 0, 0, 0] is no orientation; [1, 0, 0, 0] is the unturned one");
-  return normalized(Quat::from(Vec4(e / most)));  // scaled first: its square may not underflow
+    refuse(v.where, context, "the quaternion [0, 0, 0, 0] is not an orientation; [1, 0, 0, 0] is the identity");
+  return normalized(Quat::from(Vec4(e / most)));  // scaled first, so that its square does not underflow
 }
 
-// The member `key` of an orientation's object; every other member but `partner` is refused.
+// The member `wanted` of an orientation's object, without which `key` means nothing.
 const Value& partner(const Value& v, const char* key, const char* wanted, const std::string& context) {
   if (const Value* found = v.find(wanted)) return *found;
-  refuse(v.where, context, std::string("\"") + key + "\" needs \"" + wanted + "\" beside it; add it");
+  refuse(v.where, context, std::string("\"") + key + "\" needs \"" + wanted + "\" as well; add it");
 }
 
 Quat read_angle_orientation(const Value& v, const std::string& context) {
@@ -66,10 +66,11 @@ Quat read_matrix_orientation(const Value& v, const std::string& context) {
   const double off = (A.transpose() * A - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kLimit))
     refuse(v.where, context,
-           "the columns are not upright to each other with length 1: off by " + brief(off) + ", allowed is " +
-               brief(kLimit) + "; give a quaternion or two directions instead");
+           "the columns are not orthonormal: off by " + brief(off) + ", allowed is " + brief(kLimit) +
+               "; give a quaternion or two directions instead");
   if (A.col(0).dot(cross(A.col(1), A.col(2))) < 0)
-    refuse(v.where, context, "the matrix is a mirror (determinant -1), no turn; change the sign of one column");
+    refuse(v.where, context,
+           "the matrix is a reflection (determinant -1), not a rotation; change the sign of one column");
   return quaternion_of(A);
 }
 
@@ -97,7 +98,7 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
   return quaternion_of(A);
 }
 
-// Refuses members beyond the ones that this form of orientation knows.
+// Refuses members that this form of orientation does not have.
 void check_members(const Value& v, std::span<const std::string> known, const std::string& context) {
   for (const Value::Member& member : *v.object()) {
     bool found = false;

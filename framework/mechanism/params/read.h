@@ -1,5 +1,4 @@
-// One Value read by its form, with errors that say where it stood. Params reads through these; so does the scene's
-// builder.
+// Readers of one Value by its form, with errors that say where it was written. Params and the scene builder use them.
 #pragma once
 
 #include <span>
@@ -13,8 +12,7 @@
 
 namespace lockstep {
 
-/// Throws SceneError "file:line:column: context: problem" (parts that are empty are left out), with that place in its
-/// data.
+/// Throws SceneError "file:line:column: context: problem" (empty parts are left out), with that place in its data.
 [[noreturn]] LOCKSTEP_API void refuse(const Where&, const std::string& context, const std::string& problem,
                                       ErrorData about = {});
 
@@ -24,8 +22,8 @@ LOCKSTEP_API std::string shown(const Value&);
 /// The context of one item of a list: "link 'A', points[2]".
 inline std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
 
-// All throw SceneError by `refuse`; `context` names the thing that is read: "link 'A', law.slope".
-// Numbers are finite; with a unit other than Unit::none a text like "12 mm" stands for a number, the result is in SI.
+// All throw SceneError by `refuse`; `context` names what is read: "link 'A', law.slope".
+// Numbers are finite and in SI; with a unit other than Unit::none a number may be a text such as "12 mm".
 LOCKSTEP_API double read_number(const Value&, Unit, const std::string& context);
 LOCKSTEP_API int read_integer(const Value&, const std::string& context);
 LOCKSTEP_API bool read_boolean(const Value&, const std::string& context);
@@ -41,10 +39,10 @@ LOCKSTEP_API Mat3 read_matrix3(const Value&, Unit, const std::string& context);
 /// A direction of length 1: "x", "-y", "+z" or [x, y, z], not zero.
 LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
 
-/// An orientation, unit, one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
-/// {"angles": [a, b, c], "sequence": "xyz" or a name of angles.h}; {"matrix": three rows} (axes of the frame as
-/// columns); two of {"x": direction, "y": ..., "z": ...}: the first in the order of the alphabet is kept, the other
-/// turned upright to it.
+/// A unit quaternion, from one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
+/// {"angles": [a, b, c], "sequence": "xyz" or a name that angle_sequence() knows}; {"matrix": three rows} (axes of the
+/// frame as columns); two of {"x": direction, "y": ..., "z": ...}: the alphabetically first is kept, the other made
+/// perpendicular to it.
 LOCKSTEP_API Quat read_orientation(const Value&, const std::string& context);
 
 }  // namespace lockstep

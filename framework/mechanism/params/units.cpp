@@ -10,7 +10,7 @@
 namespace lockstep {
 namespace {
 
-// Exponents of metre, kilogram, second and radian. The radian counts, so that a torque is no torsional stiffness.
+// Exponents of metre, kilogram, second and radian. The radian counts: a torque is not a torsional stiffness.
 struct Dimension {
   int m = 0, kg = 0, s = 0, rad = 0;
   bool operator==(const Dimension&) const = default;
@@ -50,7 +50,7 @@ const UnitWords& words_of(Unit unit) {
   return kWords.back();
 }
 
-// SI value = x * up / down * 10^ten: powers of ten apart, so that "12 mm" is the double nearest to 0.012.
+// SI value = x * up / down * 10^ten; powers of ten are separate, so that "12 mm" is the double nearest to 0.012.
 struct UnitFactor {
   double up = 1, down = 1;
   int ten = 0;
@@ -122,7 +122,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-// The power behind a symbol ("^3", "\u00b2"), taken off its end; 1 when there is none, 0 when it cannot be read.
+// The power after a symbol ("^3", "\u00b2"), removed from its end; 1 when there is none, 0 when it cannot be read.
 int take_power(std::string_view& name) {
   for (const auto& [mark, power] : {std::pair{std::string_view("\u00b2"), 2}, {std::string_view("\u00b3"), 3}})
     if (name.ends_with(mark)) return name.remove_suffix(mark.size()), power;
@@ -159,7 +159,7 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
       return total;
     }
     if (divided && !divide) {
-      problem = "a product behind a division can be read in two ways; write the divisors last, as in \"N m s/rad\"";
+      problem = "a product after a division is ambiguous; write the divisors last, as in \"N m s/rad\"";
       return total;
     }
     multiply(total, *factor, divide ? -power : power);
@@ -168,7 +168,7 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
     divided = divided || divide;
     if (!unit.empty() && (unit.front() == '/' || unit.front() == '*')) {
       unit = trimmed(unit.substr(1));
-      if (unit.empty()) problem = "the unit ends in a sign";
+      if (unit.empty()) problem = "the unit ends with \"*\" or \"/\"";
     }
   }
   return total;
@@ -186,7 +186,7 @@ double to_si(double x, const UnitFactor& f) {
 }
 
 std::string wanted(const UnitWords& w) {
-  return std::string(w.article) + " " + w.name + " is wanted (a number in " + w.si + ", or a text such as \"" +
+  return std::string(w.article) + " " + w.name + " is expected (a number in " + w.si + ", or a text such as \"" +
          w.example + "\")";
 }
 
@@ -215,7 +215,7 @@ Measured read_quantity(std::string_view text, Unit unit) {
   if (rest.empty())
     return {0,
             quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
-  if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal sign is a point"};
+  if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal separator is a point"};
 
   const UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};

@@ -1,5 +1,5 @@
-// Units of measurement in texts: "12 mm", "1200 rpm", "0.3 g/cm^3". (Boost.Units knows units when it compiles; it reads
-// no texts.)
+// Units of measurement in texts: "12 mm", "1200 rpm", "0.3 g/cm^3". (Boost.Units works at compile time and reads no
+// text.)
 #pragma once
 
 #include <string>
@@ -19,10 +19,10 @@ LOCKSTEP_API std::string article_name_of(Unit);
 /// The SI unit in which a number without a unit is read: "m", "rad/s", ...; "" for Unit::none and Unit::any.
 LOCKSTEP_API std::string si_unit(Unit);
 
-/// A text that would be understood: "12 mm", "1200 rpm", ...; "" for Unit::none.
+/// A valid text: "12 mm", "1200 rpm", ...; "" for Unit::none.
 LOCKSTEP_API std::string example_of(Unit);
 
-/// What a text with a unit says: `value` in SI when `problem` is empty, else why it cannot be taken.
+/// The quantity in a text: `value` in SI when `problem` is empty, which else says why the text is refused.
 struct Measured {
   double value = 0;
   std::string problem;  ///< `"12 mmm": unknown unit "mmm"; ...`
@@ -30,7 +30,7 @@ struct Measured {
 
 /// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
 /// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg,
-/// rev, turn, rpm, min, h, t, in, ft. Locale never matters.
+/// rev, turn, rpm, min, h, t, in, ft. Independent of the locale.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit);
 
 }  // namespace lockstep

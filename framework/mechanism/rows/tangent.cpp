@@ -19,7 +19,7 @@ double Differences::distance(std::span<const int> slots, const Inputs& in) {
   double d = 0;
   for (const int slot : slots) d += (in.slot(slot).x - in.slot(slots.front()).x).norm();
   if (d == 0) d = in.slot(slots.front()).x.norm();
-  return d > 0 ? std::max(d, 1e-3) : 1.0;  // one slot that passes the origin is not small itself
+  return d > 0 ? std::max(d, 1e-3) : 1.0;  // a single slot near the origin is no sign of a small mechanism
 }
 
 void TangentSum::lay_out(int n_slots) {

@@ -11,14 +11,14 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kFence = 512;  // numbers on each side: more than the largest block of rows has
-// A NaN that no arithmetic makes; compared bit by bit.
+constexpr std::size_t kFence = 512;  // numbers on each side, more than the largest block of rows holds
+// A NaN that no arithmetic produces; compared bitwise.
 constexpr std::uint64_t kMark = 0x7ff8'dead'beef'cafe;
 
 bool marked(double x) { return std::bit_cast<std::uint64_t>(x) == kMark; }
 bool ours(const std::string& origin) { return origin == "built in"; }
 
-// Numbers between two fences.
+// An array between two fences.
 class Fenced {
  public:
   explicit Fenced(std::size_t n) : numbers_(n + 2 * kFence, std::bit_cast<double>(kMark)), n_(n) {}
@@ -41,7 +41,7 @@ template <class T>
   throw UserCodeError(whose.label() + " " + did, {.thing = whose, .problem = did});
 }
 
-// Runs the user's code; what it throws is thrown again at the first evaluation, which knows the time.
+// Runs user code; false if it throws. The first evaluation, which knows the time, will meet the same exception.
 bool runs(const std::function<void()>& act) {
   try {
     act();
@@ -51,7 +51,7 @@ bool runs(const std::function<void()>& act) {
   }
 }
 
-// Which numbers of a block a link has to write; the others pad the columns and stay zero.
+// Marks the numbers of a block that a link has to write; the others are padding and stay zero.
 std::vector<bool> wanted(const RowShape& shape) {
   std::vector<bool> needed(RowSpan::stride(shape), false);
   const auto column = [&](std::size_t at, int n) {
@@ -66,17 +66,17 @@ std::vector<bool> wanted(const RowShape& shape) {
   return needed;
 }
 
-// "C of row phi", "the jacobian of row phi on its body 2"
+// "C of row phi", "the Jacobian of row phi on its body 2"
 std::string place_in(const RowShape& shape, const Lock& link, std::size_t at) {
   const auto ld = static_cast<std::size_t>(shape.ld());
   const std::string row = "row " + link.row_name(static_cast<int>(at % ld));
   if (at < 3 * ld) return std::string(at < ld ? "C" : at < 2 * ld ? "Ct" : "Qhat") + " of " + row;
   int slot = 0;
   while (slot + 1 < shape.n && at >= shape.J(slot + 1)) ++slot;
-  return "the jacobian of " + row + " on its body " + std::to_string(slot + 1);
+  return "the Jacobian of " + row + " on its body " + std::to_string(slot + 1);
 }
 
-// All links of one group in one call, as they are gathered later.
+// Gathers all links of one group in one call, as the evaluation does.
 void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_plane) {
   const std::size_t stride = RowSpan::stride(shape);
   Fenced rows(stride * links.size());
@@ -91,7 +91,7 @@ void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_p
   if (!rows.fence_intact())
     refuse(*links.front(), "writes outside of its rows; it has rows 0 to " + std::to_string(shape.m - 1) +
                                " on its bodies 0 to " + std::to_string(shape.n - 1) +
-                               ": look at the numbers that its gather() hands to the block");
+                               ": check the indices that its gather() passes to the block");
   const std::vector<bool> needed = wanted(shape);
   for (std::size_t l = 0; l < links.size(); ++l)
     for (std::size_t k = 0; k < stride; ++k) {
@@ -101,8 +101,8 @@ void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_p
                               " unwritten; its gather() has to write every number, zeros too, for each link of the "
                               "group");
       if (!needed[k] && !marked(x) && x != 0)
-        refuse(*links[l], "writes outside of its rows, behind row " + std::to_string(shape.m - 1) +
-                              "; look at the numbers that its gather() hands to the block");
+        refuse(*links[l], "writes outside of its rows, beyond row " + std::to_string(shape.m - 1) +
+                              "; check the indices that its gather() passes to the block");
     }
 }
 
@@ -116,7 +116,7 @@ void check_numbers(const Lock& link, const char* what, int n, bool all,
   if (all && !numbers.written()) refuse(link, "leaves some of " + its + " unwritten in " + what);
 }
 
-// Comes first: System::start() hands them the state itself.
+// Must come first: System::start() hands them the state itself.
 void check_start(const Lock& link) {
   if (const Stateful* own = link.stateful())
     check_numbers(link, "start_states()", own->n_states(), true, [&](auto s) { own->start_states(s); });
@@ -137,11 +137,11 @@ void check_start(const Force& force) {
   const int n = own->n_memory();
   Fenced memory(static_cast<std::size_t>(n));
   if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_intact() || !memory.written()))
-    refuse(force, "does not write just its " + std::to_string(n) + " numbers in start_memory()");
+    refuse(force, "does not write exactly its " + std::to_string(n) + " numbers in start_memory()");
 }
 
 void check_force(const Force& force, const Inputs& in, int n_slots) {
-  // Slots beyond the last have room of their own, in which a push is noticed.
+  // Extra slots beyond the last, in which a misplaced force shows.
   constexpr int kBeyond = 16;
   std::vector<Motion> motions(in.motions.begin(), in.motions.end());
   motions.resize(motions.size() + kBeyond);
@@ -151,7 +151,7 @@ void check_force(const Force& force, const Inputs& in, int n_slots) {
   WrenchSum sum(at.motions, f);
   if (!runs([&] { force.apply(at, sum); })) return;
   if (!f.tail(6 * kBeyond).isZero(0))
-    refuse(force, "pushes a slot that is not there; take it from a marker (marker.body->slot), after setup");
+    refuse(force, "acts on a slot that does not exist; take it from a marker (marker.body->slot), after setup");
 }
 
 void check_slots(const Lock& link, int n_slots) {

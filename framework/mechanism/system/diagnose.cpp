@@ -18,7 +18,7 @@ Thing thing_of_kind(const char* kind, const T& thing) {
   return made;
 }
 
-// What is wrong with one of its laws; asking runs the user's code.
+// What is wrong with one of its laws, "" if nothing is; runs user code.
 std::string law_fault_of(const Lock& link, double t) {
   try {
     return link.driven() == nullptr ? "" : link.driven()->diagnose(t);
@@ -34,7 +34,7 @@ std::string law_fault_of(const Force& force, double t) {
   }
 }
 
-// `what` of this thing is not finite: because of a law of it, or else of what `otherwise` says.
+// Blames one of its laws if that is at fault, else gives the advice `otherwise`.
 template <class T>
 [[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
   const std::string law = law_fault_of(thing, t);
@@ -81,7 +81,7 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
         link->gather(Group(&link, 1), in, alone.spatial_span(shape));
     });
   }
-  // No single link throws on its own: an Error says what it is about, of anything else the group is named.
+  // No single link throws on its own: an Error is passed on as it is, anything else names the group.
   try {
     throw;
   } catch (const Error&) {
@@ -90,7 +90,7 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
     ErrorContext group{.thing = thing_of(*link_of(entry(0))), .t = in.t};
     group.thing.name.clear();
     group.label = "one of the " + std::to_string(run.n) + " links of type '" + group.thing.type + "'" +
-                  of_plugin(group.thing.origin) + " (asked one by one, none of them throws)";
+                  of_plugin(group.thing.origin) + " (none of them throws on its own)";
     rethrow_in(group);
   }
 }
@@ -109,8 +109,8 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     double sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum))
-      refuse_number(*system.links()[static_cast<std::size_t>(e.link)], in.t, " made a number that is not finite",
-                    std::string("look at its function and at the pose it is in, or ") + kShorterStep);
+      refuse_number(*system.links()[static_cast<std::size_t>(e.link)], in.t, " computed a number that is not finite",
+                    std::string("check its function and its pose, or ") + kShorterStep);
   }
   if (f.allFinite()) return;
   VecX one = VecX::Zero(f.size());

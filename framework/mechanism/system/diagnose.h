@@ -1,4 +1,4 @@
-// Who made what went wrong: an exception of a link's, a force's or a law's code, or a number that is not finite.
+// Attribution of errors: whose code threw or computed a number that is not finite - a link's, a force's or a law's.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@ namespace lockstep {
 
 class System;
 
-/// The next move where a step was too long for what it met.
+/// Advice where a step was too long.
 inline constexpr const char* kShorterStep =
-    "make the step smaller, or take a method that chooses it (dopri5; radau5 where springs or dampers are stiff)";
+    "reduce the step, or use a method that chooses it (dopri5; radau5 where springs or dampers are stiff)";
 
-/// Kind, name, type and plugin. A class's type() is the user's code: one that throws is "?".
+/// Kind, name, type and plugin. type() is user code: the type is "?" if it throws.
 LOCKSTEP_API Thing thing_of(const Lock&);
 LOCKSTEP_API Thing thing_of(const Force&);
-/// The link that a row of the table belongs to; no name for a row that the table has not.
+/// The link that a row of the table belongs to; unnamed for a row that the table lacks.
 LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 
-/// For errors that leave its code at time t; says which of its laws is at fault then.
+/// The context of errors thrown by its code at time t; names the law that is at fault, if one is.
 LOCKSTEP_API ErrorContext context_of(const Lock&, double t);
 LOCKSTEP_API ErrorContext context_of(const Force&, double t);
 
@@ -38,13 +38,13 @@ void set_up(T& thing) {
       [&] { thing.setup(); });
 }
 
-/// In a catch block around the gathering of one group: asks its links one by one who throws, and throws that.
+/// In a catch block around the gathering of a group: gathers its links one by one and throws the first error by name.
 [[noreturn]] void rethrow_from_group(const System&, const Inputs&, const RowTable&, const RowRun&);
 
-/// Throws NonFiniteError naming the body, link, force or law that made a number that is not finite: in the motions, the
+/// Throws NonFiniteError naming the body, link, force or law with a number that is not finite: in the motions, the
 /// rows, or the forces `f` (6 per slot).
 LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
-/// The same of the rates `sd` of State::s, one of which is not finite.
+/// The same for the rates `sd` of State::s, one of which is not finite.
 [[noreturn]] LOCKSTEP_API void diagnose_rates(const System&, double t, const VecX& sd);
 
 }  // namespace lockstep

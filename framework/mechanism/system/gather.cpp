@@ -1,4 +1,4 @@
-// The passes over the mechanism: slots -> links -> forces. Each reads the arrays that the pass before it filled.
+// The passes over the mechanism: slots -> links -> forces. Each reads the arrays filled by the pass before.
 #include <algorithm>
 
 #include <lockstep/error.h>
@@ -31,7 +31,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
     bool in_plane = false;
     if (plane_) {
       const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
-      if (rows.m == 0) continue;  // all of it lies outside
+      if (rows.m == 0) continue;  // all its rows lie outside the plane
       e.m = rows.m, e.own = rows.own, e.plane = plane_;
       in_plane = rows.by_link;
       e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
@@ -75,21 +75,21 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
   }
 }
 
-// A link that knows no plane: its rows in space, and of them the numbers that stay in the plane.
+// For a link without planar rows: gathers in space and copies what lies in the plane.
 void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
   const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
   const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
   const RowShape shape = link->shape();
   link->gather(Group(&link, 1), in, table.spatial_span(shape));
   const RowBlock all = table.spatial(shape), block = table.block(e);
-  for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must stay empty
+  for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must demand nothing
     if (next < e.m && e.own[static_cast<std::size_t>(next)] == k) {
       ++next;
     } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
                            ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
-                           " s, and the scene is planar; take \"planar\" out",
+                           " s, and the scene is planar; remove \"planar\"",
                        {.thing = thing_of(*link), .t = in.t});
     }
   }
@@ -124,7 +124,7 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
   if (plane_ && !forces_.empty()) check_plane(in, f);
 }
 
-// A force that leaves the plane later than setup looked.
+// Throws if a force has left the plane since setup.
 void System::check_plane(const Inputs& in, const VecX& f) const {
   double inside = 0, outside = 0;
   for (int k = 0; k < n_slots(); ++k) {
@@ -140,7 +140,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
-                             " N at t = " + number(in.t) + " s, and the scene is planar; take \"planar\" out",
+                             " N at t = " + number(in.t) + " s, and the scene is planar; remove \"planar\"",
                          {.thing = thing_of(*force), .t = in.t});
   }
 }
@@ -154,7 +154,7 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     if (active)
       named(*link, values.in.t, [&] { link->stateful()->state_rates(values.in, rates); });
     else
-      std::fill(rates.begin(), rates.end(), 0.0);  // begun anew when the link comes into force
+      std::fill(rates.begin(), rates.end(), 0.0);  // restarted when the link is activated
   }
   for (const auto& auxiliary : auxiliaries_) auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size()));
 }

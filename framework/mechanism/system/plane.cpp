@@ -1,5 +1,5 @@
-// A planar mechanism: which rows lie in its plane, and who leaves it. Asked of the links and forces themselves, in
-// planar poses and motions about the start: no table of types to keep.
+// Planar mechanisms: which rows lie in the plane, and what leaves it. Found by evaluating links and forces in planar
+// poses and motions around the start, so that no table of types is needed.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -12,10 +12,10 @@
 namespace lockstep {
 namespace {
 
-constexpr double kTolerance = 1e-10;  // of the largest number of its kind
+constexpr double kTolerance = 1e-10;  // relative to the largest number of its kind
 constexpr int kPoses = 4;
 
-// A planar pose and motion near the start, other ones for every k; k = 0 is the start itself, moving.
+// A planar pose and motion near the start, different for every k; k = 0 is the start itself, moving.
 State planar_state(const System& system, const State& start, int k) {
   const Plane plane = system.plane();
   State s = start;
@@ -55,7 +55,7 @@ struct Shares {
   bool has_arm() const { return arm > kTolerance * in; }
 };
 
-using Refusal = std::optional<ModelError>;  // nothing: all lies in the plane
+using Refusal = std::optional<ModelError>;  // empty: all lies in the plane
 
 Refusal refusal_of(Thing thing, const std::string& problem) {
   return ModelError({.thing = std::move(thing), .problem = problem});
@@ -68,21 +68,21 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
   if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
     return refusal_of(body, what + "it starts with " + brief(v[plane.n]) +
-                                " m/s along the normal; take \"planar\" out, or start in the plane");
+                                " m/s along the normal; remove \"planar\", or start in the plane");
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
     return refusal_of(
-        body, what + "it starts turning about an axis in the plane; take \"planar\" out, or turn about the normal");
+        body, what + "it starts turning about an axis in the plane; remove \"planar\", or turn about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
     return refusal_of(
-        body, what + "the normal is no principal axis of its inertia (products " + brief(s.J(plane.n, plane.i())) +
+        body, what + "the normal is not a principal axis of its inertia (products " + brief(s.J(plane.n, plane.i())) +
                   " and " + brief(s.J(plane.n, plane.j())) +
-                  " kg m^2), so it would not stay in the plane without moments of its links; take \"planar\" out");
+                  " kg m^2), so it would not stay in the plane without moments from its links; remove \"planar\"");
   return {};
 }
 
-// What links and forces show in the poses looked at: by link and row, by force.
+// The shares found in the sampled poses, by link and row and by force.
 struct Look {
   std::vector<std::vector<Shares>> rows;
   std::vector<Shares> forces;
@@ -135,7 +135,7 @@ Refusal check_force(const Force& force, const Shares& s, Plane plane) {
   if (!s.leaves()) return {};
   return refusal_of({.kind = "force", .name = force.name()}, in_plane_words(plane) +
                                                                  ", and it pushes out of the plane (" + brief(s.out) +
-                                                                 " N); turn it into the plane, or take \"planar\" out");
+                                                                 " N); turn it into the plane, or remove \"planar\"");
 }
 
 // A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
@@ -150,14 +150,14 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
         "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or take "
         "\"planar\" out");
   if (s.in == 0 && s.out == 0 && s.arm == 0)
-    return refuse("has no direction in any planar pose; turn the link's markers, or take \"planar\" out");
+    return refuse("has no direction in any planar pose; turn the link's markers, or remove \"planar\"");
   if (!s.lies_in() && s.free > kTolerance * std::max(1.0, length))
     return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
-                  "); take \"planar\" out, or keep its law in the plane");
+                  "); remove \"planar\", or keep its law in the plane");
   return {};
 }
 
-// Reactions that a force reads have to be complete.
+// The reactions that a force reads must be complete.
 Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
   if (force.reacting() == nullptr) return {};
   for (const Lock* link : force.reacting()->reads()) {
@@ -165,10 +165,10 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
     const std::string what = in_plane_words(system.plane()) + ", and it reads ";
     if (offsets)
       return refusal_of(thing, what +
-                                   "reactions, of which a plane leaves out the moments that arms along the normal "
-                                   "make; take \"planar\" out, or put links and forces into one plane");
+                                   "reactions, which lack the moments of lever arms along the normal in a planar "
+                                   "scene; remove \"planar\", or put links and forces into one plane");
     if (rows[static_cast<std::size_t>(link->number())].m == 0)
-      return refusal_of(thing, what + "link '" + link->name() + "', which lies out of the plane; take \"planar\" out");
+      return refusal_of(thing, what + "link '" + link->name() + "', which lies out of the plane; remove \"planar\"");
   }
   return {};
 }
@@ -181,19 +181,18 @@ std::optional<ModelError> System::setup_plane() {
     for (const Body* b : s.bodies)
       if (Refusal refusal = check_body(*b, s, plane_)) return refusal;
     const double products = std::abs(s.J(plane_.n, plane_.i())) + std::abs(s.J(plane_.n, plane_.j()));
-    if (products > kTolerance * s.J.trace()) offsets_ = true;  // bolted bodies at different heights
+    if (products > kTolerance * s.J.trace()) offsets_ = true;  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
-    return ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) +
-                      " m/s^2 along it; take \"planar\" out");
+    return ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; remove \"planar\"");
   Look look;
   try {
-    struct Borrowed {  // all but the plane is there: the start may be asked for
+    struct Borrowed {  // all but the plane is set up, so start() may be called
       bool& ready;
       ~Borrowed() { ready = false; }
     } borrowed{ready_ = true};
     look = look_in_plane(*this);
-  } catch (const ModelError& error) {  // a link or force that cannot be asked in planar poses
+  } catch (const ModelError& error) {  // a link or force that cannot be evaluated in planar poses
     return error;
   }
   for (std::size_t l = 0; l < forces_.size(); ++l) {

@@ -1,4 +1,4 @@
-// Slots: what moves as one, and who is bolted to whom.
+// Slots: the clusters of welded bodies that move as one.
 #include <algorithm>
 
 #include <lockstep/error.h>
@@ -8,7 +8,7 @@
 
 namespace lockstep {
 
-// One slot a body, or one for all that are bolted together.
+// One slot per body, or one for all bodies that are welded together.
 void System::setup_slots() {
   slots_.clear();
   n_velocities_ = 0;
@@ -26,7 +26,7 @@ void System::setup_slots() {
     } else if (part_of_[k] == k) {
       b.slot = n_slots();
       slots_.emplace_back().bodies = {&b};
-    } else {  // its first body stands before it; a fixed one takes it along
+    } else {  // the first body of its part comes earlier; if that is fixed, so is this
       b.slot = bodies_[part_of_[k]].slot;
       if (b.slot == kGround)
         b.in_slot = b.home;
@@ -40,7 +40,7 @@ void System::setup_slots() {
   }
 }
 
-// Mass, centre, inertia and place of a slot. Its origin is the mass centre; its axes are those of the first body, in a
+// Mass, inertia and pose of a slot. Its origin is the mass centre; its axes are those of the first body, in a
 // planar mechanism the world's at the start, so that every slot turns about the same one.
 void System::fill_slot(Slot& s) {
   const Body& first = *s.bodies.front();
@@ -66,13 +66,13 @@ void System::fill_slot(Slot& s) {
 }
 
 std::size_t System::index_of(const Lock& link) const {
-  const auto k = static_cast<std::size_t>(link.number());  // of the last setup
+  const auto k = static_cast<std::size_t>(link.number());  // as of the last setup
   if (link.number() >= 0 && k < links_.size() && links_[k].get() == &link) return k;
   const auto it = std::find_if(links_.begin(), links_.end(), [&](const auto& l) { return l.get() == &link; });
   return static_cast<std::size_t>(it - links_.begin());
 }
 
-// Who is bolted to whom: part_of_ names the first body of each part, a fixed one before all others.
+// Finds the welded parts: part_of_ is the first body of each body's part, or a fixed one if there is one.
 void System::setup_merge() {
   part_of_.resize(bodies_.size());
   for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = k;
@@ -88,7 +88,7 @@ void System::setup_merge() {
     for (std::size_t& p : part_of_)
       if (p == second) p = first;
   };
-  const auto meet = [](const Marker& p, const Marker& s) {  // in place at the start, and moving as one
+  const auto meet = [](const Marker& p, const Marker& s) {  // same pose at the start, and same velocity
     const Pose P = p.body->home * p.local, S = s.body->home * s.local;
     if ((P.x - S.x).norm() > 1e-9 || !rotation(P.q).isApprox(rotation(S.q), 1e-9)) return false;
     const auto v_of = [](const Body& b, const Vec3& x) {
@@ -97,7 +97,7 @@ void System::setup_merge() {
     return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
            (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
   };
-  std::vector<const Lock*> read;  // their reactions are wanted
+  std::vector<const Lock*> read;  // links whose reactions are read
   for (const auto& force : forces_)
     if (const Reacting* own = force->reacting())
       for (const Lock* link : own->reads()) read.push_back(link);
@@ -118,7 +118,7 @@ void System::setup_merge() {
     for (std::size_t k = 0; k < part_of_.size(); ++k)
       if (part_of_[k] == part) part_of_[k] = k;
   };
-  // A part in which another link works is left as it is: its rows would be those of one rigid body.
+  // A part within which another link acts is not merged: both ends of that link would be on one rigid body.
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (merged_[l]) continue;
     for (const auto& [p, s] : links_[l]->pairs()) {

@@ -8,7 +8,7 @@ namespace {
 
 int moving_slot(const Body& b) {
   if (b.slot == kGround)
-    throw ModelError("body '" + b.name + "' does not move; only bodies that move have a pose or twist to be set");
+    throw ModelError("body '" + b.name + "' does not move; only moving bodies have a pose or twist to set");
   return b.slot;
 }
 

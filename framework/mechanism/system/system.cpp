@@ -50,7 +50,7 @@ Pose pose_at(const Vec3& x, const Vec3& z) {
   const double length = z.norm();
   if (!(length > 0)) throw ModelError("at: the direction of z is zero; give a direction");
   const Vec3 n = z / length;
-  // x as near to the world's x as can be (to the world's y where z is along x), so that planar scenes keep their axes.
+  // x as close as possible to the world's x (the world's y where z is along x), so that planar scenes keep their axes.
   const Vec3 guide = std::abs(n[0]) < 0.99 ? Vec3::UnitX() : Vec3::UnitY();
   const Vec3 ex = (guide - guide.dot(n) * n).normalized();
   Mat3 A;
@@ -72,8 +72,8 @@ System& System::operator=(System&&) noexcept = default;
 void System::check_new_name(const std::string& kind, const std::string& name) const {
   if (name.empty()) throw ModelError("a " + kind + " without a name; give it one");
   const auto taken = [&](const std::string& by) {
-    throw ModelError(kind + " '" + name + "': this name is taken by a " + by +
-                     " already; names are unique in a system, so that a channel means one thing: choose another");
+    throw ModelError(kind + " '" + name + "': this name is already taken by a " + by +
+                     "; names are unique in a system, so that a channel name is unambiguous: choose another");
   };
   const auto found = names_.find(name);
   if (found != names_.end()) taken(found->second);
@@ -222,7 +222,7 @@ void System::setup_links() {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (!merged_[l]) set_up(*links_[l]);
   }
-  // Links of equal type, pattern, rows and slots stand together, groups in the order of their first member.
+  // Links of equal type, pattern, rows and slots form a group; groups are in the order of their first members.
   using Kind = std::tuple<std::type_index, LinkPattern, int, int>;
   std::map<Kind, std::vector<const Lock*>> members;
   std::vector<Kind> order;
@@ -273,7 +273,7 @@ State System::start() const {
     const Body& b = body_of_slot(k);
     const Pose& home = slot(k).home;
     state.set_slot_pose(k, home);
-    const Mat3 A = rotation(b.home.q);  // a part moves as its first body does
+    const Mat3 A = rotation(b.home.q);  // a slot moves with its first body
     const Vec3 r = slot(k).bodies.size() == 1 ? b.mass.center : Vec3(A.transpose() * (home.x - b.home.x));
     state.set_slot_twist(k, {b.start.v + A * cross(b.start.w, r), rotation(b.in_slot.q) * b.start.w});
   }
@@ -283,7 +283,7 @@ State System::start() const {
     return std::span<double>(x.data() + first, static_cast<std::size_t>(size));
   };
   for (const auto& link : links_) {
-    state.modes.push_back(link->active_at_start() && !link->unilateral());  // unilateral ones: when they are touched
+    state.modes.push_back(link->active_at_start() && !link->unilateral());  // unilateral links: at contact
     state.watched.push_back(link->active_at_start() && link->unilateral());
     named(*link, 0.0, [&] {
       if (const Stateful* own = link->stateful())
