@@ -11,6 +11,13 @@ function(lockstep_precompile target)
   endif()
 endfunction()
 
+# lockstep_share_precompiled(target owner): the precompiled headers of another target with the same settings, if it has any.
+function(lockstep_share_precompiled target owner)
+  if(LOCKSTEP_PRECOMPILE AND TARGET ${owner})
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  endif()
+endfunction()
+
 # Sources are compiled several at once: most of a small file's time is its headers.
 option(LOCKSTEP_UNITY "Compile sources in batches (OFF: one by one, as development and tools that read one file want)" ON)
 function(lockstep_unity target batch)

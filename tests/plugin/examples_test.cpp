@@ -8,9 +8,11 @@
 #include <lockstep/loader.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/program.h"
 #include "tests/support/paths.h"
 
 using namespace lockstep;
+using lockstep::testing::contains;
 
 namespace {
 
@@ -28,7 +30,6 @@ std::string refusal(const std::function<void()>& make) {
   }
   return "not refused";
 }
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -10,9 +10,11 @@
 
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/program.h"
 #include "tests/support/paths.h"
 
 using namespace lockstep;
+using lockstep::testing::contains;
 namespace fs = std::filesystem;
 
 namespace {
@@ -30,11 +32,6 @@ std::string refusal(const std::string& plugin, const std::vector<std::string>& f
   return "accepted";
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  INFO(text);
-  INFO(part);
-  return text.find(part) != std::string::npos;
-}
 
 // A copy of the probe whose record was changed by `change`.
 template <class F>

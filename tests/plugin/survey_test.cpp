@@ -1,10 +1,5 @@
 // The verbs that measure, called as a person calls them: chart, advise, run --certify.
-#include <sys/wait.h>
-
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -12,45 +7,20 @@
 #include <lockstep/recorder.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/program.h"
 
 using namespace lockstep;
+using namespace lockstep::testing;
 namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kFolder = std::string(paths::kBuild) + "/output/survey";
-
-struct Result {
-  int exit = -1;
-  std::string text;  // both streams
-};
-
-Result call(const std::string& words) {
-  fs::create_directories(kFolder);
-  const std::string command =
-      "cd '" + kFolder + "' && LOCKSTEP_OUTPUT='" + kFolder + "' '" + paths::kProgram + "' " + words + " 2>&1";
-  Result result;
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  std::array<char, 4096> part;
-  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) result.text.append(part.data(), n);
-  const int status = pclose(pipe);
-  result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return result;
-}
-
-std::string scene(const std::string& name, const std::string& members) {
-  fs::create_directories(kFolder);
-  const std::string path = kFolder + "/" + name + ".json";
-  std::ofstream(path) << "{\"lockstep\": 1,\n" << members << "\n}\n";
-  return path;
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+const std::string& kFolder = kRunnerFolder;
+using Result = Called;
 
 // A particle of 1 kg on a ring of 2 m, no gravity, 3 m/s: x = 2 cos 1.5 t, y = 2 sin 1.5 t, held by 4.5 N.
 std::string ring(const std::string& run) {
-  return scene(
+  return scene_file(
       "ring",
       R"("title": "a stone on a string", "bodies": [{"name": "stone", "particle": 1, "position": [2, 0, 0], "velocity": [0, 3, 0]}],
     "links": [{"name": "L", "type": "distance", "p": "stone", "s": "ground", "at_p": [2, 0, 0], "at_s": [0, 0, 0], "length": 2}],

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "tests/support/configuration.h"
 
 namespace lockstep::oracle {
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A scalar law from a function of time; only its value is asked of forces.
 class ValueLaw final : public MotionLaw {

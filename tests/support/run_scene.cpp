@@ -7,9 +7,16 @@
 #include <lockstep/registry.h>
 #include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
+#include "tests/support/paths.h"
 #include "tests/support/run_with_registry.h"
 
 namespace lockstep {
+
+std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
+
+Table trusted(const std::string& csv) {
+  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
+}
 
 SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change,
                    const std::function<void(Scene&)>& describe) {

@@ -17,6 +17,11 @@ struct SceneRun {
   int n_velocities = 0;
 };
 
+/// A scene of samples/scenes by its name: the path of its file.
+std::string scene_path(const std::string& name);
+/// A trusted history of tests/verification/data by its name.
+Table trusted(const std::string& csv);
+
 /// `change` may alter the run settings before the mechanism is built.
 /// `describe` the scene itself.
 SceneRun run_scene(const std::string& path, const std::function<void(RunSettings&)>& change = {},

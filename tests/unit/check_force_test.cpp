@@ -6,9 +6,11 @@
 #include <lockstep/relative.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
 using namespace lockstep;
+using lockstep::test::says;
 
 namespace {
 
@@ -93,10 +95,6 @@ CheckReport checked(Args... args) {
   return check_force(system, system.add(std::make_unique<F>("rubber", p, s, args...)), {.seed = 7});
 }
 CheckReport rubber(Fault fault) { return checked<Rubber>(fault); }
-
-bool says(const CheckReport& report, const std::string& words) {
-  return report.text().find(words) != std::string::npos;
-}
 
 }  // namespace
 

@@ -7,8 +7,10 @@
 #include "framework/tools/check/closed_motion.h"
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/check_words.h"
 
 using namespace lockstep;
+using lockstep::test::says;
 
 namespace {
 
@@ -101,10 +103,6 @@ class Two final : public Integrator {
 CheckReport two(Fault fault) {
   return check_integrator([fault] { return std::make_unique<Two>(fault); });
 }
-bool says(const CheckReport& report, const std::string& words) {
-  return report.text().find(words) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("the closed form of the pendulum is that of Boost's elliptic functions", "[unit][check]") {

@@ -7,9 +7,11 @@
 #include "framework/tools/check/slope.h"
 #include <lockstep/laws.h>
 #include "tests/support/catch.h"
+#include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
 using namespace lockstep;
+using lockstep::test::says;
 
 namespace {
 
@@ -39,10 +41,6 @@ class Wrong final : public MotionLaw {
   Fault fault_;
   mutable int n_calls_ = 0;
 };
-
-bool says(const CheckReport& report, const std::string& words) {
-  return report.text().find(words) != std::string::npos;
-}
 
 }  // namespace
 

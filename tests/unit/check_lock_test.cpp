@@ -6,9 +6,11 @@
 #include <lockstep/phi_links.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
 using namespace lockstep;
+using lockstep::test::says;
 
 namespace {
 
@@ -112,10 +114,6 @@ class Rod : public Lock, public Driven, public TangentFormula {
   MarkerFrame P_, S_;
   mutable int n_calls_ = 0;
 };
-
-bool says(const CheckReport& report, const std::string& words) {
-  return report.text().find(words) != std::string::npos;
-}
 
 Pose place(double x, double y, double z, double angle) { return {{x, y, z}, axis_angle(Vec3(1, 2, -2), angle)}; }
 

@@ -25,11 +25,11 @@ State turned(const System& system, double angle) {
   return s;
 }
 
-struct Solved {
+struct Answer {
   VecX a, lambda;
 };
-Solved solve(Factor& factor, const Evaluation& e) {
-  Solved out;
+Answer solve(Factor& factor, const Evaluation& e) {
+  Answer out;
   factor.solve(e, e.force(), VecX::Zero(e.rows().n_rows), out.a, out.lambda);
   return out;
 }

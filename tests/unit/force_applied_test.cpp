@@ -5,11 +5,11 @@
 #include "tests/support/force_bench.h"
 
 using namespace lockstep;
+using oracle::kNaN;
 using oracle::ForceBench;
 using oracle::value_law;
 
 namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const Vec3 kF(1, -2, 3);
 }  // namespace
 

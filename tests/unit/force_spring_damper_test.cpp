@@ -5,10 +5,10 @@
 #include "tests/support/force_bench.h"
 
 using namespace lockstep;
+using oracle::kNaN;
 using oracle::ForceBench;
 
 namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 SpringDamper::Options numbers() { return {120.0, 7.0, 0.3, 11.0, {}}; }
 std::string refusal(const SpringDamper::Options& options) {
   ForceBench bench;

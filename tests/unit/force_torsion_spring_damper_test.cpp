@@ -5,10 +5,10 @@
 #include "tests/support/force_bench.h"
 
 using namespace lockstep;
+using oracle::kNaN;
 using oracle::ForceBench;
 
 namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 TorsionSpringDamper::Options numbers() { return {3.0, 0.4, 0.7, 0.2, {}}; }
 const Quat kTilt = normalized(Quat{0.9, 0.3, -0.2, 0.25});
 

@@ -53,7 +53,7 @@ struct Bays {
   }
 };
 
-Dynamics dynamics_of(System& system) {
+Dynamics schur_dynamics(System& system) {
   return Dynamics(system, builtin_registry().solvers.make("schur", Params{}, nullptr, "run.solver"));
 }
 
@@ -62,7 +62,7 @@ Dynamics dynamics_of(System& system) {
 TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamics]") {
   const int n = GENERATE(1, 2, 6);
   Bays bays(n, 0, 1.5);
-  Dynamics dynamics = dynamics_of(bays.system);
+  Dynamics dynamics = schur_dynamics(bays.system);
   const State s = bays.system.start();
   SingularRate through;
   through.begin(s);
@@ -81,7 +81,7 @@ TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamic
 
 TEST_CASE("at rest in a flat position no motion is preferred", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
-  Dynamics dynamics = dynamics_of(bays.system);
+  Dynamics dynamics = schur_dynamics(bays.system);
   const State s = bays.system.start();
   SingularRate through;
   through.begin(s);
@@ -93,7 +93,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
   const char* method = GENERATE("dop853", "dopri5");
   const char* stages = GENERATE("auto", "manifold");
   Bays bays(2, 0, 1.5);
-  Dynamics dynamics = dynamics_of(bays.system);
+  Dynamics dynamics = schur_dynamics(bays.system);
   StepLoop run(dynamics,
                  builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
                  {.tolerance = {1e-9, 1e-11}});
@@ -106,7 +106,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
 
 TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
-  Dynamics dynamics = dynamics_of(bays.system);
+  Dynamics dynamics = schur_dynamics(bays.system);
   StepLoop run(dynamics,
                  builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),

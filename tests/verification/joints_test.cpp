@@ -13,10 +13,6 @@ using namespace lockstep;
 
 namespace {
 
-std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
-Table trusted(const std::string& csv) {
-  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
-}
 /// Largest difference of a column from f(t), over the whole history.
 double off(const Table& t, const char* column, const std::function<double(double)>& f) {
   double worst = 0;

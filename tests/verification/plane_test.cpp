@@ -17,7 +17,6 @@ using lockstep::testing::message_of;
 
 namespace {
 
-std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
 
 void in_plane(Scene& scene) { scene.root.object()->push_back({"planar", Value("auto"), {}}); }
 

@@ -20,10 +20,6 @@ using namespace lockstep;
 
 namespace {
 
-std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
-Table trusted(const std::string& csv) {
-  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
-}
 void check_columns(const Table& ours, const Table& truth, std::vector<std::string> unrecorded,
                    const std::function<double(const ColumnError&)>& limit) {
   const auto errors = compare(ours, truth);

@@ -17,10 +17,6 @@ struct Reference {
   std::vector<std::string> unrecorded;  // columns of the csv that the scene does not record, and why (below)
 };
 
-std::string scene_path(const std::string& name) { return std::string(paths::kScenes) + "/" + name + ".json"; }
-Table trusted(const std::string& csv) {
-  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
-}
 
 /// Every column of the csv is recorded, but for those named; then the errors.
 std::vector<ColumnError> errors_of(const Reference& r, const std::function<void(RunSettings&)>& change = {}) {

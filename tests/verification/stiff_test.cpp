@@ -21,9 +21,6 @@ SceneRun run_flyball(const std::string& method, double step, double tolerance) {
   });
 }
 
-Table trusted(const std::string& csv) {
-  return read_csv(std::string(paths::kSource) + "/tests/verification/data/" + csv + ".csv");
-}
 
 }  // namespace
 

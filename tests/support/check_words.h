@@ -1,0 +1,14 @@
+#pragma once
+/// @file What a report of check_lock(), check_force(), ... says.
+
+#include <string>
+
+#include <lockstep/check.h>
+
+namespace lockstep::test {
+
+inline bool says(const CheckReport& report, const std::string& words) {
+  return report.text().find(words) != std::string::npos;
+}
+
+}  // namespace lockstep::test
