@@ -20,25 +20,25 @@ SplineCurve::SplineCurve(const char* law, std::vector<double> t, const MatX& y, 
 
 void SplineCurve::check(const MatX& y) const {
   const char* law = law_.c_str();
-  require(k_.degree == 3 || k_.degree == 5, law, "degree", "is " + number(k_.degree) + "; must be 3 or 5");
+  require(k_.degree == 3 || k_.degree == 5, law, "degree", "is " + text::number(k_.degree) + "; must be 3 or 5");
   const std::size_t n = t_.size();
   const std::size_t least =
       k_.ends == SplineEnds::periodic || (k_.degree == 5 && k_.ends == SplineEnds::natural) ? 3 : 2;
   require(n >= least, law, "points",
-          "are " + number(static_cast<double>(n)) + "; at least " + number(static_cast<double>(least)) + " are needed");
+          "are " + text::number(static_cast<double>(n)) + "; at least " + text::number(static_cast<double>(least)) + " are needed");
   for (std::size_t i = 0; i < n; ++i) {
-    const std::string place = "number " + number(static_cast<double>(i + 1)) + " of points";
+    const std::string place = "number " + text::number(static_cast<double>(i + 1)) + " of points";
     require(std::isfinite(t_[i]) && y.row(static_cast<Eigen::Index>(i)).allFinite(), law, "points",
             "hold a number that is not finite in " + place);
     require(i == 0 || t_[i] > t_[i - 1], law, "points",
-            "must have rising times; " + place + " is at " + number(t_[i]) + " s, the one before at " +
-                number(t_[i - (i > 0)]) + " s");
+            "must have rising times; " + place + " is at " + text::number(t_[i]) + " s, the one before at " +
+                text::number(t_[i - (i > 0)]) + " s");
   }
   if (k_.ends == SplineEnds::periodic) {
     const double gap = (y.bottomRows(1) - turn_ * y.topRows(1)).cwiseAbs().maxCoeff();
     const double size = y.cwiseAbs().maxCoeff();
     require(gap <= 1e-12 * size, law, "points",
-            "end " + number(gap) + " away from where they start; with periodic ends the last must equal the first");
+            "end " + text::number(gap) + " away from where they start; with periodic ends the last must equal the first");
   }
   require(k_.outside != SplineOutside::repeat || k_.ends == SplineEnds::periodic, law, "outside",
           "is \"repeat\", which needs periodic ends; use \"hold\", or the law 'repeat' around this one");
@@ -98,8 +98,8 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     if (t < first() - kEarly * T || t >= last() - kEarly * T) go_on = 0;
     t = std::clamp(t, first(), last());
   } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
-    throw ModelError("law '" + law_ + "': t = " + number(t) + " s is outside of its range [" + number(first()) + ", " +
-                     number(last()) + "] s; give points up to there, or set outside to \"hold\"");
+    throw ModelError("law '" + law_ + "': t = " + text::number(t) + " s is outside of its range [" + text::number(first()) + ", " +
+                     text::number(last()) + "] s; give points up to there, or set outside to \"hold\"");
   }
   const std::size_t i = interval(t), n_powers = static_cast<std::size_t>(k_.degree) + 1;
   const double u = t - t_[i];

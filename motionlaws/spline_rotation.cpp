@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kLaw = "spline_rotation";
 
-std::string ordinal(Eigen::Index i) { return number(static_cast<double>(i + 1)); }
+std::string ordinal(Eigen::Index i) { return text::number(static_cast<double>(i + 1)); }
 
 // One row per quaternion, of length 1, with the sign that is nearest to its neighbour.
 MatX aligned(const SplineRotation::Points& points) {
@@ -38,7 +38,7 @@ SplineCurve curve_of(const SplineRotation::Points& points, const SplineSettings&
     turn = q.bottomRows(1).row(0).dot(q.row(0)) < 0 ? -1.0 : 1.0;
     const double gap = (q.bottomRows(1) - turn * q.topRows(1)).norm();
     require(gap < 1e-9, kLaw, "points",
-            "end " + number(2.0 * gap) +
+            "end " + text::number(2.0 * gap) +
                 " rad away from where they start; with periodic ends the last must equal the first");
     q.bottomRows(1) = turn * q.topRows(1);
   }
@@ -55,7 +55,7 @@ SplineRotation::SplineRotation(const Points& points, const SplineSettings& k) : 
       const double t0 = points[i - 1].first, t1 = points[i].first;
       curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
       require(r.norm() > 0.5, kLaw, "points",
-              "turn too far between " + number(t0) + " s and " + number(t1) + " s; give orientations between them");
+              "turn too far between " + text::number(t0) + " s and " + text::number(t1) + " s; give orientations between them");
     }
 }
 

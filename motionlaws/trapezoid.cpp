@@ -13,10 +13,10 @@ Trapezoid::Trapezoid(const TrapezoidSettings& k) : t0_(k.t0), y0_(k.y0) {
   require_finite(law, "y0", k.y0);
   for (const auto& [key, value] :
        {std::pair{"speed", k.speed}, std::pair{"acceleration", k.acceleration}, std::pair{"duration", k.duration}})
-    require(std::isfinite(value) && value >= 0, law, key, "is " + number(value) + "; must be above 0");
+    require(std::isfinite(value) && value >= 0, law, key, "is " + text::number(value) + "; must be above 0");
   const int n_given = (k.speed > 0) + (k.acceleration > 0) + (k.duration > 0);
   require(n_given == 2, law, "speed",
-          "is one of three, speed, acceleration and duration, of which " + number(n_given) + " are given; give two");
+          "is one of three, speed, acceleration and duration, of which " + text::number(n_given) + " are given; give two");
   if (k.distance != 0) solve(k);
 }
 
@@ -30,12 +30,12 @@ void Trapezoid::solve(TrapezoidSettings k) {
   } else if (v == 0) {
     const double least = 2.0 * std::sqrt(d / a), root = T * T - least * least;
     require(T >= least * (1.0 - kEarly), "trapezoid", "duration",
-            "is " + number(T) + " s; at this acceleration the distance takes at least " + number(least) + " s");
+            "is " + text::number(T) + " s; at this acceleration the distance takes at least " + text::number(least) + " s");
     v = 2.0 * d / (T + std::sqrt(std::max(root, 0.0)));
   } else {
     require(v * T > d && v * T <= 2.0 * d * (1.0 + kEarly), "trapezoid", "speed",
-            "is " + number(v) + "; for this distance and duration it must be above " + number(d / T) + " and at most " +
-                number(2.0 * d / T));
+            "is " + text::number(v) + "; for this distance and duration it must be above " + text::number(d / T) + " and at most " +
+                text::number(2.0 * d / T));
     a = v * v / (v * T - d);
   }
   d_ = sign * d, v_ = sign * v, a_ = sign * a, T_ = T;
@@ -77,7 +77,7 @@ LawPtr<MotionLaw> Trapezoid::make(const Params& p) {
   const auto given = [&](const char* key) {
     if (!p.has(key)) return 0.0;
     const double value = p.number(key);
-    if (!(value > 0)) p.refuse(key, "is " + number(value) + "; must be above 0");
+    if (!(value > 0)) p.refuse(key, "is " + text::number(value) + "; must be above 0");
     return value;
   };
   return laws::trapezoid({p.number("distance"), given("speed"), given("acceleration"), given("duration"), p.number("t0"),

@@ -36,12 +36,12 @@ class CamFollower final : public PhiLock<CamProfile> {
              {"lobes", Form::integer, Unit::none, 1, "rises per turn, at least 1"}}};
   }
 
-  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
+  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
     if (!(p.number("base") > 0))
-      p.refuse("base", "is " + brief(p.number("base")) + " m; a cam has a radius above zero");
+      p.refuse("base", "is " + text::brief(p.number("base")) + " m; a cam has a radius above zero");
     if (p.integer("lobes") < 1)
       p.refuse("lobes", "is " + std::to_string(p.integer("lobes")) + "; a cam has at least one");
-    return std::make_unique<CamFollower>(site.name, site.p(), site.s(),
+    return std::make_unique<CamFollower>(attachment.name, attachment.p(), attachment.s(),
                                          CamProfile{p.number("base"), p.number("lift"), double(p.integer("lobes"))});
   }
 };

@@ -47,7 +47,7 @@ std::string handled(const std::function<void()>& work, std::string& words) {
     words = e.what();
     if (!e.file.empty())
       words += " [file '" + e.file + "', line " + std::to_string(e.line) + ", column " + std::to_string(e.column) + "]";
-    if (!std::isnan(e.t)) words += " [t = " + brief(e.t) + " s]";
+    if (!std::isnan(e.t)) words += " [t = " + text::brief(e.t) + " s]";
     if (e.thing.known()) words += " [about " + e.thing.label() + "]";
     return name_of(e.kind());
   }

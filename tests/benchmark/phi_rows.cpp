@@ -99,7 +99,7 @@ int main() {
        }},
       {"gear", true,
        [](Scene& s) {
-         s.system.add(std::make_unique<Gear>(Site{"l", {{s.P, s.S}, {s.P2, s.S2}}}, 2.0));
+         s.system.add(std::make_unique<Gear>(Attachment{"l", {{s.P, s.S}, {s.P2, s.S2}}}, 2.0));
        },
        [](Scene& s) {
          auto gear = std::make_unique<hand::Gear>("l", *s.P, *s.S, *s.P2, *s.S2);

@@ -77,7 +77,7 @@ inline Chain driven() {
 inline Chain shaken() {
   Chain c = plain();
   const LawPtr<TranslationLaw> law = laws::along(Vec3(0, 0, 1), laws::sine({.amplitude = 0.1, .omega = 3.0}));
-  for (MarkerLock* joint : c.joints) c.sys->marker(joint->s().name).slide = law;
+  for (MarkerLock* joint : c.joints) c.sys->marker(joint->s().name).translation_law = law;
   return c;
 }
 
@@ -162,8 +162,8 @@ long lock_operations(Mask rows) {
   return oracle::operations_of([&] {
            TranslationRowsT<Counted> t;
            RotationRowsT<Counted> r;
-           if (any(rows, Mask::xyz)) translation<kWith>(O, O, M, M, ImposedTranslationT<Counted>{}, rows, t);
-           if (any(rows, Mask::e123)) rotation<kWith>(O, O, M, M, ImposedRotationT<Counted>{}, rows, r);
+           if (overlaps(rows, Mask::xyz)) translation<kWith>(O, O, M, M, ImposedTranslationT<Counted>{}, rows, t);
+           if (overlaps(rows, Mask::e123)) rotation<kWith>(O, O, M, M, ImposedRotationT<Counted>{}, rows, r);
          })
       .total();
 }

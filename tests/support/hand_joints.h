@@ -25,7 +25,7 @@ class HandLock : public MarkerLock {
   using MarkerLock::MarkerLock;
   std::string_view type() const override { return "by hand"; }
   void gather(Group links, const Inputs& in, RowSpan out) const override {
-    if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
+    if (overlaps(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const Self& link = static_cast<const Self&>(*links[i]);
       link.row(in, out.lane(i), link.row_count() - 1);

@@ -87,12 +87,12 @@ inline Marker& add_marker(System& system, const std::string& name, Body& body, c
   Marker& m = system.add_marker(name, body, {start, home});
   const Mat3 A = rotation(home);
   if (slides)
-    m.slide = std::make_shared<Translation>(
+    m.translation_law = std::make_shared<Translation>(
         TranslationValue{A.transpose() * (u - start), A.transpose() * ud, A.transpose() * udd});
   if (spins) {
     RotationValue r = rotation_value(q, qd, qdd);
     r.q = conjugate(home) * r.q;
-    m.spin = std::make_shared<Rotation>(r);
+    m.rotation_law = std::make_shared<Rotation>(r);
   }
   return m;
 }
@@ -124,9 +124,9 @@ struct TwoBodies {
   /// The lock of the mask with p and q_D as laws where they are wanted and the mask has rows for them.
   GenericLock& lock(const oracle::Configuration& c, Mask mask, unsigned laws) {
     GenericLock& link = system.add<GenericLock>("lock", *P, *S, mask);
-    if ((laws & oracle::kP) && any(mask, Mask::xyz))
+    if ((laws & oracle::kP) && overlaps(mask, Mask::xyz))
       link.move(std::make_shared<Translation>(TranslationValue{c.pD, c.pDd, c.pDdd}));
-    if ((laws & oracle::kQD) && any(mask, Mask::e123))
+    if ((laws & oracle::kQD) && overlaps(mask, Mask::e123))
       link.turn(std::make_shared<Rotation>(rotation_value(c.qD, c.qDd, c.qDdd)));
     return link;
   }

@@ -67,10 +67,10 @@ class RandomMechanism {
     spec.rows = mask | row_of(axis);
     oracle::Configuration& c = spec.laws;
     if (!is_rotation(axis)) {
-      c.pD[index(axis)] = y.y, c.pDd[index(axis)] = y.yd, c.pDdd[index(axis)] = y.ydd;
+      c.pD[axis_index(axis)] = y.y, c.pDd[axis_index(axis)] = y.yd, c.pDdd[axis_index(axis)] = y.ydd;
       return;
     }
-    const Vec3 n = Vec3::Unit(index(axis) - 3);
+    const Vec3 n = Vec3::Unit(axis_index(axis) - 3);
     c.qD << std::cos(y.y / 2), std::sin(y.y / 2) * n;
     oracle::set_rates(c.qD, y.yd * n, y.ydd * n, c.qDd, c.qDdd);
   }

@@ -47,15 +47,15 @@ struct Arm {
     A = &system.add<Revolute>("A", reversed ? *frame : *arm, reversed ? *arm : *frame, hinge);
     A->drive(Axis::rz, laws::law([](auto t) { return 0.7 * sin(3.0 * t); }));
     B = &system.add<Spherical>("B", *tip, *arm, Pose{{0.5, 0.3, 0.25}, axis_angle({1, 1, 0}, 0.3)});
-    system.marker("B.S").slide = laws::translation([](auto t) {
+    system.marker("B.S").translation_law = laws::translation([](auto t) {
       return std::array{0.1 * sin(2.0 * t), 0.05 * t, 0.2 * t * t};
     });
-    system.marker("B.S").spin = rotation_law([](auto t) {
+    system.marker("B.S").rotation_law = rotation_law([](auto t) {
       return QuatT<decltype(t)>{cos(t), 0.0 * t, 0.3 * sin(t), sin(t)};
     });
     Marker& end = system.add_marker("end", *tip, {{0.2, -0.1, 0.3}, axis_angle({1, 0, 0}, 0.5)});
-    end.slide = laws::translation([](auto t) { return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)}; });
-    end.spin = rotation_law([](auto t) { return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t}; });
+    end.translation_law = laws::translation([](auto t) { return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)}; });
+    end.rotation_law = rotation_law([](auto t) { return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t}; });
     Marker& base = system.add_marker("base", system.ground(), {{-0.5, 0, 0}, {}});
     Marker& eye = system.add_marker("eye", *tip, {{0.2, -0.1, 0.3}, {}});
     system.add<SpringDamper>("F", eye, base, SpringDamper::Options{40, 3, 0.5, 0, {}});
@@ -129,8 +129,8 @@ Reaction by_formula(Arm& a, const MarkerLock& link, const Quat& q_D, bool of_dri
       lt[row[0] - 'x'] = v.lambda[e.first_row + k];
   }
   const auto world = [&](const Marker& m) {
-    const TranslationValue x = m.slide ? m.slide->at(a.state.t) : TranslationValue{};
-    const RotationValue q = m.spin ? m.spin->at(a.state.t) : RotationValue{};
+    const TranslationValue x = m.translation_law ? m.translation_law->at(a.state.t) : TranslationValue{};
+    const RotationValue q = m.rotation_law ? m.rotation_law->at(a.state.t) : RotationValue{};
     return pose(*m.body, a.state) * m.local * Pose{x.x, q.q};
   };
   const Quat qP = world(link.p()).q, qS = world(link.s()).q;

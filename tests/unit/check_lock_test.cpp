@@ -209,8 +209,8 @@ TEST_CASE("check_lock names what is forgotten or written where it does not belon
 TEST_CASE("check_lock of a type finds a group that writes one link twice", "[unit][check]") {
   Registry registry = builtin_registry();
   const auto with = [&](const char* name, Fault fault) {
-    registry.links.add({name, "a rod", {}}, [fault](const Site& site, const Params&) {
-      return std::make_unique<Rod>(site.name, site.p(), site.s(), fault);
+    registry.links.add({name, "a rod", {}}, [fault](const Attachment& attachment, const Params&) {
+      return std::make_unique<Rod>(attachment.name, attachment.p(), attachment.s(), fault);
     });
   };
   with("rod", Fault::none), with("rod_this", Fault::this_for_all);

@@ -15,8 +15,8 @@ const Vec3 kF(1, -2, 3);
 
 TEST_CASE("applied_force: in axes of the world, the body and the marker", "[unit][force]") {
   ForceBench bench(5);
-  bench.p.spin = std::make_shared<oracle::SteadySpin>(Vec3(1, 2, 3));
-  bench.p.slide = std::make_shared<oracle::SineSlide>(Vec3(0.1, 0.2, -0.3));
+  bench.p.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(1, 2, 3));
+  bench.p.translation_law = std::make_shared<oracle::SineSlide>(Vec3(0.1, 0.2, -0.3));
   bench.at(0.3);
   const Mat3 slot = bench.motions[1].A, body = slot * rotation(bench.a.in_slot.q);
   const Mat3 marker = body * rotation(bench.p.local.q) * rotation(exponential(Vec3(0.3, 0.6, 0.9)));

@@ -23,8 +23,8 @@ struct Shop {
     add_twos(registry);
   }
   std::unique_ptr<Force> make(const std::string& type, const Params& params, bool with_s = true) {
-    const Site site{"F", {{&bench.p, with_s ? &bench.s : nullptr}}};
-    auto force = registry.forces.make(type, site, params, &registry, "force 'F'");
+    const Attachment attachment{"F", {{&bench.p, with_s ? &bench.s : nullptr}}};
+    auto force = registry.forces.make(type, attachment, params, &registry, "force 'F'");
     force->setup();
     return force;
   }

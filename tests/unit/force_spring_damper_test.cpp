@@ -64,9 +64,9 @@ TEST_CASE("spring_damper: momentum is kept, and power is what potential, damper 
 TEST_CASE("spring_damper: moving markers carry its ends", "[unit][force]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     ForceBench bench(seed);
-    bench.p.slide = std::make_shared<oracle::SineSlide>(Vec3(0.3, -0.2, 0.4));
-    bench.s.slide = std::make_shared<oracle::SineSlide>(Vec3(-0.1, 0.5, 0.2));
-    bench.s.spin = std::make_shared<oracle::SteadySpin>(Vec3(1, 2, 3));
+    bench.p.translation_law = std::make_shared<oracle::SineSlide>(Vec3(0.3, -0.2, 0.4));
+    bench.s.translation_law = std::make_shared<oracle::SineSlide>(Vec3(-0.1, 0.5, 0.2));
+    bench.s.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(1, 2, 3));
     SpringDamper spring("coil", bench.p, bench.s, numbers());
     spring.setup();
     bench.at(0.2);

@@ -101,10 +101,10 @@ void check(const Force& force, const ForceBench& bench, Formula formula) {
 /// Markers that move on their bodies.
 ForceBench moving(std::uint64_t seed) {
   ForceBench bench(seed);
-  bench.p.slide = std::make_shared<oracle::SineSlide>(Vec3(0.1, 0.3, -0.2));
-  bench.p.spin = std::make_shared<oracle::SteadySpin>(Vec3(0.4, -0.3, 0.9));
-  bench.s.slide = std::make_shared<oracle::SineSlide>(Vec3(-0.2, 0.1, 0.1));
-  bench.s.spin = std::make_shared<oracle::SteadySpin>(Vec3(-0.5, 0.8, 0.2));
+  bench.p.translation_law = std::make_shared<oracle::SineSlide>(Vec3(0.1, 0.3, -0.2));
+  bench.p.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(0.4, -0.3, 0.9));
+  bench.s.translation_law = std::make_shared<oracle::SineSlide>(Vec3(-0.2, 0.1, 0.1));
+  bench.s.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(-0.5, 0.8, 0.2));
   bench.at(0.3);
   return bench;
 }

@@ -103,7 +103,7 @@ TEST_CASE("torsion_spring_damper: the sign of a quaternion does not matter", "[u
 
 TEST_CASE("torsion_spring_damper: a marker's spin is part of the angle", "[unit][force]") {
   ForceBench bench;
-  bench.p.spin = std::make_shared<oracle::SteadySpin>(Vec3(0, 0, 1.5));
+  bench.p.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(0, 0, 1.5));
   TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
   spring.setup();
   turn_to(bench, 0.2, 0.0);

@@ -458,7 +458,7 @@ TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
   Fixed& weld = pair.system.add<Fixed>("weld", *pair.p, *pair.s, kJoint);
   weld.turn(std::make_shared<Rotation>(RotationValue{{}, Vec3(0, nan, 0)}));
   Fixed& clamp = pair.system.add<Fixed>("clamp", *pair.p, *pair.s, kJoint);
-  pair.system.marker("clamp.S").slide = std::make_shared<Translation>(TranslationValue{Vec3(nan, 0, 0)});
+  pair.system.marker("clamp.S").translation_law = std::make_shared<Translation>(TranslationValue{Vec3(nan, 0, 0)});
   Marker& far = pair.system.add_marker("far", *pair.p, pose_at(Vec3(9, 0, 0)));
   Distance& rod = pair.system.add<Distance>("rod", far, pair.system.marker("bolt.S"), good);
   Distance& cord = pair.system.add<Distance>("cord", far, pair.system.marker("bolt.S"), bad);

@@ -86,7 +86,7 @@ std::vector<Twin> twins() {
            0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().reference; }},
           {"gear, a body shared",
            [](Bodies& b) -> Lock& {
-             return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, 2.0));
+             return b.system.add(std::make_unique<Gear>(Attachment{"l", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, 2.0));
            },
            [](Bodies& b) -> Lock& {
              auto l = std::make_unique<hand::Gear>("l", *b.m[0], *b.m[1], *b.m[2], *b.n[1]);
@@ -96,7 +96,7 @@ std::vector<Twin> twins() {
            kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }},
           {"gear, four bodies",
            [](Bodies& b) -> Lock& {
-             return b.system.add(std::make_unique<Gear>(Site{"l", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}}}, 2.0));
+             return b.system.add(std::make_unique<Gear>(Attachment{"l", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}}}, 2.0));
            },
            [](Bodies& b) -> Lock& {
              auto l = std::make_unique<hand::Gear>("l", *b.m[0], *b.m[1], *b.m[2], *b.m[3]);
@@ -188,9 +188,9 @@ TEST_CASE("Functions of several pairs and several rows pass the check of links",
     CAPTURE(grounded);
     Bodies b(7, grounded);
     const Lock& all = b.system.add(
-        std::make_unique<TangleLink>(Site{"all", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
+        std::make_unique<TangleLink>(Attachment{"all", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
     const Lock& common = b.system.add(
-        std::make_unique<TangleLink>(Site{"common", {{b.m[0], b.m[3]}, {b.m[1], b.n[3]}, {b.n[1], b.n[3]}}}, Tangle{}));
+        std::make_unique<TangleLink>(Attachment{"common", {{b.m[0], b.m[3]}, {b.m[1], b.n[3]}, {b.n[1], b.n[3]}}}, Tangle{}));
     const Lock& several = b.system.add<SeveralLink>("several", *b.m[0], *b.m[2]);
     for (const Lock* link : {&all, &common, &several}) {
       const CheckReport report = check_lock(b.system, *link);
@@ -212,7 +212,7 @@ TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
   for (const Twin& twin : twins()) links.push_back(twin.phi);
   links.push_back([](Bodies& b) -> Lock& {
     return b.system.add(
-        std::make_unique<TangleLink>(Site{"l", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
+        std::make_unique<TangleLink>(Attachment{"l", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
   });
   links.push_back([](Bodies& b) -> Lock& { return b.system.add<SeveralLink>("l", *b.m[0], *b.m[2]); });
   for (const Add& add : links)
@@ -325,31 +325,31 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
               {"link 'spindle'", "'down'", "'up'", "point against one another", "turn one marker by half a turn"});
   check_words(error([&](Bodies& b) {
                 const auto pair = opposed(b);
-                b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[2], b.m[1]}, pair}}, 2.0));
+                b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[2], b.m[1]}, pair}}, 2.0));
               }),
               {"link 'mesh'", "'down'", "'up'", "point against one another"});
   check_words(error([](Bodies& b) {
-                b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[0], b.m[1]}}}, 2.0));
+                b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}}}, 2.0));
               }),
               {"'mesh'", "\"p\"", "pair 2", "add it"});
   check_words(error([](Bodies& b) {
-                b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[0], nullptr}}}, 2.0));
+                b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], nullptr}}}, 2.0));
               }),
               {"'mesh'", "\"s\"", "add it"});
   check_words(
       error([](Bodies& b) {
-        b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}, {b.m[3], b.n[1]}}}, 2.0));
+        b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}, {b.m[3], b.n[1]}}}, 2.0));
       }),
       {"link 'mesh'", "takes 2 pairs", "3 are given", "remove"});
   check_words(error([](Bodies& b) {
-                b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[2]}}}, 2.0));
+                b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[2]}}}, 2.0));
               }),
               {"link 'mesh'", "pair 2", "on body 'c'", "name two bodies"});
   check_words(error([](Bodies& b) {
                 Body& e = b.system.add_body("e", kMass);
                 Marker& far = b.system.add_marker("far", e);
                 b.system.add(std::make_unique<Differential>(
-                    Site{"split", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}, {&far, b.n[3]}}}));
+                    Attachment{"split", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}, {&far, b.n[3]}}}));
               }),
               {"link 'split'", "couples 5 bodies", "4 at most", "common body"});
   check_words(error([](Bodies& b) {
@@ -361,12 +361,12 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
                 Body &f = b.system.add_fixed("f"), &g = b.system.add_fixed("g");
                 Marker &p = b.system.add_marker("fp", f), &s = b.system.add_marker("gs", g);
                 Marker &q = b.system.add_marker("fq", f), &r = b.system.add_marker("gr", g);
-                b.system.add(std::make_unique<Gear>(Site{"mesh", {{&p, &s}, {&q, &r}}}, 2.0));
+                b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{&p, &s}, {&q, &r}}}, 2.0));
               }),
               {"link 'mesh'", "none of the bodies", "can move"});
   for (const double ratio : {0.0, -1.0, HUGE_VAL, std::nan("")})
     check_words(error([&](Bodies& b) {
-                  b.system.add(std::make_unique<Gear>(Site{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, ratio));
+                  b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, ratio));
                 }),
                 {"link 'mesh'", "ratio", "above zero"});
   check_words(error([](Bodies& b) { b.system.add<Screw>("spindle", *b.m[0], *b.m[1], std::nan("")); }),

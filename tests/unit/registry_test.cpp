@@ -66,7 +66,7 @@ Registry some_registry() {
   return registry;
 }
 
-std::unique_ptr<Force> no_force(const Site&, const Params&) { return nullptr; }
+std::unique_ptr<Force> no_force(const Attachment&, const Params&) { return nullptr; }
 
 std::string law_problem(const std::string& json) {
   return message_of<SceneError>([&] { some_registry().scalar_law(read_json(json, "a.json"), "link 'A', drive.law"); });
@@ -90,7 +90,7 @@ TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
   };
   CHECK(problem("scal") == "link 'A': unknown law \"scal\"; did you mean \"scale\"?");
   CHECK(problem("polynomial") == "link 'A': unknown law \"polynomial\"; known: constant, scale");
-  check_words(message_of<SceneError>([&] { registry.links.make("gear", Site{}, Params{}, &registry, "link 'A'"); }),
+  check_words(message_of<SceneError>([&] { registry.links.make("gear", Attachment{}, Params{}, &registry, "link 'A'"); }),
               {"unknown link \"gear\""});
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
   Registry registry;
   registry.forces.add({"wind", "", {}}, &no_force);
   registry.forces.set_origin("storm");
-  check_words(message_of<PluginError>([&] { registry.forces.make("wind", Site{}, Params{}, nullptr, "force 'w'"); }),
+  check_words(message_of<PluginError>([&] { registry.forces.make("wind", Attachment{}, Params{}, nullptr, "force 'w'"); }),
               {"force 'w'", "'wind' (plugin storm)", "returned nothing"});
 }
 

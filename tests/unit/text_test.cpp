@@ -13,44 +13,44 @@ const std::vector<std::string> kNames{"revolute", "prismatic", "spherical", "fix
 }
 
 TEST_CASE("the closest name is found whatever the case", "[unit][support]") {
-  CHECK(closest_name("revolut", kNames) == "revolute");
-  CHECK(closest_name("Prismatc", kNames) == "prismatic");
-  CHECK(closest_name("sphercial", kNames) == "spherical");
-  CHECK(closest_name("fxed", kNames) == "fixed");
-  CHECK(closest_name("fxied", kNames) == "fixed");  // two letters exchanged are one slip
+  CHECK(text::closest_name("revolut", kNames) == "revolute");
+  CHECK(text::closest_name("Prismatc", kNames) == "prismatic");
+  CHECK(text::closest_name("sphercial", kNames) == "spherical");
+  CHECK(text::closest_name("fxed", kNames) == "fixed");
+  CHECK(text::closest_name("fxied", kNames) == "fixed");  // two letters exchanged are one slip
 }
 
 TEST_CASE("a name that is far from all gets no guess", "[unit][support]") {
-  CHECK(closest_name("gear", kNames).empty());
-  CHECK(closest_name("", kNames).empty());
-  CHECK(closest_name("fixed", {}).empty());
+  CHECK(text::closest_name("gear", kNames).empty());
+  CHECK(text::closest_name("", kNames).empty());
+  CHECK(text::closest_name("fixed", {}).empty());
 }
 
 TEST_CASE("a suggestion is a guess, or the names there are", "[unit][support]") {
-  CHECK(suggestion("fixd", kNames) == "; did you mean \"fixed\"?");
-  CHECK(suggestion("gear", kNames) == "; known: revolute, prismatic, spherical, fixed");
-  CHECK(suggestion("gear", {}).empty());
+  CHECK(text::suggestion("fixd", kNames) == "; did you mean \"fixed\"?");
+  CHECK(text::suggestion("gear", kNames) == "; known: revolute, prismatic, spherical, fixed");
+  CHECK(text::suggestion("gear", {}).empty());
   const std::vector<std::string> many(20, "abcdefgh");
-  CHECK(suggestion("zzz", many).ends_with("abcdefgh, ..."));
+  CHECK(text::suggestion("zzz", many).ends_with("abcdefgh, ..."));
 }
 
 TEST_CASE("words are joined as in a sentence", "[unit][support]") {
   const std::vector<std::string> words{"a", "b", "c"};
-  CHECK(join(words) == "a, b and c");
-  CHECK(join(words, " or ") == "a, b or c");
-  CHECK(join(std::span(words).first(1)) == "a");
-  CHECK(join({}).empty());
+  CHECK(text::join(words) == "a, b and c");
+  CHECK(text::join(words, " or ") == "a, b or c");
+  CHECK(text::join(std::span(words).first(1)) == "a");
+  CHECK(text::join({}).empty());
 }
 
 TEST_CASE("numbers read back as the same double", "[unit][support]") {
-  CHECK(number(0.1) == "0.1");
-  CHECK(number(-1500) == "-1500");
+  CHECK(text::number(0.1) == "0.1");
+  CHECK(text::number(-1500) == "-1500");
   for (const double x : {1.0 / 3, std::nextafter(0.1, 1), 1e-300, 5e-324, std::numeric_limits<double>::max()}) {
-    const std::string text = number(x);
+    const std::string text = text::number(x);
     double back = 0;
     std::from_chars(text.data(), text.data() + text.size(), back);
     CHECK(back == x);
   }
-  CHECK(brief(1.0 / 3) == "0.333");
-  CHECK(brief(123456) == "1.23e+05");
+  CHECK(text::brief(1.0 / 3) == "0.333");
+  CHECK(text::brief(123456) == "1.23e+05");
 }

@@ -45,7 +45,7 @@ Answer by_library(RandomMechanism& m, const State& state, Formulation formulatio
 Answer by_paper(RandomMechanism& m, const State& state) {
   const int n = static_cast<int>(m.bodies.size());
   int n_rows = 0;
-  for (const LinkSpec& l : m.links) n_rows += count(l.rows);
+  for (const LinkSpec& l : m.links) n_rows += count_rows(l.rows);
   int n_more = 0;
   for (const Body* b : m.bodies) n_more += b->freedoms == Freedoms::particle ? 4 : 1;
   const int size = 7 * n + n_rows + n_more;
@@ -82,7 +82,7 @@ Answer by_paper(RandomMechanism& m, const State& state) {
     const oracle::Configuration c = m.configuration(l, state);
     const oracle::PaperLock lock = oracle::paper_lock(c);
     for (int k = 0; k < 6; ++k) {
-      if (!has(l.rows, row_bit(k))) continue;
+      if (!includes(l.rows, row_bit(k))) continue;
       const int j = k < 3 ? k : k + 1;  // the paper's fourth row is the scalar one
       if (l.body1 >= 0) row_to(row, 7 * l.body1, lock.Cq.row(j).head<7>());
       if (l.body2 >= 0) row_to(row, 7 * l.body2, lock.Cq.row(j).tail<7>());
@@ -215,7 +215,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
       const oracle::Vector6 held = oracle::six<1>(oracle::exact_Cdd(c)) + 14.0 * oracle::six<1>(oracle::exact_Cd(c)) +
                                    121.0 * oracle::six<1>(oracle::exact_C(c));
       for (int k = 0; k < 6; ++k)
-        if (has(l.rows, row_bit(k))) CHECK(std::abs(held[k]) < 1e-9);
+        if (includes(l.rows, row_bit(k))) CHECK(std::abs(held[k]) < 1e-9);
     }
   }
 }

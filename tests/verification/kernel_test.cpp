@@ -172,8 +172,8 @@ TEST_CASE("a masked row leaves its jacobian untouched and the others as they are
     const Mask mask = Mask(std::uint8_t(m));
     const MatX tm = kernel_translation<kT>(in, mask).J, rm = kernel_rotation<kR>(in, mask).J;
     for (int k = 0; k < 3; ++k) {
-      CHECK((has(mask, row_bit(k)) ? tm.row(k) == t.row(k) : tm.row(k).array().isNaN().all()));
-      CHECK((has(mask, row_bit(k + 3)) ? rm.row(k) == r.row(k) : rm.block(k, 3, 1, 3).array().isNaN().all()));
+      CHECK((includes(mask, row_bit(k)) ? tm.row(k) == t.row(k) : tm.row(k).array().isNaN().all()));
+      CHECK((includes(mask, row_bit(k + 3)) ? rm.row(k) == r.row(k) : rm.block(k, 3, 1, 3).array().isNaN().all()));
     }
   }
 }

@@ -20,7 +20,7 @@ constexpr double kTolerance = 1e-11;
 std::vector<int> rows_of(Mask mask) {
   std::vector<int> rows;
   for (int k = 0; k < 6; ++k)
-    if (has(mask, row_bit(k))) rows.push_back(k);
+    if (includes(mask, row_bit(k))) rows.push_back(k);
   return rows;
 }
 
@@ -117,15 +117,15 @@ TEST_CASE("drives add the rows of their axes with the laws as p and q_D", "[veri
   for (int axis = 0; axis < 6; ++axis) {
     for (unsigned m = 0; m < 64; ++m) {
       const Mask mask = Mask(std::uint8_t(m)), bit = row_bit(axis);
-      if (has(mask, bit) || (axis >= 3 && !has(mask | bit, Mask::e123))) continue;
+      if (includes(mask, bit) || (axis >= 3 && !includes(mask | bit, Mask::e123))) continue;
       for (unsigned laws : {0u, 15u, 32u, 63u}) {
         Configuration c = oracle::random_configuration(90 + laws, {laws});
         // what the drive makes of the imposed laws, by the oracle's own products: p_k = y;  q_D <- q_D Rot_k(y), (1.8),
         // (1.9)
         TwoBodies two(c, laws);
         GenericLock& link = two.lock(c, mask, laws);
-        if (!any(mask, Mask::xyz)) c.pD.setZero(), c.pDd.setZero(), c.pDdd.setZero();
-        if (!any(mask, Mask::e123)) c.qD = Vec4::UnitX(), c.qDd.setZero(), c.qDdd.setZero();
+        if (!overlaps(mask, Mask::xyz)) c.pD.setZero(), c.pDd.setZero(), c.pDdd.setZero();
+        if (!overlaps(mask, Mask::e123)) c.qD = Vec4::UnitX(), c.qDd.setZero(), c.qDdd.setZero();
         link.drive(Axis(axis), std::make_shared<Number>(law));
         if (axis < 3) {
           c.pD[axis] = law.y, c.pDd[axis] = law.yd, c.pDdd[axis] = law.ydd;
@@ -195,7 +195,7 @@ TEST_CASE("free turns through half and full turns stay right", "[verification][l
       const double angle = degrees * kPi / 180;
       Configuration c = oracle::random_configuration(8, {oracle::kP | oracle::kUP});
       // turn about the free axis: z for those that hold e1 e2, an axis normal to z for those that hold e3
-      const Vec3 n = has(mask, Mask::e3) ? Vec3(0.6, 0.8, 0) : Vec3(0, 0, 1);
+      const Vec3 n = includes(mask, Mask::e3) ? Vec3(0.6, 0.8, 0) : Vec3(0, 0, 1);
       Vec4 e;
       e << std::cos(angle / 2), std::sin(angle / 2) * n;
       oracle::place_body_1(c, e);
@@ -206,9 +206,9 @@ TEST_CASE("free turns through half and full turns stay right", "[verification][l
       CAPTURE(words, degrees);
       CHECK(worst(rows, Exact(c), mask, 0) < kTolerance);
       CHECK(rows.C.norm() < 1e-12);
-      CHECK(rank(rows.J) == count(mask));
+      CHECK(rank(rows.J) == count_rows(mask));
       // (4.19) on the constraint set the rotational rows of each body are orthogonal and of length 1/2
-      const int first = count(mask & Mask::xyz), n_turns = count(mask & Mask::e123);
+      const int first = count_rows(mask & Mask::xyz), n_turns = count_rows(mask & Mask::e123);
       const MatX B = rows.J.block(first, 3, n_turns, 3);
       CHECK(difference(B * B.transpose(), 0.25 * MatX::Identity(n_turns, n_turns)) < 1e-12);
     }
@@ -250,8 +250,8 @@ TEST_CASE("every mask has full row rank on its whole constraint set", "[verifica
       Vec3 C = draw.vector(1.0);
       if (seed == 5) e[0] = 0;  // half a turn
       for (int k = 0; k < 3; ++k) {
-        if (has(mask, row_bit(k))) C[k] = 0;
-        if (has(mask, row_bit(k + 3))) e[k + 1] = 0;
+        if (includes(mask, row_bit(k))) C[k] = 0;
+        if (includes(mask, row_bit(k + 3))) e[k + 1] = 0;
       }
       if (e.norm() < 1e-6) e = Vec4::UnitX();
       oracle::place_body_1(c, e.normalized(), C);
@@ -261,7 +261,7 @@ TEST_CASE("every mask has full row rank on its whole constraint set", "[verifica
       const Rows rows = gathered(two.system, two.system.start());
       CAPTURE(to_string(mask), seed);
       CHECK(rows.C.norm() < 1e-12);
-      CHECK(rank(rows.J) == count(mask));
+      CHECK(rank(rows.J) == count_rows(mask));
     }
   }
 }

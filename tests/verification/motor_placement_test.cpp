@@ -73,9 +73,9 @@ struct Machine {
     Marker& P = system.add_marker_at("P", *arm, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
     Marker& S = system.add_marker_at("S", *base, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
     if (place == Place::on_S)
-      turns ? void(S.spin = std::make_shared<AboutZ>(1)) : void(S.slide = std::make_shared<AlongZ>(1));
+      turns ? void(S.rotation_law = std::make_shared<AboutZ>(1)) : void(S.translation_law = std::make_shared<AlongZ>(1));
     if (place == Place::on_P)
-      turns ? void(P.spin = std::make_shared<AboutZ>(-1)) : void(P.slide = std::make_shared<AlongZ>(-1));
+      turns ? void(P.rotation_law = std::make_shared<AboutZ>(-1)) : void(P.translation_law = std::make_shared<AlongZ>(-1));
     const Mask free = turns ? Mask::e3 : Mask::z;
     const Mask mask = place == Place::drive ? Mask(std::uint8_t(Mask::all) & ~std::uint8_t(free)) : Mask::all;
     motor = &system.add<GenericLock>("motor", P, S, mask);
@@ -119,13 +119,13 @@ struct Machine {
     Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
     int row = entry.first_row;
     for (int k = 0; k < 6; ++k)
-      if (has(motor->rows(), row_bit(k))) (k < 3 ? lt[k] : lr[k - 3]) = values.lambda[row++];
+      if (includes(motor->rows(), row_bit(k))) (k < 3 ? lt[k] : lr[k - 3]) = values.lambda[row++];
 
     // (4.2) e = (q_S q_D)' q_2' q_1 q_P; the constraint is met, so its scalar part is +1 or -1
     const Motion &O1 = values.in.slot(arm->slot), &O2 = values.in.slot(base->slot);
     Quat q_P = P->local.q, q_S = S->local.q, q_D;
-    if (P->spin) q_P = q_P * P->spin->at(state.t).q;
-    if (S->spin) q_S = q_S * S->spin->at(state.t).q;
+    if (P->rotation_law) q_P = q_P * P->rotation_law->at(state.t).q;
+    if (S->rotation_law) q_S = q_S * S->rotation_law->at(state.t).q;
     if (turns && (place == Place::imposed || place == Place::drive))
       q_D = axis_angle(Vec3::UnitZ(), motion_law(state.t).y);
     const Quat e = conjugate(q_S * q_D) * conjugate(O2.e) * O1.e * q_P;
@@ -136,7 +136,7 @@ struct Machine {
     r.force = -(S_to_world * lt);
     r.couple = O1.A * rotation(q_P) * Vec3(-0.5 * (e.w * lr - cross(e.vec(), lr)));
     Vec3 u = (arm->in_slot * P->local).x;
-    if (P->slide) u += rotation(P->local.q) * P->slide->at(state.t).x;
+    if (P->translation_law) u += rotation(P->local.q) * P->translation_law->at(state.t).x;
     r.about_center = r.couple + cross(Vec3(O1.A * u), r.force);
     r.axis = S_to_world.col(2);
     return r;

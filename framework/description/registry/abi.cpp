@@ -15,12 +15,12 @@ std::string version(const std::int32_t (&v)[3]) {
 }
 
 template <std::size_t N>
-std::string text(const char (&s)[N]) {
+std::string field_text(const char (&s)[N]) {
   return {s, std::find(s, s + N, '\0')};
 }
 
 std::string flags(const lockstep_abi_record& r) {
-  std::string all = text(r.flags);
+  std::string all = field_text(r.flags);
   while (!all.empty() && all.back() == ' ') all.pop_back();
   return all.empty() ? "none" : all;
 }
@@ -39,7 +39,7 @@ lockstep_abi_record read_abi(const std::string& path) {
   lockstep_abi_record record{};
   std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset,
               std::min<std::uint64_t>(place->size, kHead));
-  if (place->size < kHead || text(record.magic) != kAbiMagic)
+  if (place->size < kHead || field_text(record.magic) != kAbiMagic)
     throw PluginError(who + "has a record that cannot be read; rebuild it against this lockstep");
   if (record.size != sizeof record || place->size != sizeof record)
     throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
@@ -50,26 +50,26 @@ lockstep_abi_record read_abi(const std::string& path) {
 }
 
 std::string abi_words(const lockstep_abi_record& r) {
-  return "ABI " + std::to_string(r.abi) + ", " + text(r.compiler) + " " + version(r.compiler_version) + ", " +
-         text(r.library) + " " + std::to_string(r.library_version) + ", Eigen " + version(r.eigen_version) +
+  return "ABI " + std::to_string(r.abi) + ", " + field_text(r.compiler) + " " + version(r.compiler_version) + ", " +
+         field_text(r.library) + " " + std::to_string(r.library_version) + ", Eigen " + version(r.eigen_version) +
          ", alignment " + std::to_string(r.alignment);
 }
 
 std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host) {
   const auto build = [](const lockstep_abi_record& r) {
-    return "ABI " + std::to_string(r.abi) + " with " + text(r.compiler) + " " + version(r.compiler_version);
+    return "ABI " + std::to_string(r.abi) + " with " + field_text(r.compiler) + " " + version(r.compiler_version);
   };
   const auto sentence = [](const std::string& its, const std::string& ours) {
     return "built for " + its + ", this host is " + ours + "; rebuild the plugin against this lockstep";
   };
-  if (plugin.abi != host.abi || plugin.size != host.size || text(plugin.compiler) != text(host.compiler) ||
+  if (plugin.abi != host.abi || plugin.size != host.size || field_text(plugin.compiler) != field_text(host.compiler) ||
       plugin.compiler_version[0] != host.compiler_version[0])
     return sentence(build(plugin), build(host));
   const auto differs = [&](const std::string& what, const std::string& its, const std::string& ours) {
     return its == ours ? std::string() : sentence(what + " " + its, what + " " + ours);
   };
   const auto library = [](const lockstep_abi_record& r) {
-    return text(r.library) + " " + std::to_string(r.library_version) + (r.library_abi != 0 ? "" : " (old strings)");
+    return field_text(r.library) + " " + std::to_string(r.library_version) + (r.library_abi != 0 ? "" : " (old strings)");
   };
   const auto alignment = [](const lockstep_abi_record& r) {
     return std::to_string(r.alignment) +

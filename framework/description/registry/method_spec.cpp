@@ -34,7 +34,7 @@ template <class S>
 auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Registry& registry, const std::string& owner) {
   if (shelf.find(spec.type) == nullptr)
     refuse(spec.where, owner,
-           std::string("unknown ") + kind + " \"" + spec.type + "\"" + suggestion(spec.type, shelf.names()));
+           std::string("unknown ") + kind + " \"" + spec.type + "\"" + text::suggestion(spec.type, shelf.names()));
   return shelf.make(spec.type, Params::unchecked(spec.keys), &registry, owner);
 }
 
@@ -48,7 +48,7 @@ MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>
     names.push_back(t.name);
     if (t.name == parts.front()) type = &t;
   }
-  if (type == nullptr) throw ModelError("unknown name \"" + parts.front() + "\"" + suggestion(parts.front(), names));
+  if (type == nullptr) throw ModelError("unknown name \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
   for (const Key& key : type->keys) keys.push_back(key.name);
   Value::Object members;
   for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -56,7 +56,7 @@ MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>
     const std::string key = parts[i].substr(0, equal);
     if (equal == std::string::npos || std::find(keys.begin(), keys.end(), key) == keys.end())
       throw ModelError("\"" + parts[i] + "\" in \"" + text + "\" sets no key of " + type->name +
-                       (keys.empty() ? ", which has none" : suggestion(key, keys)) + "; write " + type->name +
+                       (keys.empty() ? ", which has none" : text::suggestion(key, keys)) + "; write " + type->name +
                        ":key=value, see `lockstep describe " + type->name + "`");
     members.push_back({key, read_word(parts[i].substr(equal + 1)), {}});
   }

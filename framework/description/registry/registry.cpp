@@ -26,10 +26,10 @@ LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry
     return shelf.make("constant", Params::unchecked(std::move(object)), &laws, owner);
   }
   const Value* type = v.find("type");
-  if (type == nullptr) refuse(v.where, owner, "missing key \"type\"; add one of " + join(shelf.names(), " or "));
+  if (type == nullptr) refuse(v.where, owner, "missing key \"type\"; add one of " + text::join(shelf.names(), " or "));
   const std::string name = read_text(*type, part_of(owner, "type"));
   if (shelf.find(name) == nullptr)
-    refuse(type->where, owner, "unknown law \"" + name + "\"" + suggestion(name, shelf.names()));
+    refuse(type->where, owner, "unknown law \"" + name + "\"" + text::suggestion(name, shelf.names()));
   return shelf.make(name, Params::unchecked(v.without({"type"})), &laws, owner);
 }
 
@@ -75,7 +75,7 @@ Product Shelf<Product, Args...>::make(const std::string& name, Args... args, con
                                       const Registry* laws, const std::string& owner) const {
   const Entry* entry = find(name);
   if (entry == nullptr)
-    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + suggestion(name, names()));
+    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + text::suggestion(name, names()));
   return make_checked(name, std::forward<Args>(args)..., checked_params(params, entry->info, owner, laws));
 }
 
@@ -143,8 +143,8 @@ void Shelf<Product, Args...>::merge(const Shelf& other) {
 template class Shelf<LawPtr<MotionLaw>>;
 template class Shelf<LawPtr<TranslationLaw>>;
 template class Shelf<LawPtr<RotationLaw>>;
-template class Shelf<std::unique_ptr<Lock>, const Site&>;
-template class Shelf<std::unique_ptr<Force>, const Site&>;
+template class Shelf<std::unique_ptr<Lock>, const Attachment&>;
+template class Shelf<std::unique_ptr<Force>, const Attachment&>;
 template class Shelf<std::unique_ptr<Integrator>>;
 template class Shelf<std::unique_ptr<LinearSolver>>;
 

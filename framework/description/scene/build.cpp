@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const 
 
 double positive(const Params& p, const std::string& key, const std::string& what) {
   const double x = p.number(key);
-  if (!(x > 0)) p.refuse(key, "the " + what + " is " + number(x) + "; it must be greater than 0");
+  if (!(x > 0)) p.refuse(key, "the " + what + " is " + text::number(x) + "; it must be greater than 0");
   return x;
 }
 

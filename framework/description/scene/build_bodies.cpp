@@ -46,7 +46,7 @@ MassProperties read_solid(const Params& solid, const std::string& kind) {
   if (kind == "box") {
     const Vec3 size = solid.vector3("size");
     if (!(size.minCoeff() > 0))
-      solid.refuse("size", "an edge is " + number(size.minCoeff()) + " m; all three must be greater than 0");
+      solid.refuse("size", "an edge is " + text::number(size.minCoeff()) + " m; all three must be greater than 0");
     return shapes::box(shape_mass(solid, box_volume(size)), size);
   }
   const double radius = positive(solid, "radius", "radius");
@@ -62,8 +62,8 @@ const Mat3& read_symmetric(const Params& body, const Mat3& J) {
     for (int k = 0; k < i; ++k)
       if (std::abs(skew(i, k)) > 1e-10 * J.cwiseAbs().maxCoeff())
         body.refuse("inertia", "the matrix is not symmetric: entry " + std::to_string(i + 1) + std::to_string(k + 1) +
-                                   " is " + brief(J(i, k)) + " and entry " + std::to_string(k + 1) +
-                                   std::to_string(i + 1) + " is " + brief(J(k, i)) + "; make them equal");
+                                   " is " + text::brief(J(i, k)) + " and entry " + std::to_string(k + 1) +
+                                   std::to_string(i + 1) + " is " + text::brief(J(k, i)) + "; make them equal");
   return J;
 }
 
@@ -121,7 +121,7 @@ Shape read_matter(const Params& body, const std::string& kind) {
 std::string the_kind(const Params& body, std::vector<std::string> kinds) {
   const std::vector<std::string> found = given(body, kinds);
   for (std::string& kind : kinds) kind = "\"" + kind + "\"";
-  if (found.empty()) body.refuse("name", "it has no mass; add one of " + join(kinds, " or "));
+  if (found.empty()) body.refuse("name", "it has no mass; add one of " + text::join(kinds, " or "));
   if (found.size() > 1)
     body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both define it; remove one of the two");
   return found.front();
@@ -218,7 +218,7 @@ void Builder::marker(const Value& object, const std::string& owner) {
   std::vector<std::string> known = names("body");
   known.push_back("ground");
   if (std::find(known.begin(), known.end(), carrier) == known.end())
-    p.refuse("body", "unknown body \"" + carrier + "\"" + suggestion(carrier, known));
+    p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, known));
   Body& body = out_.system.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)
@@ -231,8 +231,8 @@ void Builder::marker(const Value& object, const std::string& owner) {
   placed(object.where, [&] {
     Marker& m = world ? out_.system.add_marker_at(name, body, pose("world_at", "world_orientation"))
                       : out_.system.add_marker(name, body, pose("at", "orientation"));
-    if (p.has("slide")) m.slide = p.translation_law("slide");
-    if (p.has("spin")) m.spin = p.rotation_law("spin");
+    if (p.has("slide")) m.translation_law = p.translation_law("slide");
+    if (p.has("spin")) m.rotation_law = p.rotation_law("spin");
   });
 }
 

@@ -16,12 +16,12 @@ void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
   const std::string name = claim(parts.common, "force");
-  Site where = site(parts.common, name, false);
+  Attachment where = attachment(parts.common, name, false);
   if (parts.common.has("link")) {
     const std::string link = parts.common.text("link");
     const std::vector<std::string> known = names("link");
     if (std::find(known.begin(), known.end(), link) == known.end())
-      parts.common.refuse("link", "unknown link \"" + link + "\"" + suggestion(link, known));
+      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, known));
     where.link = &out_.system.link(link);
     const auto* entry = registry_.forces.find(parts.type);
     if (entry->origin == "built in" && parts.type != "joint_friction")
@@ -40,7 +40,7 @@ std::vector<std::string> Builder::links_named(const Params& event, const std::st
   const std::vector<std::string> known = names("link");
   for (const auto& [name, where] : texts_of(event, key)) {
     if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse(where, part_of(event.owner(), key), "unknown link \"" + name + "\"" + suggestion(name, known));
+      refuse(where, part_of(event.owner(), key), "unknown link \"" + name + "\"" + text::suggestion(name, known));
     links.push_back(name);
   }
   return links;
@@ -57,7 +57,7 @@ void Builder::event(const Value& object, const std::string& owner) {
                                                   ? "\"at\" is given as well; remove one of the two"
                                                   : "it has no instant and no condition; add \"at\" or \"when\"");
   if (p.has("at") && (e.at = p.number("at")) < 0)
-    p.refuse("at", "the instant " + number(e.at) + " s lies before the start at 0 s");
+    p.refuse("at", "the instant " + text::number(e.at) + " s lies before the start at 0 s");
   if (p.has("when")) {
     const Params when = params_of(p.value("when"), "condition", part_of(owner, "when"), nullptr);
     const std::string sense = when.text("direction");

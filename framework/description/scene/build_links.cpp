@@ -50,7 +50,7 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
   bodies.push_back("ground");
   if (!contains(bodies, word)) {
     known.insert(known.end(), bodies.begin(), bodies.end());
-    p.refuse(key, "unknown marker or body \"" + word + "\"" + suggestion(word, known));
+    p.refuse(key, "unknown marker or body \"" + word + "\"" + text::suggestion(word, known));
   }
   Body& body = out_.system.body(word);
   Pose world{Vec3::Zero(), axes_of(p)};
@@ -64,13 +64,13 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
   return &out_.system.add_marker_at(name + (key == "p" ? ".P" : ".S"), body, world);
 }
 
-Site Builder::site(const Params& p, const std::string& name, bool both) {
-  Site site;
-  site.name = name;
+Attachment Builder::attachment(const Params& p, const std::string& name, bool both) {
+  Attachment attachment;
+  attachment.name = name;
   if (!p.has("p") && !p.has("s")) {
     for (const std::string& key : kPlaces)
       if (p.has(key)) p.refuse(key, "it gives a place, but neither \"p\" nor \"s\" names a body; add \"p\"");
-    return site;
+    return attachment;
   }
   if (!p.has("p")) p.refuse("s", "\"s\" is given without \"p\"; name the first marker or body \"p\"");
   const std::vector<std::string> known = names("marker");
@@ -91,12 +91,12 @@ Site Builder::site(const Params& p, const std::string& name, bool both) {
   if (both && still(*P->body) && still(*S->body))
     p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name +
                       "' are both fixed, so there is nothing to hold; remove it");
-  site.pairs.emplace_back(P, S);
-  return site;
+  attachment.pairs.emplace_back(P, S);
+  return attachment;
 }
 
 // The pairs of a coupling: each is the markers of an existing link, or two new ones.
-Site Builder::pairs(const Params& p, const std::string& name) {
+Attachment Builder::pairs(const Params& p, const std::string& name) {
   for (const char* key : {"p", "s"})
     if (p.has(key)) p.refuse(key, "\"pairs\" places the link; remove one of the two");
   for (const std::string& key : kPlaces)
@@ -104,7 +104,7 @@ Site Builder::pairs(const Params& p, const std::string& name) {
   const Value::List* items = p.value("pairs").list();
   if (items == nullptr || items->empty())
     p.refuse("pairs", "expected a list of link names and of objects, got " + shown(p.value("pairs")));
-  Site all;
+  Attachment all;
   all.name = name;
   for (std::size_t i = 0; i < items->size(); ++i) {
     const Value& item = (*items)[i];
@@ -114,7 +114,7 @@ Site Builder::pairs(const Params& p, const std::string& name) {
       std::erase(known, name);  // its own name is taken, but the link does not exist yet
       if (!contains(known, *word))
         refuse(item.where, place,
-               "unknown link \"" + *word + "\"" + suggestion(*word, known) + "; a coupling comes after its joints");
+               "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
       const auto its = out_.system.link(*word).pairs();
       if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();
@@ -123,7 +123,7 @@ Site Builder::pairs(const Params& p, const std::string& name) {
       const Params own = params_of(item, "pair", place, nullptr);
       for (const char* key : {"p", "s"})
         if (!own.has(key)) refuse(item.where, place, "missing key \"" + std::string(key) + "\"; a pair has both sides");
-      all.pairs.push_back(site(own, name + "." + std::to_string(i + 1), false).pairs.front());
+      all.pairs.push_back(attachment(own, name + "." + std::to_string(i + 1), false).pairs.front());
     }
   }
   return all;
@@ -142,7 +142,7 @@ void Builder::link(const Value& object, const std::string& owner) {
   if (!p.has("pairs"))
     for (const char* key : {"p", "s"})
       if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
-  const Site where = p.has("pairs") ? pairs(p, name) : site(p, name, true);
+  const Attachment where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
   placed(object.where, [&] {
     std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);
     if (made->pairs().size() < where.pairs.size())
@@ -203,7 +203,7 @@ void Builder::start_speeds(const Params& p, const Lock& link) {
     if (joint == nullptr)
       speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
     const Axis axis = axis_from(key.name);
-    if (has(joint->rows(), row_of(axis)))
+    if (includes(joint->rows(), row_of(axis)))
       speeds.refuse(key.name, "the link holds or drives this coordinate; a start speed needs a free one");
     out_.start_speeds.push_back({link.name(), axis, speeds.number(key.name)});
   }

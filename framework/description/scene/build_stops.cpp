@@ -13,9 +13,9 @@ Unilateral unilateral_from(const Params& p) {
   o.restitution = p.number("restitution");
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))
-    p.refuse("restitution", "it is " + number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
+    p.refuse("restitution", "it is " + text::number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
   if (!(o.rest_speed > 0))
-    p.refuse("rest_speed", "it is " + number(o.rest_speed) + "; it must be above zero, or bounces would never end");
+    p.refuse("rest_speed", "it is " + text::number(o.rest_speed) + "; it must be above zero, or bounces would never end");
   return o;
 }
 
@@ -39,17 +39,17 @@ void Builder::unilateral(const Params& link, Lock& lock) {
   lock.set_unilateral(u);
 }
 
-void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
+void Builder::brought_along(const Params& link, const Attachment& attachment, Lock& lock) {
   if (link.has("stops")) {
     const Value::List& items = objects_of(link, "stops");
     for (std::size_t i = 0; i < items.size(); ++i)
-      stops(items[i], part_of(link.owner(), "stops") + "[" + std::to_string(i) + "]", site);
+      stops(items[i], part_of(link.owner(), "stops") + "[" + std::to_string(i) + "]", attachment);
   }
   if (!link.has("friction")) return;
   const Value& keys = link.value("friction");
-  const std::string owner = part_of(link.owner(), "friction"), name = site.name + ".friction";
+  const std::string owner = part_of(link.owner(), "friction"), name = attachment.name + ".friction";
   const Params friction = params_of(keys, "friction", owner, nullptr);
-  Site where;
+  Attachment where;
   where.name = name, where.link = &lock;
   placed(keys.where, [&] {
     out_.system.add(registry_.forces.make_checked("joint_friction", where, friction));
@@ -58,41 +58,41 @@ void Builder::brought_along(const Params& link, const Site& site, Lock& lock) {
 }
 
 // One or both ends of one coordinate.
-void Builder::stops(const Value& object, const std::string& owner, const Site& of) {
+void Builder::stops(const Value& object, const std::string& owner, const Attachment& of) {
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
-  if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && has(joint->mask(), row_of(axis)))
+  if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
-    p.refuse("high", "it is " + number(p.number("high")) + " and does not lie above \"low\", " +
-                         number(p.number("low")) + "; exchange them");
+    p.refuse("high", "it is " + text::number(p.number("high")) + " and does not lie above \"low\", " +
+                         text::number(p.number("low")) + "; exchange them");
   for (const char* end : {"low", "high"}) {
     if (!p.has(end)) continue;
-    Site site;
-    site.name = of.name + ".stop_" + p.text("axis") + "_" + end;
+    Attachment attachment;
+    attachment.name = of.name + ".stop_" + p.text("axis") + "_" + end;
     Marker *P = &of.p(), *S = &of.s();
     std::string coordinate = p.text("axis");
     if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts turns about z: markers with z there
       for (const Marker* m : {P, S})
-        if (m->slide || m->spin)
+        if (m->translation_law || m->rotation_law)
           p.refuse("axis", "marker '" + m->name +
                                "' moves by a law, so a stop of its turn about x or y needs its own markers: add a "
                                "link of type \"stop\"");
-      const Pose turned{Vec3::Zero(), axes_with_z(index(axis) - 3)};
-      P = &out_.system.add_marker(site.name + ".P", *P->body, P->local * turned);
-      S = &out_.system.add_marker(site.name + ".S", *S->body, S->local * turned);
+      const Pose turned{Vec3::Zero(), axes_with_z(axis_index(axis) - 3)};
+      P = &out_.system.add_marker(attachment.name + ".P", *P->body, P->local * turned);
+      S = &out_.system.add_marker(attachment.name + ".S", *S->body, S->local * turned);
       coordinate = "rz";
     }
-    site.pairs.emplace_back(P, S);
+    attachment.pairs.emplace_back(P, S);
     placed(object.where, [&] {
       const Params keys{{"coordinate", coordinate}, {end, p.number(end)}};
-      std::unique_ptr<Lock> stop = registry_.links.make("stop", site, keys, &registry_, owner);
+      std::unique_ptr<Lock> stop = registry_.links.make("stop", attachment, keys, &registry_, owner);
       stop->set_unilateral(options);
       out_.system.add(std::move(stop));
     });
-    taken_["link"][site.name] = object.where;
+    taken_["link"][attachment.name] = object.where;
   }
 }
 

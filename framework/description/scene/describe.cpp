@@ -34,7 +34,7 @@ std::string padded(std::string text, std::size_t width) {
 std::string choice_words(const Key& key) {
   std::vector<std::string> words;
   for (const std::string& choice : key.choices) words.push_back("\"" + choice + "\"");
-  return join(words, " or ");
+  return text::join(words, " or ");
 }
 
 std::string part_words(const Key& key, const Part& part) {
@@ -99,7 +99,7 @@ std::vector<Description> shelf_contents(const Registry& registry, const std::str
   if (shelf == "solvers") append(registry.solvers, shelf, all);
   const std::vector<std::string> known = shelf_names();
   if (std::find(known.begin(), known.end(), shelf) == known.end())
-    refuse({}, "list", "unknown shelf \"" + shelf + "\"" + suggestion(shelf, known));
+    refuse({}, "list", "unknown shelf \"" + shelf + "\"" + text::suggestion(shelf, known));
   return all;
 }
 
@@ -120,7 +120,7 @@ std::vector<Description> find_descriptions(const Registry& registry, const std::
       look(d);
     }
   for (const SceneTable& table : scene_tables()) look({"scene", table.info, "built in", table.parts});
-  if (found.empty()) refuse({}, "describe", "unknown name \"" + name + "\"" + suggestion(name, known));
+  if (found.empty()) refuse({}, "describe", "unknown name \"" + name + "\"" + text::suggestion(name, known));
   return found;
 }
 

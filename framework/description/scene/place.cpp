@@ -212,7 +212,7 @@ void add_leaves(const Value& v, const std::string& path, std::vector<std::string
 std::string closest_number(const Value& root, const std::string& path) {
   std::vector<std::string> leaves;
   add_leaves(root, "", leaves);
-  return closest_name(path, leaves);
+  return text::closest_name(path, leaves);
 }
 
 // The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
@@ -223,7 +223,7 @@ std::string nearest(const Value& root, const std::string& path, const Registry& 
     const std::optional<Miss> miss = Walk(copy, steps, registry).go();
     if (!miss) return joined(steps);
     if (miss->step == steps.size()) break;
-    const std::string closest = closest_name(steps[miss->step], miss->candidates);
+    const std::string closest = text::closest_name(steps[miss->step], miss->candidates);
     if (closest.empty() || closest == steps[miss->step]) break;
     steps[miss->step] = closest;
   }
@@ -235,7 +235,7 @@ std::string known(std::vector<std::string> names) {
   if (names.empty()) return {};
   const bool cut = names.size() > kMost;
   if (cut) names.resize(kMost);
-  return "; known: " + join(names, ", ") + (cut ? ", ..." : "");
+  return "; known: " + text::join(names, ", ") + (cut ? ", ..." : "");
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ Stabilization read_stabilization(const Params& run) {
   s.kind = kind_from(p.text("kind"));
   s.alpha = p.number("alpha"), s.beta = p.number("beta"), s.tolerance = positive(p, "tolerance", "tolerance");
   for (const char* rate : {"alpha", "beta"})
-    if (p.number(rate) < 0) p.refuse(rate, "the rate is " + brief(p.number(rate)) + " 1/s; it must be >= 0");
+    if (p.number(rate) < 0) p.refuse(rate, "the rate is " + text::brief(p.number(rate)) + " 1/s; it must be >= 0");
   return s;
 }
 
@@ -51,9 +51,9 @@ std::vector<double> read_times(const Params& run) {
     run.refuse("times", "\"output\" and \"times\" both define when to record; remove one of the two");
   const std::vector<double> times = run.numbers("times");
   for (std::size_t i = 0; i < times.size(); ++i) {
-    if (times[i] < 0) run.refuse("times", "instant " + number(times[i]) + " s lies before the start at 0 s; remove it");
+    if (times[i] < 0) run.refuse("times", "instant " + text::number(times[i]) + " s lies before the start at 0 s; remove it");
     if (i > 0 && times[i] <= times[i - 1])
-      run.refuse("times", "instants must rise, but " + number(times[i]) + " s follows " + number(times[i - 1]) + " s");
+      run.refuse("times", "instants must rise, but " + text::number(times[i]) + " s follows " + text::number(times[i - 1]) + " s");
   }
   return times;
 }
@@ -109,7 +109,7 @@ std::vector<std::vector<std::string>> read_draw(const Params& run, const std::ve
     for (const Value& item : *panel.list()) {
       const std::string name = read_text(item, "run.draw");
       if (std::find(known.begin(), known.end(), name) == known.end())
-        refuse(item.where, "run.draw", "\"" + name + "\" is not recorded" + suggestion(name, known));
+        refuse(item.where, "run.draw", "\"" + name + "\" is not recorded" + text::suggestion(name, known));
       panels.back().push_back(name);
     }
   }

@@ -146,7 +146,7 @@ SceneTable marker() {
 }
 
 // The keys that place a link or a force.
-Keys site_keys(Default p_default) {
+Keys attachment_keys(Default p_default) {
   return {
       {"p", Form::text, Unit::none, p_default, "the marker P, or a body that is given one"},
       {"s", Form::text, Unit::none, p_default, "the marker S that P is seen from, or a body that is given one"},
@@ -169,7 +169,7 @@ SceneTable link() {
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
                "links"};
-  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
+  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   const Keys more = {
       any("pairs", "in place of p and s: links whose markers it couples, by name, or {\"p\":, \"s\":, ...} each"),
       any("drive", "laws on coordinates that the link leaves free"),
@@ -186,7 +186,7 @@ SceneTable link() {
 
 SceneTable pair() {
   SceneTable t{{"pair", "two markers whose relative motion is coupled", {}}};
-  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
+  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   return t;
 }
 
@@ -197,7 +197,7 @@ SceneTable force() {
                  {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list forces`"}}},
                {},
                "forces"};
-  for (Key& key : site_keys(kOptional)) t.info.keys.push_back(std::move(key));
+  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link in which it acts, for friction"});
   return t;
 }

@@ -190,7 +190,7 @@ std::string setting_text(const std::vector<Variable>& variables, const std::vect
 }
 
 std::string plain_text(const Value& v) {
-  if (const double* x = v.number()) return number(*x);
+  if (const double* x = v.number()) return text::number(*x);
   if (const bool* b = v.boolean()) return *b ? "true" : "false";
   return v.text() != nullptr ? *v.text() : "";
 }

@@ -39,8 +39,8 @@ void write_plain(const Value& v, std::string& out) {
   if (const std::string* s = v.text()) write_text(*s, out);
   if (const double* x = v.number()) {
     if (!std::isfinite(*x))
-      refuse(v.where, "", "the number is " + number(*x) + ", which JSON cannot hold; give a finite one");
-    out += number(*x);
+      refuse(v.where, "", "the number is " + text::number(*x) + ", which JSON cannot hold; give a finite one");
+    out += text::number(*x);
   }
 }
 

@@ -54,7 +54,7 @@ SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, boo
 
 void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const SolveReport& report) const {
   const double t = e.inputs().t;
-  const auto when = [&] { return "t = " + number(t) + " s: "; };
+  const auto when = [&] { return "t = " + text::number(t) + " s: "; };
   if (!a.allFinite() || !lambda.allFinite()) {
     e.check();  // names the culprit
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
@@ -64,7 +64,7 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   }
   if (report.contradictory)
     throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
-                         " cannot hold together with the others (" + brief(100 * report.residual) +
+                         " cannot hold together with the others (" + text::brief(100 * report.residual) +
                          " % of its right side is left over); two laws may drive one coordinate: "
                          "look at the drives and masks of this link and its neighbours",
                      {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});

@@ -97,7 +97,7 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
   throw SolveError(
       at_time(in.t) + culprit.label() + " and the reactions of " + links + "' that it reads do not settle (after " +
-          std::to_string(kMostSolutions) + " solutions " + brief(100 * left) +
+          std::to_string(kMostSolutions) + " solutions " + text::brief(100 * left) +
           " % of the friction still changes): with its coefficient the friction raises its own load without limit, "
           "so the joint would jam; reduce the coefficient, or the lever arm of the load",
       {.thing = culprit, .t = in.t});

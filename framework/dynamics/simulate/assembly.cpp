@@ -29,8 +29,8 @@ std::string worst_rows(const Evaluation& e, const VecX& C) {
   std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
   std::vector<std::string> words;
   for (std::size_t i = 0; i < order.size() && i < 3; ++i)
-    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + brief(C[order[i]]) + ")");
-  return join(words);
+    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(C[order[i]]) + ")");
+  return text::join(words);
 }
 
 double round_off(const State& state, double length) {
@@ -115,7 +115,7 @@ class Assembler {
     report.after_v = dynamics_.violation_v(state_);
     residual();
     if (!(report.after_v <= kVelocityLimit))
-      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + brief(report.after_v) +
+      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
                           " m/s); worst: " + worst_rows(*now_, Cd_) +
                           ". Two laws may drive one coordinate: look at the drives of these links");
   }
@@ -128,7 +128,7 @@ class Assembler {
   }
 
   [[noreturn]] void stop(double now, int iterations) {
-    throw AssemblyError("assembly stopped after " + std::to_string(iterations) + " iterations at |C| = " + brief(now) +
+    throw AssemblyError("assembly stopped after " + std::to_string(iterations) + " iterations at |C| = " + text::brief(now) +
                         " m; worst: " + worst_rows(*now_, C_) +
                         ". Check the start poses of these links' bodies, their markers and masks");
   }
@@ -142,7 +142,7 @@ class Assembler {
     const Inputs& in = dynamics_.inputs(state_);
     const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
     const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
-    const auto axis = vec::vector(Vec3(Vec3::Unit(index(target.axis) % 3)));
+    const auto axis = vec::vector(Vec3(Vec3::Unit(axis_index(target.axis) % 3)));
     const auto n2 = mS.A * axis, n = O2.A * n2;
     VecX row = VecX::Zero(6 * n_);
     const auto put = [&](int slot, double sign, const auto& v, const auto& w) {
@@ -165,7 +165,7 @@ class Assembler {
   static std::string target_names(const std::vector<VelocityTarget>& targets) {
     std::vector<std::string> names;
     for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
-    return join(names);
+    return text::join(names);
   }
 
   Dynamics& dynamics_;

@@ -93,7 +93,7 @@ const char* to_string(Error::Kind kind) {
   return "other";
 }
 
-std::string at_time(double t) { return std::isnan(t) ? "" : "t = " + number(t) + " s: "; }
+std::string at_time(double t) { return std::isnan(t) ? "" : "t = " + text::number(t) + " s: "; }
 
 std::string of_plugin(const std::string& origin) {
   return origin.empty() || origin == "built in" ? "" : " of plugin " + origin;

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <numeric>
 
-namespace lockstep {
+namespace lockstep::text {
 namespace {
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
@@ -74,4 +74,4 @@ std::string number(double value) { return with_format(value, std::chars_format::
 
 std::string brief(double value) { return with_format(value, std::chars_format::general, 3); }
 
-}  // namespace lockstep
+}  // namespace lockstep::text

@@ -177,8 +177,8 @@ struct Marker {
   Body* body = nullptr;  ///< the body that carries it
   Pose local;            ///< home pose in the body's frame
   LawPtr<TranslationLaw>
-      slide{};                 ///< translation from `local`, m, along the axes of `local`; absent: it does not slide
-  LawPtr<RotationLaw> spin{};  ///< rotation against `local`; absent: it does not turn
+      translation_law{};                 ///< translation from `local`, m, along the axes of `local`; absent: it does not slide
+  LawPtr<RotationLaw> rotation_law{};  ///< rotation against `local`; absent: it does not turn
 };
 
 

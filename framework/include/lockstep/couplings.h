@@ -112,7 +112,7 @@ class LOCKSTEP_API CamRoller final : public PhiLock<RollerOnCam> {
   CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller);
   std::string_view type() const override { return "cam_roller"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 /// A flat face on a convex disc cam about z of S. The face passes through P, normal to y of P, which points away from
@@ -123,7 +123,7 @@ class LOCKSTEP_API CamFlat final : public PhiLock<FaceOnCam> {
   CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius);
   std::string_view type() const override { return "cam_flat"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -263,7 +263,7 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observab
   std::vector<Quantity> quantities() const override;  ///< "s", in its own unit, and "rate", ds/dt
   double quantity(int k, const Inputs&) const override;
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 /// P follows a path fixed to S: its origin stays on a curve c(s), its axes are those of S turned by q(s). Free: moving
@@ -283,7 +283,7 @@ class LOCKSTEP_API PathFollower final : public PhiLock<OnPath>, public Observabl
   std::vector<Quantity> quantities() const override;  ///< "s", in its own unit, and "rate", ds/dt
   double quantity(int k, const Inputs&) const override;
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -358,7 +358,7 @@ class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
   Gear(const CoupledPairs& pairs, double ratio, Mesh mesh = Mesh::external);
   std::string_view type() const override { return "gear"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 /// Two pulleys with a belt that neither slips nor stretches: radius1 theta1 - radius2 theta2 keeps its value at the
@@ -375,7 +375,7 @@ class LOCKSTEP_API Belt final : public PhiCoupling<TurnsOfTwo> {
   Belt(const CoupledPairs& pairs, Options options);
   std::string_view type() const override { return "belt"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 /// Three turns on one carrier: theta1 + ratio theta2 - (1 + ratio) theta3 keeps its value at the start. Ratio 1 is a
@@ -387,7 +387,7 @@ class LOCKSTEP_API Differential final : public PhiCoupling<TurnsOfThree> {
   explicit Differential(const CoupledPairs& pairs, double ratio = 1);
   std::string_view type() const override { return "differential"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -462,7 +462,7 @@ class LOCKSTEP_API RackAndPinion final : public PhiCoupling<PinionAndSlide> {
   std::string_view type() const override { return "rack_and_pinion"; }
   static TypeInfo info();  ///< its keys in scenes
   /// Its maker for the registry: with one pair a RollingRack, with two a RackAndPinion.
-  static std::unique_ptr<Lock> make(const Site&, const Params&);
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);
 };
 
 }  // namespace lockstep

@@ -414,12 +414,12 @@ class LOCKSTEP_API MarkerForce : public Force {
   std::vector<LawPtr<MotionLaw>> laws_;
 };
 
-/// Marker P of a site, for makers. Throws SceneError when there is none.
-LOCKSTEP_API Marker& p_of(const Site&, const Params&);
-/// Marker S of a site, for makers. Throws SceneError when there is none.
-LOCKSTEP_API Marker& s_of(const Site&, const Params&);
-/// Whether the site has a marker S.
-LOCKSTEP_API bool has_s(const Site&);
+/// Marker P of a attachment, for makers. Throws SceneError when there is none.
+LOCKSTEP_API Marker& p_of(const Attachment&, const Params&);
+/// Marker S of a attachment, for makers. Throws SceneError when there is none.
+LOCKSTEP_API Marker& s_of(const Attachment&, const Params&);
+/// Whether the attachment has a marker S.
+LOCKSTEP_API bool has_s(const Attachment&);
 
 
 // FormulaForce: a force between markers from one formula.

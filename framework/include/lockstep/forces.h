@@ -84,7 +84,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
 /// Torque M on P's body; with S, -M on S's body.
@@ -110,7 +110,7 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
 
@@ -155,7 +155,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   void act(const Ends<T>&, Load&) const;
 
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
@@ -216,7 +216,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
 
   static const TypeInfo& info();                                   ///< name and keys of its type
   static Options options(const Params&);                           ///< from parameters checked against info()
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   struct Pressing;
@@ -309,7 +309,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
 /// Torque on P's body about z of S, the opposite on S's body.
@@ -329,7 +329,7 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
 
@@ -374,7 +374,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   void act(const Ends<T>&, Load&) const;
 
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
@@ -429,7 +429,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
 
   static const TypeInfo& info();                                   ///< name and keys of its type
-  static std::unique_ptr<Force> make(const Site&, const Params&);  ///< the force from checked parameters
+  static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;

@@ -49,7 +49,7 @@ class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
   Distance(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "distance"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 
  protected:
   RowPlan plan_rows() override;
@@ -71,8 +71,8 @@ class MaskJoint : public MarkerLock {
   /// Its line of help; it has no keys in scenes.
   static TypeInfo info() { return {Self::kType, Self::kHelp, {}}; }
   /// Its maker for the registry.
-  static std::unique_ptr<Lock> make(const Site& site, const Params&) {
-    return std::make_unique<Self>(site.name, site.p(), site.s());
+  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params&) {
+    return std::make_unique<Self>(attachment.name, attachment.p(), attachment.s());
   }
 };
 
@@ -164,7 +164,7 @@ class LOCKSTEP_API GenericLock final : public MarkerLock {
   using MarkerLock::MarkerLock;
   std::string_view type() const override { return "lock"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -207,7 +207,7 @@ class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable 
   std::vector<Quantity> quantities() const override;  ///< "angle", counted, rad, and "rate", rad/s
   double quantity(int k, const Inputs&) const override;
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -272,7 +272,7 @@ class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
 /// The type "stop" of scenes: a SlideStop or a TurnStop.
 struct LOCKSTEP_API Stop {
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
@@ -297,7 +297,7 @@ class LOCKSTEP_API Universal final : public PhiLock<Cross> {
   Universal(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "universal"; }
   static TypeInfo info();                                         ///< its keys in scenes
-  static std::unique_ptr<Lock> make(const Site&, const Params&);  ///< its maker for the registry
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 }  // namespace lockstep

@@ -276,26 +276,26 @@ constexpr Mask operator|(Mask a, Mask b) { return Mask(std::uint8_t(a) | std::ui
 /// Rows of both.
 constexpr Mask operator&(Mask a, Mask b) { return Mask(std::uint8_t(a) & std::uint8_t(b)); }
 /// Whether a has all rows of `bits`.
-constexpr bool has(Mask a, Mask bits) { return (a & bits) == bits; }
+constexpr bool includes(Mask a, Mask bits) { return (a & bits) == bits; }
 /// Whether a has at least one row of `bits`.
-constexpr bool any(Mask a, Mask bits) { return (a & bits) != Mask::none; }
+constexpr bool overlaps(Mask a, Mask bits) { return (a & bits) != Mask::none; }
 /// The mask of row k alone; k = 0..5 for x y z e1 e2 e3.
 constexpr Mask row_bit(int k) { return Mask(1u << k); }
 /// Number of rows.
-constexpr int count(Mask a) {
+constexpr int count_rows(Mask a) {
   int n = 0;
-  for (int k = 0; k < 6; ++k) n += has(a, row_bit(k));
+  for (int k = 0; k < 6; ++k) n += includes(a, row_bit(k));
   return n;
 }
 
 /// The six coordinates of P seen from S: translations along the axes of S, m, and turns about them, rad.
 enum class Axis : std::uint8_t { x, y, z, rx, ry, rz };
 /// 0..5 for x y z rx ry rz.
-constexpr int index(Axis a) { return static_cast<int>(a); }
+constexpr int axis_index(Axis a) { return static_cast<int>(a); }
 /// Whether the coordinate is a turn.
-constexpr bool is_rotation(Axis a) { return index(a) >= 3; }
+constexpr bool is_rotation(Axis a) { return axis_index(a) >= 3; }
 /// The row that a drive on this axis adds.
-constexpr Mask row_of(Axis a) { return row_bit(index(a)); }
+constexpr Mask row_of(Axis a) { return row_bit(axis_index(a)); }
 
 /// "x y z e1 e2" -> Mask; commas and | separate words as well. Throws ParameterError (key "mask"): a word that is not a
 /// row, a row named twice.
@@ -449,9 +449,9 @@ LOCKSTEP_INLINE auto imposed(const ImposedRotationT<T>& D) {
 /// Calls f<k>() for those k = 0, 1, 2 whose row first + k is in the mask.
 template <class F>
 LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
-  if (has(rows, row_bit(first))) f.template operator()<0>();
-  if (has(rows, row_bit(first + 1))) f.template operator()<1>();
-  if (has(rows, row_bit(first + 2))) f.template operator()<2>();
+  if (includes(rows, row_bit(first))) f.template operator()<0>();
+  if (includes(rows, row_bit(first + 1))) f.template operator()<1>();
+  if (includes(rows, row_bit(first + 2))) f.template operator()<2>();
 }
 
 }  // namespace kernel

@@ -29,11 +29,11 @@ inline void require(bool ok, const char* law, const char* key, const std::string
 }
 /// Calls reject() unless `value` is finite.
 inline void require_finite(const char* law, const char* key, double value) {
-  if (!std::isfinite(value)) reject(law, key, "is " + number(value) + "; must be a finite number");
+  if (!std::isfinite(value)) reject(law, key, "is " + text::number(value) + "; must be a finite number");
 }
 /// Calls reject() unless `value` is finite and above 0.
 inline void require_positive(const char* law, const char* key, double value) {
-  if (!(std::isfinite(value) && value > 0)) reject(law, key, "is " + number(value) + "; must be above 0");
+  if (!(std::isfinite(value) && value > 0)) reject(law, key, "is " + text::number(value) + "; must be above 0");
 }
 /// Calls reject() when there is no law.
 template <class L>

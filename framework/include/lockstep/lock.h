@@ -340,8 +340,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
   void gather(Group, const Inputs&, RowSpan out) const override;
   bool is_weld() const override {
-    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->slide && !p_->spin && !s_->slide &&
-           !s_->spin;
+    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->translation_law && !p_->rotation_law && !s_->translation_law &&
+           !s_->rotation_law;
   }
 
   // -- facets

@@ -281,13 +281,13 @@ LOCKSTEP_API std::string name_of(Form);
 LOCKSTEP_API void check(const TypeInfo&);
 
 
-// Site: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
+// Attachment: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
 
 
 class Lock;
 
 /// The name of a new link or force and the markers it is given, P before S in each pair.
-struct LOCKSTEP_API Site {  // exported, because the registries are templates of it
+struct LOCKSTEP_API Attachment {  // exported, because the registries are templates of it
   std::string name;         ///< name of the link or force
   /// One for a lock; forces may have none, or a pair without S (nullptr).
   std::vector<std::pair<Marker*, Marker*>> pairs;

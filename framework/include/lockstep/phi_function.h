@@ -116,7 +116,7 @@ class PhiFunction {
       if (Traits::reads(static_cast<int>(k), Reads::rotation)) refuse_particles(link, "phi", *p, *s);
       FramePair& frames = frames_[k];
       frames.P = MarkerFrame(*p), frames.S = MarkerFrame(*s);
-      moving_ = moving_ || frames.P.slide || frames.P.spin || frames.S.slide || frames.S.spin;
+      moving_ = moving_ || frames.P.translation_law || frames.P.rotation_law || frames.S.translation_law || frames.S.rotation_law;
     }
     const Coords<Time> y = at_start();
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);

@@ -31,23 +31,23 @@ namespace lockstep {
 //   using Gear = PhiCoupling<Mesh>;
 
 
-/// The name of a coupling and its pairs of markers, those of a site or of joints (across).
+/// The name of a coupling and its pairs of markers, those of a attachment or of joints (across).
 struct CoupledPairs {
   std::string name;                                            ///< of the coupling
   std::vector<std::pair<const Marker*, const Marker*>> pairs;  ///< P before S
 
   /// Without pairs yet.
   explicit CoupledPairs(std::string of) : name(std::move(of)) {}
-  /// The name and the pairs of a site.
-  CoupledPairs(const Site& site)
-      : name(site.name), pairs(site.pairs.begin(), site.pairs.end()) {}  // NOLINT: a site is one
+  /// The name and the pairs of a attachment.
+  CoupledPairs(const Attachment& attachment)
+      : name(attachment.name), pairs(attachment.pairs.begin(), attachment.pairs.end()) {}  // NOLINT: a attachment is one
   /// P of pair k. Throws ModelError: it is not given.
   const Marker& p(std::size_t k) const {
-    return Site::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
+    return Attachment::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
   }
   /// S of pair k. Throws ModelError: it is not given.
   const Marker& s(std::size_t k) const {
-    return Site::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k);
+    return Attachment::given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k);
   }
 };
 
@@ -128,26 +128,26 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
-  static typename Function::Pairs pairs_of(const CoupledPairs& site) {
+  static typename Function::Pairs pairs_of(const CoupledPairs& attachment) {
     typename Function::Pairs pairs;
     std::vector<const Body*> seen;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      pairs[k] = {&site.p(k), &site.s(k)};
+      pairs[k] = {&attachment.p(k), &attachment.s(k)};
       for (std::size_t j = 0; j < k; ++j)
         if (pairs[j] == pairs[k])
-          throw ModelError("link '" + site.name + "': pairs " + std::to_string(j + 1) + " and " +
+          throw ModelError("link '" + attachment.name + "': pairs " + std::to_string(j + 1) + " and " +
                            std::to_string(k + 1) + " are the same two markers; couple two different joints");
       for (const Marker* m : {pairs[k].first, pairs[k].second})
         if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
       if (pairs[k].first->body == pairs[k].second->body)
-        throw ModelError("link '" + site.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
+        throw ModelError("link '" + attachment.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
                          pairs[k].first->body->name + "'; name two bodies");
     }
-    if (site.pairs.size() > pairs.size())
-      throw ModelError("link '" + site.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
-                       std::to_string(site.pairs.size()) + " are given; remove the others");
+    if (attachment.pairs.size() > pairs.size())
+      throw ModelError("link '" + attachment.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
+                       std::to_string(attachment.pairs.size()) + " are given; remove the others");
     if (seen.size() > kMaxSlots)
-      throw ModelError("link '" + site.name + "' couples " + std::to_string(seen.size()) + " bodies; a link touches " +
+      throw ModelError("link '" + attachment.name + "' couples " + std::to_string(seen.size()) + " bodies; a link touches " +
                        std::to_string(kMaxSlots) + " at most: measure its pairs from a common body");
     return pairs;
   }
@@ -182,7 +182,7 @@ class PhiLock : public MarkerLock, public Remembering {
 
   /// Rows of the mask and the drives, then of phi.
   void gather(Group links, const Inputs& in, RowSpan out) const override {
-    if (any(rows(), Mask::all)) MarkerLock::gather(links, in, out);
+    if (overlaps(rows(), Mask::all)) MarkerLock::gather(links, in, out);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const auto& link = static_cast<const PhiLock&>(*links[i]);
       link.function_.fill(in, link.memory(in), link.slots(), link.first_, out.lane(i));

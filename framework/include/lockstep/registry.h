@@ -72,8 +72,8 @@ class LOCKSTEP_API Registry {
   Shelf<LawPtr<MotionLaw>> laws;                      ///< scalar laws
   Shelf<LawPtr<TranslationLaw>> translation_laws;     ///< laws of a translation
   Shelf<LawPtr<RotationLaw>> rotation_laws;           ///< laws of a rotation
-  Shelf<std::unique_ptr<Lock>, const Site&> links;    ///< joints and couplings
-  Shelf<std::unique_ptr<Force>, const Site&> forces;  ///< applied forces
+  Shelf<std::unique_ptr<Lock>, const Attachment&> links;    ///< joints and couplings
+  Shelf<std::unique_ptr<Force>, const Attachment&> forces;  ///< applied forces
   Shelf<std::unique_ptr<Integrator>> integrators;     ///< time-stepping methods
   Shelf<std::unique_ptr<LinearSolver>> solvers;       ///< linear solvers
 
@@ -92,8 +92,8 @@ class LOCKSTEP_API Registry {
 extern template class Shelf<LawPtr<MotionLaw>>;
 extern template class Shelf<LawPtr<TranslationLaw>>;
 extern template class Shelf<LawPtr<RotationLaw>>;
-extern template class Shelf<std::unique_ptr<Lock>, const Site&>;
-extern template class Shelf<std::unique_ptr<Force>, const Site&>;
+extern template class Shelf<std::unique_ptr<Lock>, const Attachment&>;
+extern template class Shelf<std::unique_ptr<Force>, const Attachment&>;
 extern template class Shelf<std::unique_ptr<Integrator>>;
 extern template class Shelf<std::unique_ptr<LinearSolver>>;
 

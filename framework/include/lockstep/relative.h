@@ -16,13 +16,13 @@ struct MarkerFrame {
   Vec3 u0 = Vec3::Zero();        ///< origin without laws, slot axes, m
   Quat q0;                       ///< marker axes without laws -> slot axes
   Mat3 A0 = Mat3::Identity();    ///< A(q0)
-  LawPtr<TranslationLaw> slide;  ///< moves the origin along the axes of A0; null: none. Shared with the marker
-  LawPtr<RotationLaw> spin;      ///< turns the axes; null: none. Shared with the marker
+  LawPtr<TranslationLaw> translation_law;  ///< moves the origin along the axes of A0; null: none. Shared with the marker
+  LawPtr<RotationLaw> rotation_law;      ///< turns the axes; null: none. Shared with the marker
   MarkerMotion home;             ///< at(t) of a marker without laws
 
   MarkerFrame() = default;
   /// Of a marker on a body that has its slot already (System::setup).
-  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), slide(m.slide), spin(m.spin) {
+  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), translation_law(m.translation_law), rotation_law(m.rotation_law) {
     const Pose pose = m.body->in_slot * m.local;
     u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
     home.u = u0, home.q = q0, home.A = A0;
@@ -30,26 +30,26 @@ struct MarkerFrame {
 
   /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
   /// e.
-  bool parallel() const { return !slide && !spin && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
+  bool parallel() const { return !translation_law && !rotation_law && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
   MarkerMotion at(double t) const {
     MarkerMotion m;
     m.u = u0, m.q = q0, m.A = A0;
-    if (slide) {
-      const TranslationValue l = slide->at(t);
+    if (translation_law) {
+      const TranslationValue l = translation_law->at(t);
       m.u += A0 * l.x, m.ud = A0 * l.v, m.udd = A0 * l.a;
     }
-    if (spin) {
-      const RotationValue l = spin->at(t);
+    if (rotation_law) {
+      const RotationValue l = rotation_law->at(t);
       m.q = q0 * l.q, m.A = rotation(m.q), m.w = l.w, m.a = l.a;
     }
     return m;
   }
   /// Appends the instants in (t0, t1) where one of its laws jumps.
   void breakpoints(double t0, double t1, std::vector<double>& out) const {
-    if (slide) slide->breakpoints(t0, t1, out);
-    if (spin) spin->breakpoints(t0, t1, out);
+    if (translation_law) translation_law->breakpoints(t0, t1, out);
+    if (rotation_law) rotation_law->breakpoints(t0, t1, out);
   }
 };
 

@@ -8,7 +8,7 @@
 
 #include <lockstep/export.h>
 
-namespace lockstep {
+namespace lockstep::text {
 
 /// The candidate nearest to `word` by edit distance (case ignored; an exchange of neighbours is one edit), or "" when
 /// that is more than a third of the word's length, at least 1.
@@ -27,4 +27,4 @@ LOCKSTEP_API std::string number(double value);
 /// At most three significant digits, for messages.
 LOCKSTEP_API std::string brief(double value);
 
-}  // namespace lockstep
+}  // namespace lockstep::text

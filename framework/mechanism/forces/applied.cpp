@@ -108,11 +108,11 @@ const TypeInfo& AppliedForce::info() {
   return info;
 }
 
-std::unique_ptr<Force> AppliedForce::make(const Site& site, const Params& k) {
+std::unique_ptr<Force> AppliedForce::make(const Attachment& attachment, const Params& k) {
   AppliedVector v = read(Effort::force, k);
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  if (!has_s(site)) return std::make_unique<AppliedForce>(site.name, p_of(site, k), o);
-  return std::make_unique<AppliedForce>(site.name, p_of(site, k), s_of(site, k), o);
+  if (!has_s(attachment)) return std::make_unique<AppliedForce>(attachment.name, p_of(attachment, k), o);
+  return std::make_unique<AppliedForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), o);
 }
 
 namespace {
@@ -132,11 +132,11 @@ const TypeInfo& AppliedTorque::info() {
   return info;
 }
 
-std::unique_ptr<Force> AppliedTorque::make(const Site& site, const Params& k) {
+std::unique_ptr<Force> AppliedTorque::make(const Attachment& attachment, const Params& k) {
   AppliedVector v = read(Effort::torque, k);
   const Options o{v.value, std::move(v.law), v.direction, std::move(v.laws), v.axes};
-  if (!has_s(site)) return std::make_unique<AppliedTorque>(site.name, p_of(site, k), o);
-  return std::make_unique<AppliedTorque>(site.name, p_of(site, k), s_of(site, k), o);
+  if (!has_s(attachment)) return std::make_unique<AppliedTorque>(attachment.name, p_of(attachment, k), o);
+  return std::make_unique<AppliedTorque>(attachment.name, p_of(attachment, k), s_of(attachment, k), o);
 }
 
 // Instantiated here for callers that inline FormulaForce's functions.

@@ -25,10 +25,10 @@ const TypeInfo& Bushing::info() {
   return info;
 }
 
-std::unique_ptr<Force> Bushing::make(const Site& site, const Params& k) {
+std::unique_ptr<Force> Bushing::make(const Attachment& attachment, const Params& k) {
   const Options o{k.vector3("stiffness"), k.vector3("damping"), k.vector3("torsion_stiffness"),
                   k.vector3("torsion_damping")};
-  return std::make_unique<Bushing>(site.name, p_of(site, k), s_of(site, k), o);
+  return std::make_unique<Bushing>(attachment.name, p_of(attachment, k), s_of(attachment, k), o);
 }
 
 void Bushing::setup() {

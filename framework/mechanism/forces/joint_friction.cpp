@@ -30,13 +30,13 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
   Vec3 held = Vec3::Zero();
   int n_free_turns = 0;
   for (int k = 0; k < 3; ++k) {
-    held[k] = has(mask, row_bit(k)) ? 1 : 0;
-    if (!has(mask, row_bit(3 + k))) turning_ = k, ++n_free_turns;
+    held[k] = includes(mask, row_bit(k)) ? 1 : 0;
+    if (!includes(mask, row_bit(3 + k))) turning_ = k, ++n_free_turns;
   }
   if (n_free_turns != 1 || held.isZero(0)) turning_ = -1;
   if (!held.isZero(0)) sliding_ = Vec3::Ones() - held, pressing_ = held;
   if (sliding_.sum() == 1)
-    for (int k = 0; k < 3; ++k) bending_[k] = has(mask, row_bit(3 + k)) ? 1 - sliding_[k] : 0;
+    for (int k = 0; k < 3; ++k) bending_[k] = includes(mask, row_bit(3 + k)) ? 1 - sliding_[k] : 0;
   if (turning_ >= 0) axial_[turning_] = held[turning_], radial_ = held - axial_;
   arm_ = options_.radius > 0 ? options_.radius : options_.axial_radius;
   if (sliding_.isZero(0) && turning_ < 0)
@@ -52,7 +52,7 @@ void JointFriction::check_numbers() const {
   const auto must = [&](bool ok, const char* key, double value, const char* limit) {
     if (!ok || !std::isfinite(value))
       throw ParameterError({.kind = "force", .name = name()}, key,
-                           "is " + number(value) + "; must be a finite number, " + limit);
+                           "is " + text::number(value) + "; must be a finite number, " + limit);
   };
   const Options& o = options_;
   must(o.mu >= 0, "mu", o.mu, "0 or more");
@@ -93,7 +93,7 @@ JointFriction::Options JointFriction::options(const Params& k) {
   o.mu = k.number("mu");
   if (k.has("mu_static")) {
     o.mu_static = k.number("mu_static");
-    if (o.mu_static < 0) k.refuse("mu_static", "is " + number(o.mu_static) + "; must be mu or more");
+    if (o.mu_static < 0) k.refuse("mu_static", "is " + text::number(o.mu_static) + "; must be mu or more");
   }
   o.stribeck_speed = k.number("stribeck_speed"), o.smoothing_speed = k.number("smoothing_speed");
   o.radius = k.number("radius"), o.axial_radius = k.number("axial_radius");
@@ -103,13 +103,13 @@ JointFriction::Options JointFriction::options(const Params& k) {
   return o;
 }
 
-std::unique_ptr<Force> JointFriction::make(const Site& site, const Params& k) {
-  return std::make_unique<JointFriction>(site.name, site.carrier(), options(k));
+std::unique_ptr<Force> JointFriction::make(const Attachment& attachment, const Params& k) {
+  return std::make_unique<JointFriction>(attachment.name, attachment.carrier(), options(k));
 }
 
 void JointFriction::setup() {
   for (const Marker* m : {p_, s_})
-    if (m->slide || m->spin)
+    if (m->translation_law || m->rotation_law)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
                        "' moves on its body by a law, which friction does not support; drive the link instead");
   if (link_->jointed()->turned())

@@ -51,14 +51,14 @@ void MarkerForce::require(bool ok, const char* key, const std::string& problem) 
   if (!ok) throw ParameterError({.kind = "force", .name = name()}, key, problem);
 }
 void MarkerForce::require_finite(const char* key, double value) const {
-  require(std::isfinite(value), key, "is " + number(value) + "; must be a finite number");
+  require(std::isfinite(value), key, "is " + text::number(value) + "; must be a finite number");
 }
 void MarkerForce::require_finite(const char* key, const Vec3& value) const {
   require(value.allFinite(), key,
-          "is [" + number(value[0]) + ", " + number(value[1]) + ", " + number(value[2]) + "]; must be finite numbers");
+          "is [" + text::number(value[0]) + ", " + text::number(value[1]) + ", " + text::number(value[2]) + "]; must be finite numbers");
 }
 void MarkerForce::require_not_negative(const char* key, double value) const {
-  require(std::isfinite(value) && value >= 0, key, "is " + number(value) + "; must be a finite number, 0 or more");
+  require(std::isfinite(value) && value >= 0, key, "is " + text::number(value) + "; must be a finite number, 0 or more");
 }
 
 void MarkerForce::require_turning(const Marker& m, const char* does) const {
@@ -72,15 +72,15 @@ void MarkerForce::add_law(const LawPtr<MotionLaw>& law) {
   if (law) laws_.push_back(law);
 }
 
-Marker& p_of(const Site& site, const Params& params) {
-  if (site.pairs.empty() || site.pairs.front().first == nullptr)
+Marker& p_of(const Attachment& attachment, const Params& params) {
+  if (attachment.pairs.empty() || attachment.pairs.front().first == nullptr)
     params.refuse("p", "missing; name the marker or body that the force acts on");
-  return site.p();
+  return attachment.p();
 }
-Marker& s_of(const Site& site, const Params& params) {
-  if (!has_s(site)) params.refuse("s", "missing; name the marker or body that takes the reaction, such as \"ground\"");
-  return site.s();
+Marker& s_of(const Attachment& attachment, const Params& params) {
+  if (!has_s(attachment)) params.refuse("s", "missing; name the marker or body that takes the reaction, such as \"ground\"");
+  return attachment.s();
 }
-bool has_s(const Site& site) { return !site.pairs.empty() && site.pairs.front().second != nullptr; }
+bool has_s(const Attachment& attachment) { return !attachment.pairs.empty() && attachment.pairs.front().second != nullptr; }
 
 }  // namespace lockstep

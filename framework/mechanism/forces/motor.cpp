@@ -39,8 +39,8 @@ const TypeInfo& ForceMotor::info() {
   return info;
 }
 
-std::unique_ptr<Force> ForceMotor::make(const Site& site, const Params& k) {
-  return std::make_unique<ForceMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("force")});
+std::unique_ptr<Force> ForceMotor::make(const Attachment& attachment, const Params& k) {
+  return std::make_unique<ForceMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k), Options{k.law("force")});
 }
 
 TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
@@ -53,8 +53,8 @@ const TypeInfo& TorqueMotor::info() {
   return info;
 }
 
-std::unique_ptr<Force> TorqueMotor::make(const Site& site, const Params& k) {
-  return std::make_unique<TorqueMotor>(site.name, p_of(site, k), s_of(site, k), Options{k.law("torque")});
+std::unique_ptr<Force> TorqueMotor::make(const Attachment& attachment, const Params& k) {
+  return std::make_unique<TorqueMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k), Options{k.law("torque")});
 }
 
 // Instantiated here for callers that inline FormulaForce's functions.

@@ -25,20 +25,20 @@ const TypeInfo& SpringDamper::info() {
   return info;
 }
 
-std::unique_ptr<Force> SpringDamper::make(const Site& site, const Params& k) {
+std::unique_ptr<Force> SpringDamper::make(const Attachment& attachment, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_length"), k.number("preload"), {}};
   if (k.has("force")) o.force = k.law("force");
-  return std::make_unique<SpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o));
+  return std::make_unique<SpringDamper>(attachment.name, p_of(attachment, k), s_of(attachment, k), std::move(o));
 }
 
 void SpringDamper::setup() {
   MarkerForce::setup();
-  if (p().slide || s()->slide) return;  // their laws may separate them at the start
+  if (p().translation_law || s()->translation_law) return;  // their laws may separate them at the start
   const double length = ((p().body->home * p().local).x - (s()->body->home * s()->local).x).norm();
   const double T = options_.preload - options_.stiffness * options_.free_length;
   if (length > 1e-9 || (T == 0 && !options_.force)) return;
   throw ModelError("force '" + name() + "': markers '" + p().name + "' and '" + s()->name +
-                   "' coincide at the start, so its force (" + brief(T) + " N at length 0" +
+                   "' coincide at the start, so its force (" + text::brief(T) + " N at length 0" +
                    (options_.force ? ", and a law" : "") +
                    ") has no direction; move one of them, or make the free length and the preload 0");
 }

@@ -26,10 +26,10 @@ const TypeInfo& TorsionSpringDamper::info() {
   return info;
 }
 
-std::unique_ptr<Force> TorsionSpringDamper::make(const Site& site, const Params& k) {
+std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, const Params& k) {
   Options o{k.number("stiffness"), k.number("damping"), k.number("free_angle"), k.number("preload"), {}};
   if (k.has("torque")) o.torque = k.law("torque");
-  return std::make_unique<TorsionSpringDamper>(site.name, p_of(site, k), s_of(site, k), std::move(o));
+  return std::make_unique<TorsionSpringDamper>(attachment.name, p_of(attachment, k), s_of(attachment, k), std::move(o));
 }
 
 void TorsionSpringDamper::setup() {
@@ -38,7 +38,7 @@ void TorsionSpringDamper::setup() {
   MarkerForce::setup();
   const Vec3 zP = rotation((p().body->home * p().local).q).col(2),
              zS = rotation((s()->body->home * s()->local).q).col(2);
-  if (p().spin || s()->spin || 1 + zP.dot(zS) > 1e-9) return;
+  if (p().rotation_law || s()->rotation_law || 1 + zP.dot(zS) > 1e-9) return;
   throw ModelError("force '" + name() + "': the z axes of markers '" + p().name + "' and '" + s()->name +
                    "' are opposed at the start, so there is no angle about them; turn one marker by half a turn about "
                    "its x axis");

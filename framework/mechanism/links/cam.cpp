@@ -63,19 +63,19 @@ void CamProfile::check(const std::string& link, double roller) const {
   for (int i = 0; i <= kPoints; ++i) {
     const double u = kTwoPi * i / kPoints;
     const double r = radius_->at(std::min(u, kTwoPi)).y;
-    const std::string where = " at " + brief(360.0 * i / kPoints) + " deg";
+    const std::string where = " at " + text::brief(360.0 * i / kPoints) + " deg";
     if (!(r > 0) || !std::isfinite(r))
-      throw ModelError(who + "the radius of its cam is " + brief(r) + " m" + where + "; it must be above zero");
+      throw ModelError(who + "the radius of its cam is " + text::brief(r) + " m" + where + "; it must be above zero");
     const double k = at(u).curvature;
     if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
-      throw ModelError(who + "its cam has a curvature of " + brief(k) + " 1/m" + where +
+      throw ModelError(who + "its cam has a curvature of " + text::brief(k) + " 1/m" + where +
                        (std::isinf(roller) ? "; a flat face rides on convex profiles only: use cam_roller"
-                                           : "; a roller of " + brief(roller) + " m does not fit into that hollow"));
+                                           : "; a roller of " + text::brief(roller) + " m does not fit into that hollow"));
   }
   const LawValue first = radius_->at(0), last = radius_->at(kTwoPi);
   if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
-    throw ModelError(who + "the profile of its cam does not close: radius " + brief(first.y) + " m and slope " +
-                     brief(first.yd) + " m/rad at 0, " + brief(last.y) + " and " + brief(last.yd) +
+    throw ModelError(who + "the profile of its cam does not close: radius " + text::brief(first.y) + " m and slope " +
+                     text::brief(first.yd) + " m/rad at 0, " + text::brief(last.y) + " and " + text::brief(last.yd) +
                      " after a turn; make the law repeat after 2 pi");
 }
 
@@ -112,7 +112,7 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
   if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
   if (!(roller >= 0) || std::isinf(roller))
     throw ParameterError({.kind = "link", .name = this->name()}, "roller",
-                         "is " + brief(roller) + " m; it must not be negative");
+                         "is " + text::brief(roller) + " m; it must not be negative");
 }
 
 TypeInfo CamRoller::info() {
@@ -123,8 +123,8 @@ TypeInfo CamRoller::info() {
        {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
-std::unique_ptr<Lock> CamRoller::make(const Site& site, const Params& p) {
-  return std::make_unique<CamRoller>(site.name, site.p(), site.s(), p.law("radius"), p.number("roller"));
+std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params& p) {
+  return std::make_unique<CamRoller>(attachment.name, attachment.p(), attachment.s(), p.law("radius"), p.number("roller"));
 }
 
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
@@ -139,8 +139,8 @@ TypeInfo CamFlat::info() {
       {{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"}}};
 }
 
-std::unique_ptr<Lock> CamFlat::make(const Site& site, const Params& p) {
-  return std::make_unique<CamFlat>(site.name, site.p(), site.s(), p.law("radius"));
+std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& p) {
+  return std::make_unique<CamFlat>(attachment.name, attachment.p(), attachment.s(), p.law("radius"));
 }
 
 }  // namespace lockstep

@@ -78,11 +78,11 @@ void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) 
   try {
     s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
   } catch (const ModelError& end) {
-    throw ModelError(who + "no nearest point on its path at the start, searched from s = " + brief(near_) + ": " +
+    throw ModelError(who + "no nearest point on its path at the start, searched from s = " + text::brief(near_) + ": " +
                      end.what());
   }
   if (!std::isfinite(s))
-    throw ModelError(who + "no point of its path near s = " + brief(near_) +
+    throw ModelError(who + "no point of its path near s = " + text::brief(near_) +
                      " is nearest to P at the start; set \"near\" to an s near which P begins");
 }
 
@@ -115,8 +115,8 @@ TypeInfo PointOnCurve::info() {
            {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
-std::unique_ptr<Lock> PointOnCurve::make(const Site& site, const Params& p) {
-  return std::make_unique<PointOnCurve>(site.name, site.p(), site.s(), p.translation_law("path"), p.number("near"));
+std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Params& p) {
+  return std::make_unique<PointOnCurve>(attachment.name, attachment.p(), attachment.s(), p.translation_law("path"), p.number("near"));
 }
 
 PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
@@ -137,9 +137,9 @@ TypeInfo PathFollower::info() {
            {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
 }
 
-std::unique_ptr<Lock> PathFollower::make(const Site& site, const Params& p) {
+std::unique_ptr<Lock> PathFollower::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<PathFollower>(
-      site.name, site.p(), site.s(),
+      attachment.name, attachment.p(), attachment.s(),
       Options{.path = p.translation_law("path"), .turn = p.rotation_law("turning"), .near = p.number("near")});
 }
 

@@ -27,7 +27,7 @@ RowPlan Distance::plan_rows() {
   RowPlan plan = PhiLock::plan_rows();
   const double length = phi().length_at(0.0);
   if (!(length > 0))
-    throw ModelError("link '" + name() + "': length " + brief(length) +
+    throw ModelError("link '" + name() + "': length " + text::brief(length) +
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
   if (distance_at_start(p(), s()) == 0)
     throw ModelError("link '" + name() + "': '" + p().name + "' and '" + s().name +
@@ -41,9 +41,9 @@ TypeInfo Distance::info() {
           {{"length", Form::law, Unit::length, kOptional, "distance, m: a number or a law; default: as at the start"}}};
 }
 
-std::unique_ptr<Lock> Distance::make(const Site& site, const Params& params) {
-  if (!params.has("length")) return std::make_unique<Distance>(site.name, site.p(), site.s());
-  return std::make_unique<Distance>(site.name, site.p(), site.s(), params.law("length"));
+std::unique_ptr<Lock> Distance::make(const Attachment& attachment, const Params& params) {
+  if (!params.has("length")) return std::make_unique<Distance>(attachment.name, attachment.p(), attachment.s());
+  return std::make_unique<Distance>(attachment.name, attachment.p(), attachment.s(), params.law("length"));
 }
 
 }  // namespace lockstep

@@ -8,7 +8,7 @@ namespace {
 
 double positive(const CoupledPairs& pairs, const char* key, double x) {
   if (x > 0 && x < 1e300) return x;
-  throw ParameterError({.kind = "link", .name = pairs.name}, key, "is " + brief(x) + "; it must be above zero");
+  throw ParameterError({.kind = "link", .name = pairs.name}, key, "is " + text::brief(x) + "; it must be above zero");
 }
 
 Gear::Mesh mesh_of(const std::string& word) {
@@ -34,7 +34,7 @@ TypeInfo Gear::info() {
             {"external", "internal", "bevel"}}}};
 }
 
-std::unique_ptr<Lock> Gear::make(const Site& site, const Params& p) {
+std::unique_ptr<Lock> Gear::make(const Attachment& attachment, const Params& p) {
   const bool teeth = p.has("teeth_1") || p.has("teeth_2");
   if (teeth && p.has("ratio")) p.refuse("ratio", "the teeth are given as well; remove one of the two");
   if (!teeth && !p.has("ratio")) p.refuse("ratio", "is missing; give it, or \"teeth_1\" and \"teeth_2\"");
@@ -48,7 +48,7 @@ std::unique_ptr<Lock> Gear::make(const Site& site, const Params& p) {
   } else {
     ratio = p.number("ratio");
   }
-  return std::make_unique<Gear>(site, ratio, mesh_of(p.text("mesh")));
+  return std::make_unique<Gear>(attachment, ratio, mesh_of(p.text("mesh")));
 }
 
 Belt::Belt(const CoupledPairs& pairs, Options o)
@@ -63,9 +63,9 @@ TypeInfo Belt::info() {
            {"crossed", Form::boolean, Unit::none, false, "the pulleys turn in opposite senses"}}};
 }
 
-std::unique_ptr<Lock> Belt::make(const Site& site, const Params& p) {
+std::unique_ptr<Lock> Belt::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<Belt>(
-      site, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
+      attachment, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
 }
 
 Differential::Differential(const CoupledPairs& pairs, double ratio)
@@ -77,8 +77,8 @@ TypeInfo Differential::info() {
           {{"ratio", Form::number, Unit::none, 1, "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
 }
 
-std::unique_ptr<Lock> Differential::make(const Site& site, const Params& p) {
-  return std::make_unique<Differential>(site, p.number("ratio"));
+std::unique_ptr<Lock> Differential::make(const Attachment& attachment, const Params& p) {
+  return std::make_unique<Differential>(attachment, p.number("ratio"));
 }
 
 }  // namespace lockstep

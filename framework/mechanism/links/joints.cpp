@@ -9,8 +9,8 @@ TypeInfo GenericLock::info() {
             "rows in words: x y z (translations of P in S axes), e1 e2 e3 (turns about x y z)"}}};
 }
 
-std::unique_ptr<Lock> GenericLock::make(const Site& site, const Params& params) {
-  return std::make_unique<GenericLock>(site.name, site.p(), site.s(), mask_from(params.text("mask")));
+std::unique_ptr<Lock> GenericLock::make(const Attachment& attachment, const Params& params) {
+  return std::make_unique<GenericLock>(attachment.name, attachment.p(), attachment.s(), mask_from(params.text("mask")));
 }
 
 }  // namespace lockstep

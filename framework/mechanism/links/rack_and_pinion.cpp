@@ -11,7 +11,7 @@ namespace {
 double checked_radius(const std::string& link, double radius) {
   if (!std::isfinite(radius) || radius == 0)
     throw ParameterError({.kind = "link", .name = link}, "radius",
-                         "is " + brief(radius) + " m; the radius of a pinion must not be zero");
+                         "is " + text::brief(radius) + " m; the radius of a pinion must not be zero");
   return radius;
 }
 
@@ -29,9 +29,9 @@ TypeInfo RackAndPinion::info() {
           {{"radius", Form::number, Unit::length, kRequired, "of the pitch circle; negative reverses the sense"}}};
 }
 
-std::unique_ptr<Lock> RackAndPinion::make(const Site& site, const Params& p) {
-  if (site.pairs.size() < 2) return std::make_unique<RollingRack>(site.name, site.p(), site.s(), p.number("radius"));
-  return std::make_unique<RackAndPinion>(site, p.number("radius"));
+std::unique_ptr<Lock> RackAndPinion::make(const Attachment& attachment, const Params& p) {
+  if (attachment.pairs.size() < 2) return std::make_unique<RollingRack>(attachment.name, attachment.p(), attachment.s(), p.number("radius"));
+  return std::make_unique<RackAndPinion>(attachment, p.number("radius"));
 }
 
 }  // namespace lockstep

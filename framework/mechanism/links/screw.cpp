@@ -18,7 +18,7 @@ Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionL
     : PhiLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2, ScrewThread{lead, std::move(slip)}) {
   if (!std::isfinite(lead))
     throw ParameterError({.kind = "link", .name = this->name()}, "lead",
-                         "is " + brief(lead) + " m; it must be a finite number");
+                         "is " + text::brief(lead) + " m; it must be a finite number");
 }
 
 std::vector<Quantity> Screw::quantities() const { return {{"angle", "rad"}, {"rate", "rad/s"}}; }
@@ -36,8 +36,8 @@ TypeInfo Screw::info() {
            {"slip", Form::law, Unit::length, kOptional, "distance from the thread, m; default: none"}}};
 }
 
-std::unique_ptr<Lock> Screw::make(const Site& site, const Params& p) {
-  return std::make_unique<Screw>(site.name, site.p(), site.s(), p.number("lead"),
+std::unique_ptr<Lock> Screw::make(const Attachment& attachment, const Params& p) {
+  return std::make_unique<Screw>(attachment.name, attachment.p(), attachment.s(), p.number("lead"),
                                  p.has("slip") ? p.law("slip") : LawPtr<MotionLaw>{});
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 double finite(const std::string& name, double limit) {
   if (!std::isfinite(limit))
-    throw ModelError("link '" + name + "': the limit " + number(limit) + " of a stop must be a finite number");
+    throw ModelError("link '" + name + "': the limit " + text::number(limit) + " of a stop must be a finite number");
   return limit;
 }
 
@@ -40,7 +40,7 @@ TypeInfo Stop::info() {
            {"high", Form::number, Unit::any, kOptional, "the coordinate stays below this, m or rad; or \"low\""}}};
 }
 
-std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
+std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& params) {
   if (params.has("low") == params.has("high"))
     params.refuse(params.has("low") ? "high" : "coordinate",
                   params.has("low") ? "\"low\" is given as well; one stop has one end, add another for the other"
@@ -49,9 +49,9 @@ std::unique_ptr<Lock> Stop::make(const Site& site, const Params& params) {
   const double limit = params.number(low ? "low" : "high");
   const Axis axis = axis_from(params.text("coordinate"));
   if (axis == Axis::rz)
-    return std::make_unique<TurnStop>(site.name, site.p(), site.s(), TurnStop::Options{.limit = limit, .low = low});
-  return std::make_unique<SlideStop>(site.name, site.p(), site.s(),
-                                     SlideStop::Options{.axis = index(axis), .limit = limit, .low = low});
+    return std::make_unique<TurnStop>(attachment.name, attachment.p(), attachment.s(), TurnStop::Options{.limit = limit, .low = low});
+  return std::make_unique<SlideStop>(attachment.name, attachment.p(), attachment.s(),
+                                     SlideStop::Options{.axis = axis_index(axis), .limit = limit, .low = low});
 }
 
 }  // namespace lockstep

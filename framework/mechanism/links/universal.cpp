@@ -8,8 +8,8 @@ TypeInfo Universal::info() {
   return {"universal", "Hooke's joint, origins coincide; free: turning about x of S and about y of P", {}};
 }
 
-std::unique_ptr<Lock> Universal::make(const Site& site, const Params&) {
-  return std::make_unique<Universal>(site.name, site.p(), site.s());
+std::unique_ptr<Lock> Universal::make(const Attachment& attachment, const Params&) {
+  return std::make_unique<Universal>(attachment.name, attachment.p(), attachment.s());
 }
 
 }  // namespace lockstep

@@ -16,7 +16,7 @@ using Instance = std::integral_constant<unsigned, kWith>;
 template <unsigned kExtra = 0, class F>
 inline void choose_translation(Mask rows, unsigned laws, F&& half) {
   constexpr unsigned kMarkers = with::uP | with::uS | with::qS;
-  if (!any(rows, Mask::xyz)) return;
+  if (!overlaps(rows, Mask::xyz)) return;
   if (laws & kMarkers)
     half(Instance<kMarkers | with::p | kExtra>{});
   else if (laws & with::p)
@@ -31,7 +31,7 @@ inline void choose_translation(Mask rows, unsigned laws, F&& half) {
 template <class F>
 inline void choose_rotation(Mask rows, unsigned laws, F&& half) {
   constexpr unsigned kMarkers = with::qP | with::qS;
-  if (!any(rows, Mask::e123)) return;
+  if (!overlaps(rows, Mask::e123)) return;
   if (laws & kMarkers)
     half(Instance<kMarkers | with::qD>{});
   else if (laws & with::qD)

@@ -22,9 +22,9 @@ Lock::~Lock() = default;
 
 void Lock::set_unilateral(const Unilateral& u) {
   if (!(u.restitution >= 0 && u.restitution <= 1))
-    refuse(*this, "is one-sided with restitution " + brief(u.restitution) + "; it must lie between 0 and 1");
+    refuse(*this, "is one-sided with restitution " + text::brief(u.restitution) + "; it must lie between 0 and 1");
   if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
-    refuse(*this, "is one-sided with rest_speed " + brief(u.rest_speed) +
+    refuse(*this, "is one-sided with rest_speed " + text::brief(u.rest_speed) +
                       "; it must be above zero, or bounces would never end");
   unilateral_ = u;
 }

@@ -27,7 +27,7 @@ void MarkerLock::refuse_when_set_up(const std::string& what) const {
 
 void MarkerLock::move(LawPtr<TranslationLaw> law) {
   refuse_when_set_up("a translation law");
-  if (!any(mask_, Mask::xyz))
+  if (!overlaps(mask_, Mask::xyz))
     throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
   move_ = std::move(law);
@@ -35,7 +35,7 @@ void MarkerLock::move(LawPtr<TranslationLaw> law) {
 
 void MarkerLock::turn(LawPtr<RotationLaw> law) {
   refuse_when_set_up("a rotation law");
-  if (!any(mask_, Mask::e123))
+  if (!overlaps(mask_, Mask::e123))
     throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
   turn_ = std::move(law);
@@ -53,11 +53,11 @@ void MarkerLock::add_drive(Drive drive) {
   const Mask bit = row_of(drive.axis);
   refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
   if (!drive.law) throw ModelError(what + " has no law; give it one");
-  if (has(mask_, bit))
-    throw ModelError(what + ": row " + std::string(lockstep::row_name(index(drive.axis))) + " is held by the mask \"" +
+  if (includes(mask_, bit))
+    throw ModelError(what + ": row " + std::string(lockstep::row_name(axis_index(drive.axis))) + " is held by the mask \"" +
                      to_string(mask_) + "\"; drive a free axis, or give the link a law by move or turn");
-  if (has(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
-  if (is_rotation(drive.axis) && !has(mask_ | bit, Mask::e123))
+  if (includes(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
+  if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))
     throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
                      "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
   rows_ = rows_ | bit;
@@ -87,7 +87,7 @@ void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) con
 }
 
 RowPlan MarkerLock::plan_rows() {
-  if (any(rows_, Mask::e123)) refuse_particles(name(), to_string(rows_ & Mask::e123), *p_, *s_);
+  if (overlaps(rows_, Mask::e123)) refuse_particles(name(), to_string(rows_ & Mask::e123), *p_, *s_);
   P_ = MarkerFrame(*p_);
   S_ = MarkerFrame(*s_);
   RowPlan plan;
@@ -101,26 +101,26 @@ RowPlan MarkerLock::plan_rows() {
 
   n_rows_ = 0;
   for (int k = 0; k < 6; ++k) {
-    if (!has(rows_, row_bit(k))) continue;
+    if (!includes(rows_, row_bit(k))) continue;
     row_[static_cast<std::size_t>(n_rows_++)] = k;
     const auto driven =
-        std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return index(d.axis) == k; });
+        std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return axis_index(d.axis) == k; });
     plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
                          driven == drives_.end() ? -1 : static_cast<int>(driven - drives_.begin())});
   }
 
   laws_ = with::nothing;
-  if (P_.slide) laws_ |= with::uP;
-  if (P_.spin) laws_ |= with::qP;
-  if (S_.slide) laws_ |= with::uS;
-  if (S_.spin) laws_ |= with::qS;
+  if (P_.translation_law) laws_ |= with::uP;
+  if (P_.rotation_law) laws_ |= with::qP;
+  if (S_.translation_law) laws_ |= with::uS;
+  if (S_.rotation_law) laws_ |= with::qS;
   if (move_) laws_ |= with::p;
   if (turn_) laws_ |= with::qD;
   for (const Drive& d : drives_) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
   if (P_.parallel() && S_.parallel()) laws_ |= with::parallel;
   const auto grounded = static_cast<unsigned char>((side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0));
   plan.pattern = {laws_, rows_, mask_, grounded};
-  plan.layout = has(rows_, Mask::xyz) ? RowLayout::triple : RowLayout::dense;
+  plan.layout = includes(rows_, Mask::xyz) ? RowLayout::triple : RowLayout::dense;
   plan.sign = side1_ >= 0 ? 1.0 : -1.0;
 
   speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
@@ -131,7 +131,7 @@ RowPlan MarkerLock::plan_rows() {
 
 /// rho_k, or the turn of P against S (turned by q_D) about the axis.
 double MarkerLock::coordinate(const Drive& d, Pose rel, double t) const {
-  const int k = index(d.axis) % 3;
+  const int k = axis_index(d.axis) % 3;
   if (!is_rotation(d.axis)) return rel.x[k];
   if (turn_) rel.q = conjugate(turn_->at(t).q) * rel.q;
   return 2.0 * std::atan2(rel.q.vec()[k], rel.q.w);
@@ -173,7 +173,7 @@ ImposedTranslation MarkerLock::imposed_translation(const Inputs& in) const {
   }
   for (const Drive& d : drives_) {
     if (is_rotation(d.axis)) continue;
-    const int k = index(d.axis);
+    const int k = axis_index(d.axis);
     const LawValue l = value(d, in);
     D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
   }
@@ -188,7 +188,7 @@ ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
   }
   for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, since the other two turns are held
     if (!is_rotation(d.axis)) continue;
-    const Vec3 n = Vec3::Unit(index(d.axis) % 3);
+    const Vec3 n = Vec3::Unit(axis_index(d.axis) % 3);
     const LawValue l = value(d, in);
     const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
     const Mat3 At = rotation(turn).transpose();
@@ -246,7 +246,7 @@ void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out)
 template <unsigned kWith>
 void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
   ImposedRotation D;
-  const int first = count(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
+  const int first = count_rows(static_cast<const MarkerLock&>(*links[0]).rows_ & Mask::xyz);
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& lock = static_cast<const MarkerLock&>(*links[i]);
     const RowBlock block = out.lane(i);

@@ -17,7 +17,7 @@ int axis_along(const Mat3& A, int n) {
 }
 
 [[noreturn, gnu::noinline, gnu::cold]] void leaves_plane(const MarkerLock& lock, double t) {
-  throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + number(t) +
+  throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + text::number(t) +
                    " s, and the scene is planar; remove \"planar\"");
 }
 
@@ -26,16 +26,16 @@ int axis_along(const Mat3& A, int n) {
 bool MarkerLock::setup_plane(Plane plane) {
   flat_ = {};
   flat_.plane = plane;
-  if (P_.slide || P_.spin || S_.slide || S_.spin || row_count() != n_rows_) return false;
+  if (P_.translation_law || P_.rotation_law || S_.translation_law || S_.rotation_law || row_count() != n_rows_) return false;
   const int a = axis_along(S_.A0, plane.n);
   if (a < 0) return false;
   Flat& f = flat_;
   f.turn_axis = a;
-  f.turn = has(rows_, row_bit(3 + a));
+  f.turn = includes(rows_, row_bit(3 + a));
   f.sign = S_.A0(plane.n, a) > 0 ? 1 : -1;
   if (f.turn && (axis_along(P_.A0, plane.n) != a || f.sign * P_.A0(plane.n, a) < 0)) return false;
   for (int k = 0; k < 3; ++k)
-    if (k != a && has(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
+    if (k != a && includes(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
   if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
     throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; remove \"planar\"");
@@ -51,7 +51,7 @@ bool MarkerLock::setup_plane(Plane plane) {
 // Throws if a law leaves the plane at this time.
 void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
   const int a = flat_.turn_axis;
-  if ((laws_ & with::p) && has(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
+  if ((laws_ & with::p) && includes(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
   if (!(laws_ & with::qD)) return;
   Vec3 other = imposed_rotation(in).q.vec();
   other[a] = 0;

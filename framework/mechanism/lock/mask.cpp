@@ -17,7 +17,7 @@ int position(const std::array<std::string_view, 6>& words, std::string_view word
   return -1;
 }
 std::string listed(const std::array<std::string_view, 6>& words) {
-  return join(std::vector<std::string>(words.begin(), words.end()));
+  return text::join(std::vector<std::string>(words.begin(), words.end()));
 }
 
 [[noreturn]] void refuse(const std::string& key, const std::string& problem) {
@@ -36,7 +36,7 @@ Mask mask_from(std::string_view words) {
     const int k = position(kRows, word);
     if (k < 0)
       refuse("mask", "has the unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
-    if (has(mask, row_bit(k)))
+    if (includes(mask, row_bit(k)))
       refuse("mask", "names row \"" + std::string(word) + "\" twice; name each row once");
     mask = mask | row_bit(k);
   }
@@ -45,7 +45,7 @@ Mask mask_from(std::string_view words) {
 std::string to_string(Mask mask) {
   std::string words;
   for (int k = 0; k < 6; ++k)
-    if (has(mask, row_bit(k))) words += (words.empty() ? "" : " ") + std::string(row_name(k));
+    if (includes(mask, row_bit(k))) words += (words.empty() ? "" : " ") + std::string(row_name(k));
   return words;
 }
 
@@ -55,7 +55,7 @@ Axis axis_from(std::string_view word) {
   return Axis(k);
 }
 
-std::string_view to_string(Axis a) { return kAxes[static_cast<std::size_t>(index(a))]; }
+std::string_view to_string(Axis a) { return kAxes[static_cast<std::size_t>(axis_index(a))]; }
 std::string_view row_name(int k) { return kRows[static_cast<std::size_t>(k)]; }
 
 }  // namespace lockstep

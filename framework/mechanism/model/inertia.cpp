@@ -11,7 +11,7 @@ namespace {
 
 void require_positive(double x, const std::string& what) {
   if (!(std::isfinite(x) && x > 0))
-    throw ModelError(what + " is " + number(x) + "; it must be finite and greater than zero");
+    throw ModelError(what + " is " + text::number(x) + "; it must be finite and greater than zero");
 }
 
 // Steiner's term of a mass at d: m (|d|^2 1 - d d').
@@ -60,11 +60,11 @@ void check(const MassProperties& p, const std::string& owner) {
   const double skewness = (p.J - p.J.transpose()).cwiseAbs().maxCoeff();
   if (skewness > 1e-10 * size)
     throw ModelError(who + "the inertia matrix is not symmetric: two entries across the diagonal differ by " +
-                     brief(skewness) + " kg m^2; give the products as matrix entries, J_xy = J_yx");
+                     text::brief(skewness) + " kg m^2; give the products as matrix entries, J_xy = J_yx");
 
   const Vec3 I = Eigen::SelfAdjointEigenSolver<Mat3>(p.J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
   const std::string principal =
-      "principal moments " + brief(I[0]) + ", " + brief(I[1]) + ", " + brief(I[2]) + " kg m^2";
+      "principal moments " + text::brief(I[0]) + ", " + text::brief(I[1]) + ", " + text::brief(I[2]) + " kg m^2";
   if (!(I[0] > 1e-14 * I[2]))
     throw ModelError(who + "the inertia is not positive definite (" + principal +
                      "); give a moment about every axis, or make the body a particle");

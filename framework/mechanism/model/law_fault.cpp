@@ -20,7 +20,7 @@ std::string fault(const std::string& what, const LawPtr<L>& law, double t, Numbe
     const VecX x = numbers_of(law->at(t));
     if (x.allFinite()) return {};
     std::string words;
-    for (const double number : x) words += (words.empty() ? "" : ", ") + brief(number);
+    for (const double number : x) words += (words.empty() ? "" : ", ") + text::brief(number);
     return what + shown(law) + " gives " + words;
   } catch (...) {
     return what + shown(law) + " threw: " + thrown_words(std::current_exception());
@@ -50,8 +50,8 @@ std::string law_fault(const std::string& what, const LawPtr<RotationLaw>& law, d
 }
 
 std::string marker_fault(const Marker& m, double t) {
-  const std::string words = law_fault("the sliding law of marker '" + m.name + "'", m.slide, t);
-  return words.empty() ? law_fault("the turning law of marker '" + m.name + "'", m.spin, t) : words;
+  const std::string words = law_fault("the sliding law of marker '" + m.name + "'", m.translation_law, t);
+  return words.empty() ? law_fault("the turning law of marker '" + m.name + "'", m.rotation_law, t) : words;
 }
 
 }  // namespace lockstep

@@ -214,7 +214,7 @@ void Params::check_known() const {
     if (std::none_of(keys_.begin(), keys_.end(), named))
       lockstep::refuse(member->where, owner_,
                        "unknown key \"" + member->key + "\"" +
-                           (keys_.empty() ? "; it takes no keys" : suggestion(member->key, names_of(keys_))));
+                           (keys_.empty() ? "; it takes no keys" : text::suggestion(member->key, names_of(keys_))));
   }
 }
 

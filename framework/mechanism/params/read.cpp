@@ -66,7 +66,7 @@ Quat read_matrix_orientation(const Value& v, const std::string& context) {
   const double off = (A.transpose() * A - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kLimit))
     refuse(v.where, context,
-           "the columns are not orthonormal: off by " + brief(off) + ", allowed is " + brief(kLimit) +
+           "the columns are not orthonormal: off by " + text::brief(off) + ", allowed is " + text::brief(kLimit) +
                "; give a quaternion or two directions instead");
   if (A.col(0).dot(cross(A.col(1), A.col(2))) < 0)
     refuse(v.where, context,
@@ -103,7 +103,7 @@ void check_members(const Value& v, std::span<const std::string> known, const std
   for (const Value::Member& member : *v.object()) {
     bool found = false;
     for (const std::string& name : known) found = found || member.key == name;
-    if (!found) refuse(member.where, context, "unknown key " + quoted(member.key) + suggestion(member.key, known));
+    if (!found) refuse(member.where, context, "unknown key " + quoted(member.key) + text::suggestion(member.key, known));
   }
 }
 
@@ -120,7 +120,7 @@ void refuse(const Where& where, const std::string& context, const std::string& p
 
 std::string shown(const Value& v) {
   if (const std::string* text = v.text()) return "a text (" + quoted(*text) + ")";
-  if (const double* x = v.number()) return "a number (" + number(*x) + ")";
+  if (const double* x = v.number()) return "a number (" + text::number(*x) + ")";
   return v.kind();
 }
 
@@ -132,7 +132,7 @@ double read_number(const Value& v, Unit unit, const std::string& context) {
   }
   const double* x = v.number();
   if (x == nullptr) refuse_form(v, context, number_words(unit));
-  if (!std::isfinite(*x)) refuse(v.where, context, "the number is " + number(*x) + "; give a finite one");
+  if (!std::isfinite(*x)) refuse(v.where, context, "the number is " + text::number(*x) + "; give a finite one");
   return *x;
 }
 
@@ -142,7 +142,7 @@ int read_integer(const Value& v, const std::string& context) {
   if (std::abs(*x) > std::numeric_limits<int>::max())
     refuse(
         v.where, context,
-        "the number " + number(*x) + " is too large; the limit is " + std::to_string(std::numeric_limits<int>::max()));
+        "the number " + text::number(*x) + " is too large; the limit is " + std::to_string(std::numeric_limits<int>::max()));
   return static_cast<int>(*x);
 }
 
@@ -162,12 +162,12 @@ std::string read_choice(const Value& v, std::span<const std::string> choices, co
   std::vector<std::string> names;
   for (const std::string& choice : choices) names.push_back("\"" + choice + "\"");
   const std::string* text = v.text();
-  if (text == nullptr) refuse_form(v, context, join(names, " or "));
+  if (text == nullptr) refuse_form(v, context, text::join(names, " or "));
   for (const std::string& choice : choices)
     if (*text == choice) return choice;
-  const std::string near = closest_name(*text, choices);
+  const std::string near = text::closest_name(*text, choices);
   refuse(v.where, context,
-         "expected " + join(names, " or ") + ", got " + shown(v) +
+         "expected " + text::join(names, " or ") + ", got " + shown(v) +
              (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
 }
 

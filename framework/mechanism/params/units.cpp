@@ -155,7 +155,7 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
     const std::optional<UnitFactor> factor = name == "1" && divided ? std::nullopt : symbol(name);
     if (!factor || power == 0) {
       problem = written.empty() ? "a symbol is missing in the unit"
-                                : "unknown unit \"" + written + "\"" + suggestion(written, symbol_names());
+                                : "unknown unit \"" + written + "\"" + text::suggestion(written, symbol_names());
       return total;
     }
     if (divided && !divide) {

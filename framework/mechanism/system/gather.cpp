@@ -88,7 +88,7 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
     } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
-                           ": asks for a motion out of the plane (" + brief(x) + ") at t = " + number(in.t) +
+                           ": asks for a motion out of the plane (" + text::brief(x) + ") at t = " + text::number(in.t) +
                            " s, and the scene is planar; remove \"planar\"",
                        {.thing = thing_of(*link), .t = in.t});
     }
@@ -139,8 +139,8 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     force->apply(in, sum);
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
-        throw ModelError("force '" + force->name() + "' pushes out of the plane with " + brief(out) +
-                             " N at t = " + number(in.t) + " s, and the scene is planar; remove \"planar\"",
+        throw ModelError("force '" + force->name() + "' pushes out of the plane with " + text::brief(out) +
+                             " N at t = " + text::number(in.t) + " s, and the scene is planar; remove \"planar\"",
                          {.thing = thing_of(*force), .t = in.t});
   }
 }

@@ -67,7 +67,7 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   const Mat3 A = rotation(b.home.q);
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
   if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
-    return refusal_of(body, what + "it starts with " + brief(v[plane.n]) +
+    return refusal_of(body, what + "it starts with " + text::brief(v[plane.n]) +
                                 " m/s along the normal; remove \"planar\", or start in the plane");
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
     return refusal_of(
@@ -76,8 +76,8 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
     return refusal_of(
-        body, what + "the normal is not a principal axis of its inertia (products " + brief(s.J(plane.n, plane.i())) +
-                  " and " + brief(s.J(plane.n, plane.j())) +
+        body, what + "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
+                  " and " + text::brief(s.J(plane.n, plane.j())) +
                   " kg m^2), so it would not stay in the plane without moments from its links; remove \"planar\"");
   return {};
 }
@@ -134,7 +134,7 @@ Look look_in_plane(const System& system) {
 Refusal check_force(const Force& force, const Shares& s, Plane plane) {
   if (!s.leaves()) return {};
   return refusal_of({.kind = "force", .name = force.name()}, in_plane_words(plane) +
-                                                                 ", and it pushes out of the plane (" + brief(s.out) +
+                                                                 ", and it pushes out of the plane (" + text::brief(s.out) +
                                                                  " N); turn it into the plane, or remove \"planar\"");
 }
 
@@ -152,7 +152,7 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
   if (s.in == 0 && s.out == 0 && s.arm == 0)
     return refuse("has no direction in any planar pose; turn the link's markers, or remove \"planar\"");
   if (!s.lies_in() && s.free > kTolerance * std::max(1.0, length))
-    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + brief(s.free) +
+    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(s.free) +
                   "); remove \"planar\", or keep its law in the plane");
   return {};
 }
@@ -184,7 +184,7 @@ std::optional<ModelError> System::setup_plane() {
     if (products > kTolerance * s.J.trace()) offsets_ = true;  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
-    return ModelError(in_plane_words(plane_) + ", and gravity has " + brief(g) + " m/s^2 along it; remove \"planar\"");
+    return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) + " m/s^2 along it; remove \"planar\"");
   Look look;
   try {
     struct Borrowed {  // all but the plane is set up, so start() may be called

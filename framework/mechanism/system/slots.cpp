@@ -17,7 +17,7 @@ void System::setup_slots() {
     Body& b = bodies_[k];
     if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
       throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
-                           brief(b.start.w.norm()) +
+                           text::brief(b.start.w.norm()) +
                            " rad/s; a particle does not turn: leave it out, or give the body an inertia",
                        {.thing = {.kind = "body", .name = b.name}});
     if (b.fixed) {

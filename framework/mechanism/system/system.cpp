@@ -34,14 +34,14 @@ auto& find(const std::string& kind, Range& range, const std::string& name) {
       if (item.name == name) return item;
     }
   }
-  throw ModelError("unknown " + kind + " \"" + name + "\"" + suggestion(name, names_of(range)));
+  throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));
 }
 
 void check_pose(const std::string& what, const Pose& pose) {
   if (!pose.x.allFinite() || !pose.q.coefficients().allFinite())
     throw ModelError(what + ": its pose is not finite; give numbers");
   if (std::abs(norm2(pose.q) - 1.0) > 1e-9)
-    throw ModelError(what + ": its quaternion has length " + brief(std::sqrt(norm2(pose.q))) + "; normalise it");
+    throw ModelError(what + ": its quaternion has length " + text::brief(std::sqrt(norm2(pose.q))) + "; normalise it");
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ Body& System::add_body(const std::string& name, const MassProperties& mass, cons
 Body& System::add_particle(const std::string& name, double mass, const Vec3& x) {
   check_new_name("body", name);
   if (!(mass > 0) || !std::isfinite(mass))
-    throw ModelError("body '" + name + "': mass " + brief(mass) + " kg; a particle needs a mass above zero");
+    throw ModelError("body '" + name + "': mass " + text::brief(mass) + " kg; a particle needs a mass above zero");
   check_pose("body '" + name + "'", {x, {}});
   ready_ = false;
   Body& b = bodies_.emplace_back();

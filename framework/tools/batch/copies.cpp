@@ -62,16 +62,16 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
                      " stages, lanes hold " + std::to_string(Weights::kMost));
   if (!(o.step >= 0) || !(o.max_step >= 0) || !std::isfinite(o.step + o.max_step) ||
       (scheme->error == nullptr && o.step == 0))
-    throw ModelError("copies: step " + brief(o.step) + " s, largest " + brief(o.max_step) + " s; " +
+    throw ModelError("copies: step " + text::brief(o.step) + " s, largest " + text::brief(o.max_step) + " s; " +
                      (scheme->error == nullptr ? o.integrator + " needs a step above zero, and " : "") +
                      "none is negative");
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
-    throw ModelError("copies: tolerances " + brief(o.tolerance.relative) + " and " + brief(o.tolerance.atol_x) +
+    throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " + text::brief(o.tolerance.atol_x) +
                      "; give numbers that are not negative, one of them above zero");
   if (o.stabilization.kind == Stabilization::Kind::baumgarte)
     throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
   if (!(o.stabilization.tolerance > 0))
-    throw ModelError("copies: tolerance of the constraints " + brief(o.stabilization.tolerance) +
+    throw ModelError("copies: tolerance of the constraints " + text::brief(o.stabilization.tolerance) +
                      " m; it must be above zero");
 }
 
@@ -193,8 +193,8 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
     throw ModelError("copies: the times are not ascending and finite; sort them");
   for (const State& state : starts)
     if (!times.empty() && state.t > times.front())
-      throw ModelError("copies: a start at " + number(state.t) + " s lies behind the first wanted time, " +
-                       number(times.front()) + " s; leave out the times before the starts");
+      throw ModelError("copies: a start at " + text::number(state.t) + " s lies behind the first wanted time, " +
+                       text::number(times.front()) + " s; leave out the times before the starts");
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const lanes::RunTask task{w.options, *w.method->scheme(), w.make_integrator, times, output};

@@ -18,8 +18,8 @@ const MarkerLock* plain_lock(const Lock& link) {
   return known ? static_cast<const MarkerLock*>(&link) : nullptr;
 }
 
-bool law_on(const Marker& m) { return m.slide || m.spin; }
-const char* law_word(const Marker& m) { return m.slide ? "slides" : "spins"; }
+bool law_on(const Marker& m) { return m.translation_law || m.rotation_law; }
+const char* law_word(const Marker& m) { return m.translation_law ? "slides" : "spins"; }
 
 RowTable rows_of(const System& system) {
   std::vector<bool> modes;
@@ -69,7 +69,7 @@ std::string unsuited(const System& system) {
 namespace {
 
 Turn turn_of(const MarkerLock& lock) {
-  if (!any(lock.rows(), Mask::e123)) return Turn::none;
+  if (!overlaps(lock.rows(), Mask::e123)) return Turn::none;
   if (lock.laws() & with::qD) return Turn::law;
   return lock.laws() & with::parallel ? Turn::parallel : Turn::plain;
 }
@@ -82,7 +82,7 @@ Link link_of(const schur::Node& node, const RowEntry& e, const MarkerLock& lock,
   link.moved = lock.laws() & with::p;
   link.turn = turn_of(lock);
   for (int k = 0, next = 0; k < 6; ++k)
-    if (has(lock.rows(), row_bit(k))) link.row[next++] = k;
+    if (includes(lock.rows(), row_bit(k))) link.row[next++] = k;
   const int P = lock.p().body->slot, S = lock.s().body->slot;
   link.P = P == kGround ? plan.n_slots : P, link.S = S == kGround ? plan.n_slots : S;
   for (int i = 0; i < node.n_sides; ++i) (e.slots[i] == P ? link.side_P : link.side_S) = node.first_side + i;

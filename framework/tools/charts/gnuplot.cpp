@@ -126,7 +126,7 @@ Script& Script::begin_data(std::string_view name) { return line(fmt::format("${}
 Script& Script::row(std::span<const double> numbers) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (i > 0) text_ += ' ';
-    text_ += std::isfinite(numbers[i]) ? number(numbers[i]) : "NaN";
+    text_ += std::isfinite(numbers[i]) ? text::number(numbers[i]) : "NaN";
   }
   text_ += '\n';
   return *this;

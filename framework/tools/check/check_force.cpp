@@ -31,11 +31,11 @@ CheckReport check_force(const Registry& registry, const std::string& type, const
   CheckReport report(fmt::format("force type '{}'", type), options.seed);
   for (const SampleKind kind : kAllSamples) {
     SampleSystem sample(kind, options);
-    Site site = sample.site("tried");
+    Attachment attachment = sample.attachment("tried");
     Force* made = nullptr;
     try {
-      site.link = &sample.system.add<Revolute>("hinge", site.p(), site.s());  // for forces that act in a link
-      made = &sample.system.add(registry.forces.make(type, site, params, &registry, "force 'tried'"));
+      attachment.link = &sample.system.add<Revolute>("hinge", attachment.p(), attachment.s());  // for forces that act in a link
+      made = &sample.system.add(registry.forces.make(type, attachment, params, &registry, "force 'tried'"));
       sample.system.setup();
     } catch (const UserCodeError& error) {
       report.add("setup", {error.what(), "what it says"});

@@ -52,14 +52,14 @@ class LawCheck {
       size_ = i == 0 ? f.cwiseAbs() : VecX(size_.cwiseMax(f.cwiseAbs()));
       for (Eigen::Index c = 0; c < f.size(); ++c)
         if (!std::isfinite(f[c])) {
-          report_.add("finite", {fmt::format("{} is {} at t = {} s", name(c), f[c], number(t)),
+          report_.add("finite", {fmt::format("{} is {} at t = {} s", name(c), f[c], text::number(t)),
                                  "its formula there: a division by zero, a root or a logarithm of a negative number"});
           return false;
         }
       law_.at(options_.to - span_ * i / 200, other);
       law_.at(t, again);
       if (again != f)
-        report_.add("same", {fmt::format("says something else at t = {} s when it is asked again", number(t)),
+        report_.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
                              "what it keeps between two calls: a law is a function of t alone"});
     }
     for (int level = 0; level < 3; ++level)  // the size of a whole level
@@ -78,7 +78,7 @@ class LawCheck {
     for (const double t : out)
       if (!(t > options_.from && t < options_.to))
         report_.add("outside", {fmt::format("breakpoints({}, {}) tells {} s, which is not between them",
-                                            number(options_.from), number(options_.to), number(t)),
+                                            text::number(options_.from), text::number(options_.to), text::number(t)),
                                 "breakpoints(): it appends the instants in (t0, t1) only"});
     std::sort(out.begin(), out.end());
     return out;
@@ -112,7 +112,7 @@ class LawCheck {
       report_.compared(slope.error[k] / std::max(size_[c], std::abs(should_be)));
       if (std::abs(is - should_be) <= room) continue;
       report_.add(fmt::format("slope {}", c),
-                  {fmt::format("{} at t = {} s is {:.6g}, differences of {} say {:.6g}{}", name(c), number(t), is,
+                  {fmt::format("{} at t = {} s is {:.6g}, differences of {} say {:.6g}{}", name(c), text::number(t), is,
                                name_below(level, k), should_be, likeness(is, should_be)),
                    fmt::format("the formula of {}, and at the terms that come with the chain rule", name(c))},
                   std::abs(is - should_be) / std::max(size_[c], 1e-300));
@@ -131,7 +131,7 @@ class LawCheck {
       if (n > 3) instants.resize(3);
       report_.add(fmt::format("jump {}", c),
                   {fmt::format("{} jumps at t = {} s{} (by {:.3g} at the first), which breakpoints() does not tell",
-                               name(static_cast<Eigen::Index>(c)), join(instants, n > 3 ? ", " : " and "),
+                               name(static_cast<Eigen::Index>(c)), text::join(instants, n > 3 ? ", " : " and "),
                                n > 3 ? fmt::format(" and {} more", n - 3) : "", of[c].front().size),
                    "breakpoints(): append every instant where the value or one of its two derivatives jumps"});
     }
@@ -201,7 +201,7 @@ CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const
   for (int i = 0; i <= 200; ++i) {
     const double t = options.from + (options.to - options.from) * i / 200, n = std::sqrt(norm2(law.at(t).q));
     if (std::isfinite(n) && std::abs(n - 1) > 1e-12)
-      report.add("unit", {fmt::format("q at t = {} s has length {:.9g}, not 1", number(t), n), "its normalisation"},
+      report.add("unit", {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
                  std::abs(n - 1));
   }
   return report;

@@ -35,7 +35,7 @@ CheckReport check_lock(const Registry& registry, const std::string& type, const 
     try {
       for (const char* name : {"first", "second"})  // two, for the test of groups
         links.push_back(&system.add(
-            registry.links.make(type, sample.site(name), params, &registry, fmt::format("link '{}'", name))));
+            registry.links.make(type, sample.attachment(name), params, &registry, fmt::format("link '{}'", name))));
       system.setup();
     } catch (const UserCodeError& error) {
       report.add("setup", {error.what(), "what it says"});

@@ -102,7 +102,7 @@ bool ForceCheck::find_place(Draw& draw) {
   if (force_.n_own_memory() > 0) force_.remembering()->accept_step(place_.in(), memory_of(place_.z));
   apply(place_, f_);
   const auto told = [&](const std::string& what, const std::string& look) {
-    add("finite", fmt::format("{} at t = {} s {}", what, number(t), here()), look);
+    add("finite", fmt::format("{} at t = {} s {}", what, text::number(t), here()), look);
     return false;
   };
   if (!f_.allFinite()) return told("its force is not finite", "a division by a length or a speed that may be zero");

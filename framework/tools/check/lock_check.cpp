@@ -115,7 +115,7 @@ bool LockCheck::find_place(Draw& draw) {
                                                        : nullptr;
     if (what == nullptr) continue;
     const std::string fault = link_.driven() ? link_.driven()->diagnose(place_.t) : "";
-    add("finite", fmt::format("{} of {} is not finite at t = {} s near the start {}", what, row(k), number(t), here()),
+    add("finite", fmt::format("{} of {} is not finite at t = {} s near the start {}", what, row(k), text::number(t), here()),
         fault.empty() ? "a division by a length that may be zero, a root or an arc sine out of its range" : fault);
     break;
   }

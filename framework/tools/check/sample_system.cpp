@@ -58,20 +58,20 @@ SampleSystem::SampleSystem(SampleKind kind, const CheckOptions& options) : kind_
     bodies_.push_back(body(names[k], kind == SampleKind::p_on_ground && k == 0));
 }
 
-Site SampleSystem::site(const std::string& name) {
+Attachment SampleSystem::attachment(const std::string& name) {
   Draw draw(seed_ + 1000 * system.markers().size() + 5);
-  Site site{name, {}, nullptr};
+  Attachment attachment{name, {}, nullptr};
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const std::string of = name + (k == 0 ? "" : std::to_string(k + 1));
     Marker& p = system.add_marker(of + ".P", *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
     Marker& s = system.add_marker(of + ".S", *common_, {draw.vector(0.2), draw.turn(0.5)});
     if (kind_ == SampleKind::markers_move) {
-      p.slide = std::make_shared<Sway>(draw.vector(0.2)), p.spin = std::make_shared<Wag>(draw.vector(1));
-      s.slide = std::make_shared<Sway>(draw.vector(0.2)), s.spin = std::make_shared<Wag>(draw.vector(1));
+      p.translation_law = std::make_shared<Sway>(draw.vector(0.2)), p.rotation_law = std::make_shared<Wag>(draw.vector(1));
+      s.translation_law = std::make_shared<Sway>(draw.vector(0.2)), s.rotation_law = std::make_shared<Wag>(draw.vector(1));
     }
-    site.pairs.emplace_back(&p, &s);
+    attachment.pairs.emplace_back(&p, &s);
   }
-  return site;
+  return attachment;
 }
 
 }  // namespace lockstep

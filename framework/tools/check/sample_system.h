@@ -21,7 +21,7 @@ class SampleSystem {
  public:
   SampleSystem(SampleKind kind, const CheckOptions& options);
   /// Markers for one more thing of this name: options.pairs pairs.
-  Site site(const std::string& name);
+  Attachment attachment(const std::string& name);
 
   System system;
 

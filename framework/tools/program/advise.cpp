@@ -39,7 +39,7 @@ std::string command_line(const Words& w, const WorkPrecisionRun& run) {
   std::string text = "lockstep run " + in_quotes(w.scene);
   for (const std::string& plugin : w.plugins) text += " --plugin " + in_quotes(plugin);
   text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
-          number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
+          text::number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
           to_string(run.stabilization) + " --solver " + in_quotes(run.solver);
   if (!w.until.empty()) text += " --until " + in_quotes(w.until);
   if (!w.planar.empty()) text += " --planar " + w.planar;

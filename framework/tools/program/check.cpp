@@ -22,7 +22,7 @@ struct LeftOut {
   Names names;
 };
 
-bool laws_of(const Marker& m) { return m.slide != nullptr || m.spin != nullptr; }
+bool laws_of(const Marker& m) { return m.translation_law != nullptr || m.rotation_law != nullptr; }
 
 /// Joints of which `is_so` holds; both halves of the same link.
 Names where(const Mechanism& m, const std::function<bool(const Lock&, const Jointed&)>& is_so) {
@@ -52,9 +52,9 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
                               {"rotation of particles: 3 unknowns instead of 6", particles},
                               {"rows of links that are not active at the start", inactive},
                               {"rotational half of the lock: never evaluated",
-                               where(m, [](const Lock&, const Jointed& j) { return !any(j.rows(), Mask::e123); })},
+                               where(m, [](const Lock&, const Jointed& j) { return !overlaps(j.rows(), Mask::e123); })},
                               {"translational half of the lock: never evaluated",
-                               where(m, [](const Lock&, const Jointed& j) { return !any(j.rows(), Mask::xyz); })},
+                               where(m, [](const Lock&, const Jointed& j) { return !overlaps(j.rows(), Mask::xyz); })},
                               {"motion of markers: they stand still on their bodies",
                                where(m, [](const Lock& l, const Jointed&) { return markers_still(l); })}};
   Names merged;
@@ -176,11 +176,11 @@ int check_command(const Words& w) {
   fmt::print("{}\n", loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title);
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
-  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, join(r.redundant_links));
+  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, text::join(r.redundant_links));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   fmt::print("left out, because the scene does not need it:\n");
-  for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, join(l.names));
+  for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
   if (!more.empty()) fmt::print("could be left out too:\n");
   for (const std::string& text : more) fmt::print("  {}\n", text);
   return kExitOk;

@@ -207,10 +207,10 @@ int say_usage(const CLI::App& app, const CLI::ParseError& error) {
 
   std::string text = error.what();
   if (word.rfind('-', 0) == 0)
-    text = "unknown option \"" + word + "\"" + suggestion(word.substr(0, word.find('=')), options);
+    text = "unknown option \"" + word + "\"" + text::suggestion(word.substr(0, word.find('=')), options);
   else if (called.empty())
-    text = word.empty() ? "a verb is missing; known: " + join(verbs, ", ")
-                        : "unknown verb \"" + word + "\"" + suggestion(word, verbs);
+    text = word.empty() ? "a verb is missing; known: " + text::join(verbs, ", ")
+                        : "unknown verb \"" + word + "\"" + text::suggestion(word, verbs);
   else if (!word.empty())
     text = "\"" + word + "\" is one word too many; text with blanks needs quotes";
   const std::string of = called.empty() ? "" : verb.get_name() + " ";

@@ -120,9 +120,9 @@ const Entry* find(const Entries& entries, std::string_view name) {
 [[noreturn]] void unknown_quantity(const std::string& channel, const std::string& owner, const std::string& quantity,
                                    const Entries& entries) {
   const std::vector<std::string> names = names_of(entries);
-  const std::string near = closest_name(quantity, names);
+  const std::string near = text::closest_name(quantity, names);
   throw ModelError(fmt::format("channel \"{}\": {} has no \"{}\"{}; it has: {}", channel, owner, quantity,
-                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), join(names)));
+                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), text::join(names)));
 }
 
 [[noreturn]] void unknown_object(const System& system, const std::string& channel, const std::string& object) {
@@ -134,12 +134,12 @@ const Entry* find(const Entries& entries, std::string_view name) {
   for (const auto& f : system.forces()) names.push_back(f->name());
   for (const Marker& m : system.markers()) names.push_back(m.name);
   const std::vector<std::string> total_names = names_of(totals);
-  const std::string near = closest_name(channel, total_names);
-  const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : suggestion(object, names);
+  const std::string near = text::closest_name(channel, total_names);
+  const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
   throw ModelError(
       fmt::format("channel \"{}\": no body, marker, link or force is called \"{}\"{}; a channel is an object and a "
                   "quantity like \"{}.x\", or one of {}",
-                  channel, object, hint, names.size() > 1 ? names[1] : "body", join(total_names)));
+                  channel, object, hint, names.size() > 1 ? names[1] : "body", text::join(total_names)));
 }
 
 // "M.x@N": M seen from N.

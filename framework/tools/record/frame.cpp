@@ -11,7 +11,7 @@ Vec3 slot_alpha(const VecX& a, int slot) {
 }
 
 RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
-  const bool moving = m.slide || m.spin || n.slide || n.spin;
+  const bool moving = m.translation_law || m.rotation_law || n.translation_law || n.rotation_law;
   return relative_kinematics(motion(s, m.slot), motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
 }
 

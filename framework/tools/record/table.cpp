@@ -45,7 +45,7 @@ std::vector<std::string> Table::names() const {
 const Column& Table::column(const std::string& name) const {
   for (const Column& c : columns_)
     if (c.name == name) return c;
-  throw ModelError(fmt::format("the table has no column \"{}\"{}", name, suggestion(name, names())));
+  throw ModelError(fmt::format("the table has no column \"{}\"{}", name, text::suggestion(name, names())));
 }
 
 double Table::first(const std::string& name) const {

@@ -9,8 +9,8 @@ namespace lockstep {
 Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
     : system_(system), options_(std::move(options)), recorder_(system) {
   if (!(options_.tolerance > 0) || !(options_.absolute_tolerance >= 0))
-    throw ModelError("simulation: tolerance " + brief(options_.tolerance) + ", absolute_tolerance " +
-                     brief(options_.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
+    throw ModelError("simulation: tolerance " + text::brief(options_.tolerance) + ", absolute_tolerance " +
+                     text::brief(options_.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
   tolerance_.relative = options_.tolerance;
   tolerance_.atol_x = options_.absolute_tolerance > 0 ? options_.absolute_tolerance : 0.01 * options_.tolerance;
   const MethodSpec method = read_method_spec(options_.integrator, types_of(registry.integrators));

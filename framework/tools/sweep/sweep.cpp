@@ -136,12 +136,12 @@ std::string sweep_row(long run, const std::vector<Variable>& variables, const st
   if (result.failed || result.columns.size() != n) {
     line += std::string(1 + 3 * n, ',');
   } else {
-    line += "," + number(result.t);
+    line += "," + text::number(result.t);
     for (const ColumnRange& c : result.columns)
-      for (const double x : {c.last, c.least, c.most}) line += "," + number(x);
+      for (const double x : {c.last, c.least, c.most}) line += "," + text::number(x);
   }
   const std::string status = result.failed ? "failed: " + result.status : result.status;
-  return line + "," + std::to_string(result.steps) + "," + number(result.cpu) + "," + cell(one_line(status)) + "\n";
+  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + cell(one_line(status)) + "\n";
 }
 
 }  // namespace lockstep

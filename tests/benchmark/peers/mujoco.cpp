@@ -126,10 +126,10 @@ class Document {
       if (j.parent == kGroundBody) write_branch(assembly, j);
     for (std::size_t i = 0; i < assembly.springs.size(); ++i) {
       const Spring& s = assembly.springs[i];
-      if (s.b == kGroundBody) write(site(assembly, s, i, 'b'));
+      if (s.b == kGroundBody) write(attachment(assembly, s, i, 'b'));
       tendons_ += "<spatial stiffness='" + number(s.stiffness) + "' damping='" + number(s.damping) +
-                  "' springlength='" + number(s.free_length) + "'><site site='s" + std::to_string(i) +
-                  "a'/><site site='s" + std::to_string(i) + "b'/></spatial>";
+                  "' springlength='" + number(s.free_length) + "'><attachment attachment='s" + std::to_string(i) +
+                  "a'/><attachment attachment='s" + std::to_string(i) + "b'/></spatial>";
     }
     for (const ClosingJoint& j : assembly.loops)
       for (const double side : {0.3, -0.3})
@@ -144,8 +144,8 @@ class Document {
     const AssemblyBody& b = assembly.bodies[static_cast<std::size_t>(body)];
     return b.R.transpose() * (x - b.x);
   }
-  static std::string site(const Assembly& assembly, const Spring& s, std::size_t i, char end) {
-    return "<site name='s" + std::to_string(i) + end + "' pos='" +
+  static std::string attachment(const Assembly& assembly, const Spring& s, std::size_t i, char end) {
+    return "<attachment name='s" + std::to_string(i) + end + "' pos='" +
            numbers(end == 'a' ? to_local(assembly, s.a, s.at_a) : to_local(assembly, s.b, s.at_b)) + "'/>";
   }
 
@@ -160,8 +160,8 @@ class Document {
           numbers(to_local(assembly, joint.child, joint.at)) + "' axis='" + numbers(body.R.transpose() * joint.axis) +
           "'/>");
     for (std::size_t i = 0; i < assembly.springs.size(); ++i) {
-      if (assembly.springs[i].a == joint.child) write(site(assembly, assembly.springs[i], i, 'a'));
-      if (assembly.springs[i].b == joint.child) write(site(assembly, assembly.springs[i], i, 'b'));
+      if (assembly.springs[i].a == joint.child) write(attachment(assembly, assembly.springs[i], i, 'a'));
+      if (assembly.springs[i].b == joint.child) write(attachment(assembly, assembly.springs[i], i, 'b'));
     }
     for (const TreeJoint& j : assembly.tree)
       if (j.parent == joint.child) write_branch(assembly, j);

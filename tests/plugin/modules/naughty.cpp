@@ -50,11 +50,11 @@ struct NaughtyLaw final : MotionLaw {
 /// Holds P at S along the axes of S, and writes wrongly.
 class NaughtyLink final : public Lock, public Stateful, public Remembering, public TangentFormula {
  public:
-  NaughtyLink(const Site& site, std::string does)
-      : Lock(site.name), p_(&site.p()), s_(&site.s()), does_(std::move(does)) {}
+  NaughtyLink(const Attachment& attachment, std::string does)
+      : Lock(attachment.name), p_(&attachment.p()), s_(&attachment.s()), does_(std::move(does)) {}
   static TypeInfo info() { return info_of("naughty_link"); }
-  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
-    return std::make_unique<NaughtyLink>(site, p.text("does"));
+  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
+    return std::make_unique<NaughtyLink>(attachment, p.text("does"));
   }
   std::string_view type() const override { return "naughty_link"; }
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
@@ -119,10 +119,10 @@ class NaughtyLink final : public Lock, public Stateful, public Remembering, publ
 
 class NaughtyForce final : public Force {
  public:
-  NaughtyForce(const Site& site, std::string does) : Force(site.name), p_(&site.p()), does_(std::move(does)) {}
+  NaughtyForce(const Attachment& attachment, std::string does) : Force(attachment.name), p_(&attachment.p()), does_(std::move(does)) {}
   static TypeInfo info() { return info_of("naughty_force"); }
-  static std::unique_ptr<Force> make(const Site& site, const Params& p) {
-    return std::make_unique<NaughtyForce>(site, p.text("does"));
+  static std::unique_ptr<Force> make(const Attachment& attachment, const Params& p) {
+    return std::make_unique<NaughtyForce>(attachment, p.text("does"));
   }
   std::string_view type() const override { return "naughty_force"; }
   std::vector<const Marker*> markers() const override { return {p_}; }

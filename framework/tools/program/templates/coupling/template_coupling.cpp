@@ -39,10 +39,10 @@ class TemplateCoupling final : public PhiCoupling<TemplateCouplingFunction> {
             {{"depth", Form::number, Unit::none, kRequired, "how uneven the gearing is, between -1 and 1"}}};
   }
 
-  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
+  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
     if (!(std::abs(p.number("depth")) < 1))
-      p.refuse("depth", "is " + brief(p.number("depth")) + "; must lie between -1 and 1, or the gearing runs back");
-    return std::make_unique<TemplateCoupling>(site, TemplateCouplingFunction{p.number("depth")});
+      p.refuse("depth", "is " + text::brief(p.number("depth")) + "; must lie between -1 and 1, or the gearing runs back");
+    return std::make_unique<TemplateCoupling>(attachment, TemplateCouplingFunction{p.number("depth")});
   }
 };
 

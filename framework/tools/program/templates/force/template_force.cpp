@@ -33,10 +33,10 @@ class TemplateForce final : public FormulaForce<TemplateForce> {
             {{"strength", Form::number, Unit::any, kRequired, "force times distance squared, N m^2"}}};
   }
 
-  static std::unique_ptr<Force> make(const Site& site, const Params& p) {
+  static std::unique_ptr<Force> make(const Attachment& attachment, const Params& p) {
     if (!(p.number("strength") >= 0))
-      p.refuse("strength", "is " + brief(p.number("strength")) + " N m^2; must not be negative");
-    return std::make_unique<TemplateForce>(site.name, p_of(site, p), s_of(site, p), p.number("strength"));
+      p.refuse("strength", "is " + text::brief(p.number("strength")) + " N m^2; must not be negative");
+    return std::make_unique<TemplateForce>(attachment.name, p_of(attachment, p), s_of(attachment, p), p.number("strength"));
   }
 
  private:

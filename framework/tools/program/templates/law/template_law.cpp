@@ -37,7 +37,7 @@ class TemplateLaw final : public MotionLaw {
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {
-    if (!(p.number("time") > 0)) p.refuse("time", "is " + brief(p.number("time")) + " s; must be above zero");
+    if (!(p.number("time") > 0)) p.refuse("time", "is " + text::brief(p.number("time")) + " s; must be above zero");
     return std::make_shared<TemplateLaw>(p.number("rise"), p.number("time"), p.number("start"));
   }
 

@@ -40,9 +40,9 @@ class TemplateLink final : public PhiLock<TemplateLinkFunction> {
          {"length", Form::number, Unit::length, 1, "of one wave, above zero"}}};
   }
 
-  static std::unique_ptr<Lock> make(const Site& site, const Params& p) {
-    if (!(p.number("length") > 0)) p.refuse("length", "is " + brief(p.number("length")) + " m; must be above zero");
-    return std::make_unique<TemplateLink>(site.name, site.p(), site.s(),
+  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
+    if (!(p.number("length") > 0)) p.refuse("length", "is " + text::brief(p.number("length")) + " m; must be above zero");
+    return std::make_unique<TemplateLink>(attachment.name, attachment.p(), attachment.s(),
                                           TemplateLinkFunction{p.number("height"), p.number("length")});
   }
 };
