@@ -10,6 +10,8 @@
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
 
+namespace appearance_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -111,3 +113,5 @@ TEST_CASE("the chart measures a plugin's integrator among the others", "[plugin]
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "naughty_integrator"));
 }
+
+}  // namespace appearance_test

@@ -11,6 +11,8 @@
 #include "tests/support/program.h"
 #include "tests/support/paths.h"
 
+namespace examples_test {
+
 using namespace lockstep;
 using lockstep::testing::contains;
 
@@ -110,3 +112,5 @@ TEST_CASE("adams_bashforth evaluates once a step and begins anew where its histo
   for (int i = 0; i < 3; ++i) CHECK(evaluations(0.01) == 4);
   CHECK(evaluations(0.01) == 1);
 }
+
+}  // namespace examples_test

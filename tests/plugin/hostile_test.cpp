@@ -17,6 +17,8 @@
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
 
+namespace hostile_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -240,3 +242,5 @@ TEST_CASE("a plugin stays one when it is stripped", "[plugin]") {
   CHECK(bytes_of(file).size() < bytes_of(kProbe).size());
   CHECK(answer_of(file) == "loaded");
 }
+
+}  // namespace hostile_test

@@ -10,6 +10,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 
+namespace ida_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -116,3 +118,5 @@ TEST_CASE("the steps of ida show its order, projected after each of them", "[plu
   CAPTURE(coarse, fine);
   CHECK(std::log(1e3) / std::log(fine / coarse) - 1 == Approx(order).margin(0.3));
 }
+
+}  // namespace ida_test

@@ -13,6 +13,8 @@
 #include "tests/support/program.h"
 #include "tests/support/paths.h"
 
+namespace loader_test {
+
 using namespace lockstep;
 using lockstep::testing::contains;
 namespace fs = std::filesystem;
@@ -121,3 +123,5 @@ TEST_CASE("what is no plugin is refused in one sentence", "[plugin]") {
     CHECK(contains(refusal(kModules + "/cut.so"), "cut"));
   }
 }
+
+}  // namespace loader_test

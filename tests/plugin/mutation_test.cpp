@@ -17,6 +17,8 @@
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
 
+namespace mutation_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -158,3 +160,5 @@ TEST_CASE("the tables of a plugin are read without trust", "[plugin][mutation]")
   CHECK(n_refused > 300);
   fs::remove_all(kModules + "/loose");
 }
+
+}  // namespace mutation_test

@@ -14,6 +14,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
+namespace new_plugin_test {
+
 using namespace lockstep;
 using lockstep::testing::call;
 using lockstep::testing::contains;
@@ -102,3 +104,5 @@ TEST_CASE("the class of a new plugin is named after both", "[plugin][new_plugin]
   CHECK(class_name("law", "x2") == "X2Law");
   CHECK(class_name("integrator", "integrator") == "IntegratorIntegrator");
 }
+
+}  // namespace new_plugin_test

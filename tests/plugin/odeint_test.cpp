@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 
+namespace odeint_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -82,3 +84,5 @@ TEST_CASE("odeint's method with too long a step ends with a word of advice", "[p
   CAPTURE(message);
   CHECK(message.find("radau5") != std::string::npos);
 }
+
+}  // namespace odeint_test

@@ -10,6 +10,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
+namespace runner_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -293,3 +295,5 @@ TEST_CASE("a picture of some columns says how many", "[runner]") {
   CHECK(r.exit == 0);
   if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));
 }
+
+}  // namespace runner_test

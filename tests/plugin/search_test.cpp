@@ -18,6 +18,8 @@
 #include "tests/support/program.h"
 #include "tests/support/thrown.h"
 
+namespace search_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -194,3 +196,5 @@ TEST_CASE("plugins list says of every file how it stands", "[plugin][search][run
   CHECK(n_refused == 3);
   CHECK(n_hidden == 1);
 }
+
+}  // namespace search_test

@@ -9,6 +9,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
+namespace survey_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -161,3 +163,5 @@ TEST_CASE("a step of a fixed method is no limit for the adaptive one that is nam
   REQUIRE(at != std::string::npos);
   CHECK(std::atoi(r.text.c_str() + at + 6) < 1000);
 }
+
+}  // namespace survey_test

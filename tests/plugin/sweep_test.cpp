@@ -10,6 +10,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
+namespace sweep_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
@@ -223,3 +225,5 @@ TEST_CASE("the recipe for Slurm makes the table of one sweep", "[runner][sweep]"
   }
   CHECK(shell("cd slurm && cat mass_*.csv | grep -c ',ok$'").text == "100\n");
 }
+
+}  // namespace sweep_test

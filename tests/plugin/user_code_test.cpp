@@ -16,6 +16,8 @@
 #include "tests/support/run_with_registry.h"
 #include "tests/support/thrown.h"
 
+namespace user_code_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -204,3 +206,5 @@ TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one g
   CHECK_THROWS_AS(set_up_with(true), KeyError);
   CHECK(thrown_by([&] { set_up_with(false); }) == "ModelError: force 'F' (wind of plugin weather): no speed");
 }
+
+}  // namespace user_code_test

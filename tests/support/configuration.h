@@ -95,7 +95,7 @@ class Draw {
   Eigen::Vector4d quaternion() {
     for (;;) {
       const Eigen::Vector3d v = vector(1.0);
-      const Eigen::Vector4d q(text::number(-1.0, 1.0), v[0], v[1], v[2]);
+      const Eigen::Vector4d q(number(-1.0, 1.0), v[0], v[1], v[2]);
       if (q.norm() > 0.1 && q.norm() <= 1.0) return q.normalized();
     }
   }

@@ -135,11 +135,11 @@ oracle::Seven<Jet<12, T>> on_jets(const oracle::Configuration& c) {
   using J12 = Jet<12, T>;
   const auto number = [](double x, double d, double dd) { return J12(T(x), T(d), T(dd)); };
   const auto vector = [&](const Vec3& x, const Vec3& d, const Vec3& dd) {
-    return oracle::Vec3<J12>{text::number(x[0], d[0], dd[0]), text::number(x[1], d[1], dd[1]), text::number(x[2], d[2], dd[2])};
+    return oracle::Vec3<J12>{number(x[0], d[0], dd[0]), number(x[1], d[1], dd[1]), number(x[2], d[2], dd[2])};
   };
   const auto quaternion = [&](const Vec4& q, const Vec4& d, const Vec4& dd) {
-    return oracle::Quat<J12>{text::number(q[0], d[0], dd[0]), text::number(q[1], d[1], dd[1]), text::number(q[2], d[2], dd[2]),
-                             text::number(q[3], d[3], dd[3])};
+    return oracle::Quat<J12>{number(q[0], d[0], dd[0]), number(q[1], d[1], dd[1]), number(q[2], d[2], dd[2]),
+                             number(q[3], d[3], dd[3])};
   };
   const auto shifted = [&](const Vec3& x, const Vec3& v, int first) {
     oracle::Vec3<J12> r = vector(x, v, Vec3::Zero());

@@ -33,23 +33,23 @@ inline LawPtr<MotionLaw> value_law(std::function<double(double)> y) { return std
 /// x = amplitude sin(3 t), with its exact derivatives.
 class SineSlide final : public TranslationLaw {
  public:
-  explicit SineSlide(const Vec3& amplitude) : a_(amplitude) {}
+  explicit SineSlide(const lockstep::Vec3& amplitude) : a_(amplitude) {}
   TranslationValue at(double t) const override {
     return {std::sin(3 * t) * a_, 3 * std::cos(3 * t) * a_, -9 * std::sin(3 * t) * a_};
   }
 
  private:
-  Vec3 a_;
+  lockstep::Vec3 a_;
 };
 
 /// A steady turn about an axis.
 class SteadySpin final : public RotationLaw {
  public:
-  explicit SteadySpin(const Vec3& w) : w_(w) {}
-  RotationValue at(double t) const override { return {exponential(w_ * t), w_, Vec3::Zero()}; }
+  explicit SteadySpin(const lockstep::Vec3& w) : w_(w) {}
+  RotationValue at(double t) const override { return {exponential(w_ * t), w_, lockstep::Vec3::Zero()}; }
 
  private:
-  Vec3 w_;
+  lockstep::Vec3 w_;
 };
 
 struct ForceBench {
@@ -65,12 +65,12 @@ struct ForceBench {
     a.name = "a", b.name = "b", ground.name = "ground";
     ground.fixed = true;
     a.slot = 0, b.slot = 1, ground.slot = kGround;
-    const auto pose = [&] { return Pose{draw.vector(0.5), Quat::from(draw.quaternion())}; };
+    const auto pose = [&] { return Pose{draw.vector(0.5), lockstep::Quat::from(draw.quaternion())}; };
     a.in_slot = pose(), b.in_slot = pose();
     a.home = pose(), b.home = pose();
     p = {"p", &a, pose()}, s = {"s", &b, pose()}, g = {"g", &ground, pose()};
     for (Motion& m : start)
-      m.x = draw.vector(1.0), m.e = Quat::from(draw.quaternion()), m.v = draw.vector(2.0), m.w = draw.vector(2.0);
+      m.x = draw.vector(1.0), m.e = lockstep::Quat::from(draw.quaternion()), m.v = draw.vector(2.0), m.w = draw.vector(2.0);
     at(0);
   }
 
@@ -86,11 +86,11 @@ struct ForceBench {
     }
   }
   /// Puts the marker of slot k at a pose in the world (without laws) with the twist of the slot's origin.
-  void place(const Marker& m, const Pose& world, const Vec3& v = Vec3::Zero(), const Vec3& w_world = Vec3::Zero()) {
+  void place(const Marker& m, const Pose& world, const lockstep::Vec3& v = lockstep::Vec3::Zero(), const lockstep::Vec3& w_world = lockstep::Vec3::Zero()) {
     const Pose slot = world * inverse(m.body->in_slot * m.local);
     Motion& o = start[static_cast<std::size_t>(m.body->slot)];
     o.x = slot.x, o.e = slot.q, o.A = rotation(slot.q), o.w = o.A.transpose() * w_world;
-    o.v = v + cross(w_world, Vec3(slot.x - world.x));
+    o.v = v + cross(w_world, lockstep::Vec3(slot.x - world.x));
     at(t);
   }
   Inputs in() const { return {t, motions, {}, z}; }
@@ -101,13 +101,13 @@ struct ForceBench {
     force.apply(in(), sum);
     return f;
   }
-  Vec3 force_on(const Force& force, int slot) const { return wrench(force).segment<3>(6 * slot); }
+  lockstep::Vec3 force_on(const Force& force, int slot) const { return wrench(force).segment<3>(6 * slot); }
   /// Moment about the slot's origin, world axes.
-  Vec3 moment_on(const Force& force, int slot) const {
+  lockstep::Vec3 moment_on(const Force& force, int slot) const {
     return in().slot(slot).A * wrench(force).segment<3>(6 * slot + 3);
   }
   /// Moment about the world's origin, of both bodies together or of one.
-  Vec3 moment_about_origin(const Force& force, int slot) const {
+  lockstep::Vec3 moment_about_origin(const Force& force, int slot) const {
     return moment_on(force, slot) + cross(in().slot(slot).x, force_on(force, slot));
   }
   /// f.v over the slots.

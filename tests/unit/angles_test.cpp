@@ -5,6 +5,8 @@
 #include <lockstep/error.h>
 #include "tests/support/messages.h"
 
+namespace angles_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
@@ -104,3 +106,5 @@ TEST_CASE("what is no sequence is refused by name", "[unit][model]") {
                 {"\"" + std::string(bad) + "\"", "three letters"});
   }
 }
+
+}  // namespace angles_test

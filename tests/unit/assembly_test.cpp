@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace assembly_test {
+
 using namespace lockstep;
 using lockstep::testing::message_of, lockstep::testing::says;
 
@@ -183,3 +185,5 @@ TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]
   CHECK(says(message,
              {"inconsistent velocities (constraint violation", "row e3 of link", "Two laws may drive one coordinate"}));
 }
+
+}  // namespace assembly_test

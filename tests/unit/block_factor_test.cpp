@@ -6,6 +6,8 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 
+namespace block_factor_test {
+
 using namespace lockstep;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("Factor and solution allocate nothing", "[unit][kkt]") {
           factor.solve(plan, b.data());
         }) == 0);
 }
+
+}  // namespace block_factor_test

@@ -5,6 +5,8 @@
 
 #include "tests/support/catch.h"
 
+namespace block_plan_test {
+
 using namespace lockstep;
 
 namespace {
@@ -140,3 +142,5 @@ TEST_CASE("Work grows with the bodies alone", "[unit][kkt]") {
     for (const bool symmetric : {false, true})
       CHECK(work(1000, hub, symmetric) == Approx(work(100, hub, symmetric)).epsilon(0.02));
 }
+
+}  // namespace block_plan_test

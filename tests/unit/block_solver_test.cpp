@@ -5,6 +5,8 @@
 #include "tests/support/allocations.h"
 #include "tests/support/solver_checks.h"
 
+namespace block_solver_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -201,3 +203,5 @@ TEST_CASE("block's detector falls as the square of the way to a singular place",
   CHECK(far < 1e-3);
   CHECK(std::log10(far / near) == Approx(2).margin(0.03));  // the proximal term is 4 % of the smaller one
 }
+
+}  // namespace block_solver_test

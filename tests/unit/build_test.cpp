@@ -6,6 +6,8 @@
 #include <lockstep/sweep.h>
 #include "tests/support/catch.h"
 
+namespace build_test {
+
 using namespace lockstep;
 
 namespace {
@@ -86,3 +88,5 @@ TEST_CASE("run settings, records and events are read", "[unit][scene]") {
   CHECK(events.front().value);
   CHECK(make_solver(m.run, builtin_registry())->name() == "dense");
 }
+
+}  // namespace build_test

@@ -16,6 +16,8 @@
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
 
+namespace cam_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::least, lockstep::testing::LinkBench,
     lockstep::testing::message_of;
@@ -156,3 +158,5 @@ TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
   check_words(roller(egg(), -0.1), {"link 'cam'", "roller is -0.1 m", "must not be negative"});
   check_words(roller(egg(), std::nan("")), {"link 'cam'", "roller", "negative"});
 }
+
+}  // namespace cam_test

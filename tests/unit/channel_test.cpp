@@ -15,6 +15,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace channel_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::message_of;
 
@@ -429,3 +431,5 @@ TEST_CASE("a recorder makes a table under the user's names", "[unit][record]") {
   recorder.start(Sample(*a.dynamics, a.state, report));
   CHECK(recorder.table().n_rows() == 0);
 }
+
+}  // namespace channel_test

@@ -10,6 +10,8 @@
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 
+namespace chart_grid_test {
+
 using namespace lockstep;
 namespace fs = std::filesystem;
 
@@ -59,3 +61,5 @@ TEST_CASE("a grid without numbers is refused", "[unit][chart]") {
   grid.panels[1].series = {{"uneven", {1, 2}, {1}}};
   CHECK_THROWS_AS(write_grid("nothing", grid), ModelError);
 }
+
+}  // namespace chart_grid_test

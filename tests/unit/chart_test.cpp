@@ -14,6 +14,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace chart_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::message_of;
 namespace fs = std::filesystem;
@@ -218,3 +220,5 @@ TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
   check_words(message, {"a.svg", "gnuplot", "apt-get install gnuplot-nox"});
   CHECK_FALSE(fs::exists(folder.file("a.svg")));
 }
+
+}  // namespace chart_test

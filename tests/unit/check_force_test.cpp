@@ -9,6 +9,8 @@
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
+namespace check_force_test {
+
 using namespace lockstep;
 using lockstep::test::says;
 
@@ -159,3 +161,5 @@ TEST_CASE("every force of the library passes its check", "[unit][check]") {
     CHECK(report.comparisons() > 100);
   }
 }
+
+}  // namespace check_force_test

@@ -9,6 +9,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 
+namespace check_integrator_test {
+
 using namespace lockstep;
 using lockstep::test::says;
 
@@ -180,3 +182,5 @@ TEST_CASE("every integrator of the library passes its check", "[unit][check]") {
     CHECK(report.ok());
   }
 }
+
+}  // namespace check_integrator_test

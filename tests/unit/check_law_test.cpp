@@ -10,6 +10,8 @@
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
+namespace check_law_test {
+
 using namespace lockstep;
 using lockstep::test::says;
 
@@ -137,3 +139,5 @@ TEST_CASE("every law of the library passes its check", "[unit][check]") {
   all(registry.laws, "law"), all(registry.translation_laws, "translation law");
   all(registry.rotation_laws, "rotation law");
 }
+
+}  // namespace check_law_test

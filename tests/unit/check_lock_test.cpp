@@ -9,6 +9,8 @@
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"
 
+namespace check_lock_test {
+
 using namespace lockstep;
 using lockstep::test::says;
 
@@ -321,3 +323,5 @@ TEST_CASE("check_lock names a memory that adds up", "[unit][check]") {
   CAPTURE(r.text());
   CHECK(says(r, "called again and again there, adds the same each time"));
 }
+
+}  // namespace check_lock_test

@@ -9,6 +9,8 @@
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"
 
+namespace copies_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 using lockstep::testing::check_words;
@@ -376,3 +378,5 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   check_words(message([&] { copies.run(family.starts(), std::vector<double>{1.0, 0.5}, {}); }), {"ascending"});
   check_words(message([&] { Copies c({}); }), {"at least one"});
 }
+
+}  // namespace copies_test

@@ -14,6 +14,8 @@
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
 
+namespace curve_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::least, lockstep::testing::LinkBench,
     lockstep::testing::message_of;
@@ -154,3 +156,5 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   const auto splined = laws::path({{0, Vec3(1, 0, 0)}, {1, Vec3(2, 0, 0)}, {2, Vec3(3, 1, 0)}});
   check_words(wire(splined, 0.5), {"link 'wire'", "path"});
 }
+
+}  // namespace curve_test

@@ -6,6 +6,8 @@
 #include "tests/support/messages.h"
 #include "tests/support/solver_checks.h"
 
+namespace dense_solver_test {
+
 using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
@@ -84,3 +86,5 @@ TEST_CASE("dense is made by name, without keys", "[unit][kkt]") {
   CHECK_NOTHROW(check(DenseSolver::info()));
   CHECK(DenseSolver::make(Params{})->name() == "dense");
 }
+
+}  // namespace dense_solver_test

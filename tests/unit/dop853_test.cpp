@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace dop853_test {
+
 using namespace lockstep;
 
 TEST_CASE("dense output of dop853 is as good as its steps", "[unit][integrators]") {
@@ -39,3 +41,5 @@ TEST_CASE("dop853 evaluates the stages of its dense output only when asked", "[u
   method.dense(0.07, inside);
   CHECK(dynamics.work().evaluations == 16);
 }
+
+}  // namespace dop853_test

@@ -9,6 +9,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace error_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -143,3 +145,5 @@ TEST_CASE("a law's label belongs to the pointer that was labelled", "[unit][erro
   CHECK(other->at(0).yd == 0);
   CHECK_FALSE(watched.expired());
 }
+
+}  // namespace error_test

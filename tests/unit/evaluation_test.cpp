@@ -6,6 +6,8 @@
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
+namespace evaluation_test {
+
 using namespace lockstep;
 
 namespace {
@@ -118,3 +120,5 @@ TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster
   testing::check_words(testing::message_of<ModelError>([&] { edit.set_pose(system.ground(), {}); }),
                        {"body 'ground'", "does not move"});
 }
+
+}  // namespace evaluation_test

@@ -4,6 +4,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_applied_test {
+
 using namespace lockstep;
 using oracle::kNaN;
 using oracle::ForceBench;
@@ -100,3 +102,5 @@ TEST_CASE("applied_force, applied_torque: wrong input is refused by name", "[uni
   CHECK_NOTHROW(force.setup());
   CHECK_THROWS_AS(reacting.setup(), ModelError);
 }
+
+}  // namespace force_applied_test

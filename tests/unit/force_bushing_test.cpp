@@ -4,6 +4,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_bushing_test {
+
 using namespace lockstep;
 using oracle::ForceBench;
 
@@ -75,3 +77,5 @@ TEST_CASE("bushing: wrong input is refused by name", "[unit][force]") {
   bench.b.freedoms = Freedoms::particle;
   CHECK_THROWS_AS(moving.setup(), ModelError);
 }
+
+}  // namespace force_bushing_test

@@ -3,6 +3,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_function_force_test {
+
 using namespace lockstep;
 using oracle::ForceBench;
 
@@ -28,3 +30,5 @@ TEST_CASE("function_force: no function is refused", "[unit][force]") {
   CHECK_THROWS_WITH(function_force("pull", {}, nullptr), "force 'pull' (function_force) has no function; give one");
   CHECK_THROWS_AS(function_force("pull", {nullptr}, [](const Inputs&, WrenchSum&) {}), ModelError);
 }
+
+}  // namespace force_function_force_test

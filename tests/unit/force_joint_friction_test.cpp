@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace force_joint_friction_test {
+
 using namespace lockstep;
 
 namespace {
@@ -123,3 +125,5 @@ TEST_CASE("joint friction: loads are the reactions in S axes", "[unit][force]") 
   const double T = mu * (o.radius * 5 + o.axial_radius * 12) + o.viscous_turn * std::abs(w);
   CHECK(quantity("friction_torque") == Approx(w > 0 ? -T : T).epsilon(1e-12));
 }
+
+}  // namespace force_joint_friction_test

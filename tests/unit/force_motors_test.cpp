@@ -2,6 +2,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_motors_test {
+
 using namespace lockstep;
 using oracle::ForceBench;
 using oracle::value_law;
@@ -58,3 +60,5 @@ TEST_CASE("motors: no law and particles are refused by name", "[unit][force]") {
   CHECK_THROWS_AS(torque.setup(), ModelError);
   CHECK_THROWS_AS(force.setup(), ModelError);
 }
+
+}  // namespace force_motors_test

@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_register_test {
+
 using namespace lockstep;
 using oracle::ForceBench;
 
@@ -89,3 +91,5 @@ TEST_CASE("register_forces: wrong keys are refused at their place", "[unit][forc
   CHECK(refusal("torque_motor", {}).find("torque") != std::string::npos);
   CHECK(refusal("bushing", {{"damping", Value::list({0, -1, 0})}}).find("damping: is -1") != std::string::npos);
 }
+
+}  // namespace force_register_test

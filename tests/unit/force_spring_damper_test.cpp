@@ -4,12 +4,14 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_spring_damper_test {
+
 using namespace lockstep;
 using oracle::kNaN;
 using oracle::ForceBench;
 
 namespace {
-SpringDamper::Options numbers() { return {120.0, 7.0, 0.3, 11.0, {}}; }
+SpringDamper::Options spring_options() { return {120.0, 7.0, 0.3, 11.0, {}}; }
 std::string refusal(const SpringDamper::Options& options) {
   ForceBench bench;
   try {
@@ -25,7 +27,7 @@ TEST_CASE("spring_damper: a known length and rate give a known force on the line
   ForceBench bench;
   bench.place(bench.p, {Vec3(4, 6, 1), bench.start[0].e}, Vec3(0.5, 0.25, 9));  // 3-4-5 from S, 9 across the line
   bench.place(bench.s, {Vec3(1, 2, 1), bench.start[1].e});
-  auto options = numbers();
+  auto options = spring_options();
   options.force = oracle::value_law([](double t) { return 2 + t; });
   SpringDamper spring("coil", bench.p, bench.s, options);
   spring.setup();
@@ -46,7 +48,7 @@ TEST_CASE("spring_damper: a known length and rate give a known force on the line
 TEST_CASE("spring_damper: momentum is kept, and power is what potential, damper and law say", "[unit][force]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     ForceBench bench(seed);
-    auto options = numbers();
+    auto options = spring_options();
     options.force = oracle::value_law([](double) { return 5.0; });
     SpringDamper spring("coil", bench.p, bench.s, options);
     spring.setup();
@@ -67,7 +69,7 @@ TEST_CASE("spring_damper: moving markers carry its ends", "[unit][force]") {
     bench.p.translation_law = std::make_shared<oracle::SineSlide>(Vec3(0.3, -0.2, 0.4));
     bench.s.translation_law = std::make_shared<oracle::SineSlide>(Vec3(-0.1, 0.5, 0.2));
     bench.s.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(1, 2, 3));
-    SpringDamper spring("coil", bench.p, bench.s, numbers());
+    SpringDamper spring("coil", bench.p, bench.s, spring_options());
     spring.setup();
     bench.at(0.2);
     const double rate = bench.rate_of([&] { return spring.quantity(0, bench.in()); });
@@ -80,7 +82,7 @@ TEST_CASE("spring_damper: moving markers carry its ends", "[unit][force]") {
 
 TEST_CASE("spring_damper: the ground takes its end, and nothing else changes", "[unit][force]") {
   ForceBench bench(3);
-  SpringDamper spring("coil", bench.p, bench.g, numbers());
+  SpringDamper spring("coil", bench.p, bench.g, spring_options());
   spring.setup();
   const double Vd = bench.rate_of([&] { return spring.potential(bench.in()); });
   CHECK(bench.force_on(spring, 1).norm() == 0);
@@ -93,7 +95,7 @@ TEST_CASE("spring_damper: no length, no direction, no force and no NaN", "[unit]
   bench.place(bench.p, {Vec3(1, 2, 3), {}}, Vec3(1, 0, 0));
   bench.place(bench.s, {Vec3(1, 2, 3), {}});
   bench.a.home.x = Vec3(1, 2, 3), bench.b.home.x = Vec3(5, 2, 3);
-  SpringDamper spring("coil", bench.p, bench.s, numbers());
+  SpringDamper spring("coil", bench.p, bench.s, spring_options());
   spring.setup();
   CHECK(spring.quantity(0, bench.in()) == 0);
   CHECK(bench.wrench(spring).isZero(0));
@@ -119,17 +121,19 @@ TEST_CASE("spring_damper: wrong numbers are refused by name", "[unit][force]") {
 
   ForceBench bench;
   Marker other{"other", &bench.a, {}};
-  CHECK_THROWS_AS(SpringDamper("coil", bench.p, other, numbers()), ModelError);
+  CHECK_THROWS_AS(SpringDamper("coil", bench.p, other, spring_options()), ModelError);
   Marker loose{"loose", nullptr, {}};
-  CHECK_THROWS_AS(SpringDamper("coil", bench.p, loose, numbers()), ModelError);
+  CHECK_THROWS_AS(SpringDamper("coil", bench.p, loose, spring_options()), ModelError);
 }
 
 TEST_CASE("spring_damper: the instants of its laws are handed on", "[unit][force]") {
   ForceBench bench;
-  auto options = numbers();
+  auto options = spring_options();
   options.force = oracle::value_law([](double t) { return t; });
   SpringDamper spring("coil", bench.p, bench.s, options);
   std::vector<double> out;
   spring.breakpoints(0, 1, out);
   CHECK(out == std::vector<double>{0.25});
 }
+
+}  // namespace force_spring_damper_test

@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_tangent_test {
+
 // Oracle: every force's formula of its header once more, on complex numbers: with x + i h dx, q + i h (1/2) q dth,
 // v + i h, w + i h the imaginary part is h times the derivative, exactly for a small enough h.
 using namespace lockstep;
@@ -249,3 +251,5 @@ TEST_CASE("A function of the user's is differenced", "[unit][force]") {
   CHECK((by_hand(*same, bench) - exact).cwiseAbs().maxCoeff() <= 1e-8 * exact.cwiseAbs().maxCoeff());
   CHECK((by_hand(*same, bench) - exact).cwiseAbs().maxCoeff() > 0);
 }
+
+}  // namespace force_tangent_test

@@ -4,12 +4,14 @@
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
+namespace force_torsion_spring_damper_test {
+
 using namespace lockstep;
 using oracle::kNaN;
 using oracle::ForceBench;
 
 namespace {
-TorsionSpringDamper::Options numbers() { return {3.0, 0.4, 0.7, 0.2, {}}; }
+TorsionSpringDamper::Options torsion_options() { return {3.0, 0.4, 0.7, 0.2, {}}; }
 const Quat kTilt = normalized(Quat{0.9, 0.3, -0.2, 0.25});
 
 // P turned by `angle` about z of S at the rate `rate`; S tilted in the world and turning too.
@@ -22,7 +24,7 @@ void turn_to(ForceBench& bench, double angle, double rate) {
 
 TEST_CASE("torsion_spring_damper: about a common axis it is the textbook's", "[unit][force]") {
   ForceBench bench;
-  auto options = numbers();
+  auto options = torsion_options();
   options.torque = oracle::value_law([](double) { return 0.05; });
   TorsionSpringDamper spring("coil", bench.p, bench.s, options);
   spring.setup();
@@ -42,7 +44,7 @@ TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are 
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     ForceBench bench(seed);
     for (Motion& m : bench.start) m.w *= 0.3;  // so that the difference stays on one branch
-    TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+    TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
     spring.MarkerForce::setup();
     bench.z[0] = spring.quantity(0, bench.in());
     const double zz =
@@ -61,7 +63,7 @@ TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are 
 
 TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps leave no trace", "[unit][force]") {
   ForceBench bench;
-  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
   REQUIRE(spring.n_memory() == 1);
   spring.start_memory(bench.z);
@@ -92,7 +94,7 @@ TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps
 
 TEST_CASE("torsion_spring_damper: the sign of a quaternion does not matter", "[unit][force]") {
   ForceBench bench;
-  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
   turn_to(bench, 2.5, 0.1);
   const VecX f = bench.wrench(spring);
@@ -104,7 +106,7 @@ TEST_CASE("torsion_spring_damper: the sign of a quaternion does not matter", "[u
 TEST_CASE("torsion_spring_damper: a marker's spin is part of the angle", "[unit][force]") {
   ForceBench bench;
   bench.p.rotation_law = std::make_shared<oracle::SteadySpin>(Vec3(0, 0, 1.5));
-  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
   turn_to(bench, 0.2, 0.0);
   const Motion still[2] = {bench.start[0], bench.start[1]};
@@ -124,7 +126,7 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
   CHECK_THROWS_AS(TorsionSpringDamper("coil", bench.p, bench.s, {1, 1, kNaN, 0, {}}), ModelError);
   CHECK_THROWS_AS(TorsionSpringDamper("coil", bench.p, bench.s, {1, 1, 1, kNaN, {}}), ModelError);
 
-  TorsionSpringDamper spring("coil", bench.p, bench.s, numbers());
+  TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   bench.b.freedoms = Freedoms::particle;
   CHECK_THROWS_WITH(spring.setup(),
                     "force 'coil' (torsion_spring_damper) turns body 'b' at marker 's', but 'b' is a particle "
@@ -135,3 +137,5 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
   bench.p.local = inverse(bench.a.home) * Pose{Vec3::Zero(), q * axis_angle(Vec3::UnitX(), kPi)};
   CHECK_THROWS_AS(spring.setup(), ModelError);
 }
+
+}  // namespace force_torsion_spring_damper_test

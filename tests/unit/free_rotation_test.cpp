@@ -4,6 +4,8 @@
 
 #include "tests/support/catch.h"
 
+namespace free_rotation_test {
+
 using namespace lockstep;
 
 namespace {
@@ -57,3 +59,5 @@ TEST_CASE("the split turning of a top is of order 2", "[unit][integrators]") {
   }
   CHECK(std::log2(error[0] / error[1]) == Approx(2).margin(0.05));
 }
+
+}  // namespace free_rotation_test

@@ -13,6 +13,8 @@
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"
 
+namespace gears_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::LinkBench, lockstep::testing::message_of;
 
@@ -201,3 +203,5 @@ TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words
   check_words(message_of<ModelError>([&] { RollingRack("link", bench.p(), bench.s(), 0); }),
               {"link 'link'", "radius is 0 m", "not zero"});
 }
+
+}  // namespace gears_test

@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace generalized_alpha_test {
+
 using namespace lockstep;
 
 // At w h = 200 all three roots of the method are -rho_infinity nearly: the amplitude goes with n^2 rho^n.
@@ -140,3 +142,5 @@ TEST_CASE("the error of an adaptive generalized_alpha follows the tolerance", "[
   CHECK(slope == Approx(1).margin(0.25));
   CHECK(loose < 20e-3);
 }
+
+}  // namespace generalized_alpha_test

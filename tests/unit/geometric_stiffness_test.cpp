@@ -8,6 +8,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
+namespace geometric_stiffness_test {
+
 // Oracle: the rows' own code on complex numbers. With x + i h dx and q + i h (1/2) q dth the imaginary part of
 // Jh^T lambda is h K d, exactly for a small enough h (theory, (9.6)).
 using namespace lockstep;
@@ -191,3 +193,5 @@ TEST_CASE("K less the half moments is symmetric", "[unit][lock]") {
   K.block<3, 3>(9, 9) -= 0.5 * skew(Vec3(F.segment<3>(9)));
   CHECK(largest(K - K.transpose()) <= 1e-14 * largest(K));
 }
+
+}  // namespace geometric_stiffness_test

@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace grid_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -57,3 +59,5 @@ TEST_CASE("a share is i of n, counted from 1", "[unit][analysis]") {
   }
   CHECK(says(message_of<ModelError>([] { read_shard("9/8"); }), {"no share 9 of 8", "8/8"}));
 }
+
+}  // namespace grid_test

@@ -10,6 +10,8 @@
 #include "tests/support/configuration.h"
 #include "tests/support/mechanism.h"
 
+namespace implicit_test {
+
 using namespace lockstep;
 
 namespace {
@@ -263,3 +265,5 @@ TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say"
             CHECK((exact.K(p) - differenced.K(q)).cwiseAbs().maxCoeff() <= 1e-8);
     }
 }
+
+}  // namespace implicit_test

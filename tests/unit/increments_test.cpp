@@ -4,6 +4,8 @@
 
 #include "tests/support/catch.h"
 
+namespace increments_test {
+
 using namespace lockstep;
 
 namespace {
@@ -66,3 +68,5 @@ TEST_CASE("small increments are differences of states", "[unit][integrators]") {
   CHECK((end.v - start.v - d.v).norm() < 1e-15);
   CHECK((end.s - start.s - d.s).norm() < 1e-15);
 }
+
+}  // namespace increments_test

@@ -8,6 +8,8 @@
 #include <lockstep/error.h>
 #include "tests/support/messages.h"
 
+namespace inertia_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
@@ -198,3 +200,5 @@ TEST_CASE("mass properties that cannot be are refused with name and value", "[un
   p.J(0, 1) = 0.1;
   check_words(problem_of(p), {"not symmetric", "0.1", "J_xy = J_yx"});
 }
+
+}  // namespace inertia_test

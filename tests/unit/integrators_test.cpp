@@ -1,6 +1,8 @@
 #include <lockstep/integrators.h>
 #include "tests/support/integrator_checks.h"
 
+namespace integrators_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -151,3 +153,5 @@ TEST_CASE("a step of an implicit integrator with dampers allocates nothing", "[u
     if (c.name == std::string("generalized_alpha")) check_allocations<SprungLoop>(*c.fixed(), 0.00123456789);
   });
 }
+
+}  // namespace integrators_test

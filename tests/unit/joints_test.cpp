@@ -15,6 +15,8 @@
 #include "tests/support/lock_inputs.h"
 #include "tests/support/messages.h"
 
+namespace joints_test {
+
 using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
@@ -488,3 +490,5 @@ TEST_CASE("a distance of zero is refused", "[unit][links]") {
              }),
              {"'rod'", "'P'", "'S'", "one point", "move one"}));
 }
+
+}  // namespace joints_test

@@ -12,6 +12,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
+namespace kernel_packs_test {
+
 using namespace lockstep;
 using lockstep::inputs::KernelInputs;
 
@@ -246,3 +248,5 @@ TEST_CASE("components that are absent are zeros", "[unit][lock]") {
   static_assert(std::is_same_v<decltype(cross(a, a)), vec::Vector<vec::Zero, vec::Zero, double>>);
   static_assert(std::is_same_v<decltype(vec::Identity{} * a), std::remove_const_t<decltype(a)>>);
 }
+
+}  // namespace kernel_packs_test

@@ -3,6 +3,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/random_kkt.h"
 
+namespace kkt_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -45,3 +47,5 @@ TEST_CASE("a link without slots, and one whose rows vanish, still have a positiv
   system.kkt.update_scales();
   CHECK(system.kkt.E.minCoeff() > 0.0);
 }
+
+}  // namespace kkt_test

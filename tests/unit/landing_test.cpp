@@ -7,6 +7,8 @@
 #include <lockstep/laws.h>
 #include "tests/support/catch.h"
 
+namespace landing_test {
+
 using namespace lockstep;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("events are located in the dense output of implicit methods", "[unit][
   for (std::size_t i = 0; i < met.size(); ++i)
     CHECK(std::abs(met[i] - static_cast<double>(i + 1) * std::sqrt(2 * height / g)) < 1e-9);
 }
+
+}  // namespace landing_test

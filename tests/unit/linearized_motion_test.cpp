@@ -4,6 +4,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace linearized_motion_test {
+
 using namespace lockstep;
 
 // A mass on a rail, m z'' = -k z - c z': (g - f') (dq, dv) = (r_q, r_v) is a system of two by two.
@@ -37,3 +39,5 @@ TEST_CASE("the linearised motion of a mass on a spring is the one of the textboo
   CHECK(std::abs(C(y[2], y_im[2]) - e.first) < 1e-6);
   CHECK(std::abs(C(y[8], y_im[8]) - e.second) < 1e-6);
 }
+
+}  // namespace linearized_motion_test

@@ -14,6 +14,8 @@
 #include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 
+namespace log_test {
+
 using namespace lockstep;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("what assembly moves is said", "[unit][support]") {
   assemble(dynamics, start);
   CHECK(heard.words.str().find('\n') + 1 == heard.words.str().size());  // nothing to say the second time
 }
+
+}  // namespace log_test

@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace mask_test {
+
 using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
@@ -49,3 +51,5 @@ TEST_CASE("words that are none are refused with those that are", "[unit][lock]")
   CHECK(says(message_of<ModelError>([] { axis_from("e1"); }), {"\"e1\"", "x, y, z, rx, ry and rz"}));
   CHECK(says(message_of<ModelError>([] { axis_from(""); }), {"\"\"", "rz"}));
 }
+
+}  // namespace mask_test

@@ -4,6 +4,8 @@
 #include <lockstep/joints.h>
 #include "tests/support/catch.h"
 
+namespace merge_test {
+
 using namespace lockstep;
 
 namespace {
@@ -133,3 +135,5 @@ TEST_CASE("bodies bolted to the ground and held there by another link stay links
   CHECK_NOTHROW(system.setup());
   CHECK(system.n_slots() == 1);
 }
+
+}  // namespace merge_test

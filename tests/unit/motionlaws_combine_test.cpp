@@ -4,6 +4,8 @@
 #include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
+namespace motionlaws_combine_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -126,3 +128,5 @@ TEST_CASE("combinations refuse what cannot be", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::sequence({}), says("sequence") && says("none"));
   CHECK_THROWS_WITH(laws::sequence({{-1, laws::ramp(1)}}), says("durations is -1; must be above 0"));
 }
+
+}  // namespace motionlaws_combine_test

@@ -10,6 +10,8 @@
 #include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
+namespace motionlaws_frames_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -238,3 +240,5 @@ TEST_CASE("translation and rotation laws refuse what cannot be", "[unit][motionl
   CHECK_THROWS_WITH(spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0, 1, 0}}}, {.ends = SplineEnds::periodic}),
                     says("rad away"));
 }
+
+}  // namespace motionlaws_frames_test

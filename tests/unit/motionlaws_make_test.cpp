@@ -12,6 +12,8 @@
 #include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
+namespace motionlaws_make_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -191,3 +193,5 @@ TEST_CASE("every law's table of keys can be read", "[unit][motionlaws]") {
   check_tables(registry().translation_laws, 4);
   check_tables(registry().rotation_laws, 4);
 }
+
+}  // namespace motionlaws_make_test

@@ -7,6 +7,8 @@
 #include <lockstep/splines.h>
 #include "tests/support/law_checks.h"
 
+namespace motionlaws_spline_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -204,3 +206,5 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   std::remove(path.c_str());
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path) && says("cannot be opened"));
 }
+
+}  // namespace motionlaws_spline_test

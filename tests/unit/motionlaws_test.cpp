@@ -7,6 +7,8 @@
 #include <lockstep/laws.h>
 #include "tests/support/law_checks.h"
 
+namespace motionlaws_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -128,3 +130,5 @@ TEST_CASE("laws refuse what cannot be, by name, value and limit", "[unit][motion
   CHECK_THROWS_WITH(laws::trapezoid({.speed = 2.1, .duration = 1}), says("speed is 2.1"));
   CHECK_THROWS_WITH(laws::trapezoid({.speed = -1, .acceleration = 1}), says("speed is -1; must be above 0"));
 }
+
+}  // namespace motionlaws_test

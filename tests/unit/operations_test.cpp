@@ -9,6 +9,8 @@
 #include "tests/support/counted.h"
 #include "tests/support/lock_inputs.h"
 
+namespace operations_test {
+
 using namespace lockstep;
 using oracle::Counted;
 using oracle::Operations;
@@ -159,3 +161,5 @@ TEST_CASE("relative_kinematics leaves out the half that is not needed", "[unit][
   CHECK(price(Reads::translation) > 0);
   CHECK(price(Reads::translation) + price(Reads::rotation) == price(Reads::both));
 }
+
+}  // namespace operations_test

@@ -9,6 +9,8 @@
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 
+namespace pairs_test {
+
 using namespace lockstep;
 
 namespace {
@@ -90,7 +92,7 @@ const std::vector<Bad> kMissing = {
      {"missing key \"turning\""}},
 };
 
-std::string message_of(const std::string& link) {
+std::string refusal_of(const std::string& link) {
   try {
     const Registry registry = builtin_registry();
     Mechanism m = build(scene_from_text(kJoints + link + "]}", "bad.json"), registry);
@@ -120,13 +122,13 @@ TEST_CASE("a coupling that cannot be is refused at its place", "[unit][scene]") 
     const std::size_t column = line.find('~') + 1;
     REQUIRE(column > 0);
     line.erase(column - 1, 1);
-    const std::string message = message_of(line);
+    const std::string message = refusal_of(line);
     INFO(message);
     CHECK(message.rfind("bad.json:7:" + std::to_string(column) + ": ", 0) == 0);
     check_words(message, bad.words);
   }
   for (const Bad& bad : kMissing) {
-    const std::string message = message_of(bad.line);
+    const std::string message = refusal_of(bad.line);
     INFO(message);
     CHECK(message.rfind("bad.json:7:", 0) == 0);
     check_words(message, bad.words);
@@ -156,12 +158,14 @@ TEST_CASE("a coupling takes links by name, markers and bodies", "[unit][scene]")
 }
 
 TEST_CASE("what only shows in the mechanism names the link", "[unit][scene]") {
-  check_words(message_of(R"({"name": "G", "type": "universal", "p": "bead", "s": "ground"})"),
+  check_words(refusal_of(R"({"name": "G", "type": "universal", "p": "bead", "s": "ground"})"),
               {"link 'G'", "'bead'", "particle"});
-  check_words(message_of(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [{"p": "base", "s": "ground",
+  check_words(refusal_of(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [{"p": "base", "s": "ground",
                              "at": [0, 0, 0]}, {"p": "base", "s": "ground", "at": [0, 0, 0]}]})"),
               {"link 'G'", "none of the bodies", "can move"});
-  check_words(message_of(R"({"name": "G", "type": "cam_roller", "p": "one", "s": "two", "at_p": [0.5, 0, 0],
+  check_words(refusal_of(R"({"name": "G", "type": "cam_roller", "p": "one", "s": "two", "at_p": [0.5, 0, 0],
                              "at_s": [0, 0, 0], "radius": {"type": "ramp", "y0": 0.2, "slope": 0.01}})"),
               {"link 'G'", "does not close"});
 }
+
+}  // namespace pairs_test

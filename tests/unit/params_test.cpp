@@ -9,6 +9,8 @@
 #include "framework/mechanism/params/read.h"
 #include "tests/support/messages.h"
 
+namespace params_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
@@ -332,3 +334,5 @@ TEST_CASE("a table of keys that is not sound is refused", "[unit][model]") {
   check_words(problem({{"a", Form::number, Unit::length, "3 s", ""}}), {"'a'", "is a time"});
   check_words(message_of<ModelError>([] { check(TypeInfo{}); }), {"without a name"});
 }
+
+}  // namespace params_test

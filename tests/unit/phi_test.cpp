@@ -16,6 +16,8 @@
 #include "tests/support/lock_inputs.h"
 #include "tests/support/messages.h"
 
+namespace phi_test {
+
 using namespace lockstep;
 using lockstep::inputs::Rows, lockstep::inputs::gathered, lockstep::inputs::difference;
 using lockstep::testing::check_words, lockstep::testing::message_of;
@@ -372,3 +374,5 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
   check_words(error([](Bodies& b) { b.system.add<Screw>("spindle", *b.m[0], *b.m[1], std::nan("")); }),
               {"link 'spindle'", "lead", "finite"});
 }
+
+}  // namespace phi_test

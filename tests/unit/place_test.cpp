@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace place_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -83,3 +85,5 @@ TEST_CASE("a wrong path is refused with the nearest right one", "[unit][scene]")
   check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and holds several values"});
   check_words(find.refusal("bodies..mass"), {"\"bodies\" has no \"\""});
 }
+
+}  // namespace place_test

@@ -4,6 +4,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
 
+namespace pose_test {
+
 using namespace lockstep;
 
 namespace {
@@ -36,3 +38,5 @@ TEST_CASE("a pose by itself is the frame of its parent", "[unit][math]") {
   CHECK(still.v == Vec3::Zero());
   CHECK(still.w == Vec3::Zero());
 }
+
+}  // namespace pose_test

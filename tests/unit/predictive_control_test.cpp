@@ -4,6 +4,8 @@
 
 #include "tests/support/catch.h"
 
+namespace predictive_control_test {
+
 using namespace lockstep;
 
 TEST_CASE("the controller of implicit methods follows the fourth root within its bounds", "[unit][integrators]") {
@@ -38,3 +40,5 @@ TEST_CASE("the controller of implicit methods can be put back", "[unit][integrat
   b.restore(memory);
   CHECK(a.accept(0.12, 0.5, 3, false) == b.accept(0.12, 0.5, 3, false));
 }
+
+}  // namespace predictive_control_test

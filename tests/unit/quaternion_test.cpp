@@ -7,6 +7,8 @@
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"
 
+namespace quaternion_test {
+
 using namespace lockstep;
 using oracle::Draw;
 namespace paper = oracle::paper;
@@ -125,3 +127,5 @@ TEST_CASE("half turns of a vector normal to the axis", "[unit][math]") {
   CHECK(apart(q.w * v + cross(q.vec(), v), rotation(axis_angle(n, 0.65)) * v) < kTolerance);
   CHECK(apart(q.w * v - cross(q.vec(), v), rotation(axis_angle(n, -0.65)) * v) < kTolerance);
 }
+
+}  // namespace quaternion_test

@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace quintic_output_test {
+
 using namespace lockstep;
 
 namespace {
@@ -60,3 +62,5 @@ TEST_CASE("the quintic without a step knows only where it would begin", "[unit][
   CHECK(out.q == at(top, 0.3).y.q);
   CHECK_FALSE(output.at(0.4, out));
 }
+
+}  // namespace quintic_output_test

@@ -5,6 +5,8 @@
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
+namespace rattle_test {
+
 using namespace lockstep;
 
 TEST_CASE("rattle ends on the constraints, positions and velocities", "[unit][integrators]") {
@@ -74,3 +76,5 @@ TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrat
   testing::check_words(testing::message_of<ModelError>([&] { Rattle(2).begin(dynamics, pendulum.system.start()); }),
                        {"rattle2", "link 'motor'", "dopri5"});
 }
+
+}  // namespace rattle_test

@@ -15,6 +15,8 @@
 #include <lockstep/error.h>
 #include "tests/support/messages.h"
 
+namespace read_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
@@ -274,3 +276,5 @@ TEST_CASE("a file that cannot be read is refused by name", "[unit][scene]") {
               {"no/such/scene.json", "No such file", "check the path"});
   check_words(message_of<FileError>([] { read_json_file("."); }), {"'.'", "folder"});
 }
+
+}  // namespace read_test

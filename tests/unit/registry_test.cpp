@@ -4,6 +4,8 @@
 #include <lockstep/error.h>
 #include "tests/support/messages.h"
 
+namespace registry_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
@@ -186,3 +188,5 @@ TEST_CASE("two registries know nothing of each other", "[unit][plugin]") {
   CHECK(one.laws.find("constant") != nullptr);
   CHECK(other.laws.find("constant") == nullptr);
 }
+
+}  // namespace registry_test

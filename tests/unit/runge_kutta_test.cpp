@@ -3,6 +3,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace runge_kutta_test {
+
 using namespace lockstep;
 
 namespace {
@@ -80,3 +82,5 @@ TEST_CASE("stages on the constraints are those of the projected states", "[unit]
   CHECK((manifold.k(0).v - k.v).norm() <= 1e-12 * k.v.norm());
   CHECK((plain.k(0).v - k.v).norm() > 1e-3 * k.v.norm());
 }
+
+}  // namespace runge_kutta_test

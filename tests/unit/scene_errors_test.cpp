@@ -7,6 +7,8 @@
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 
+namespace scene_errors_test {
+
 using namespace lockstep;
 
 namespace {
@@ -142,7 +144,7 @@ const std::vector<Bad> kRuns = {
     {R"("run": {"step": 1 ~"until": 2})", {"comma"}},
 };
 
-std::string message_of(const std::string& text) {
+std::string refusal_of(const std::string& text) {
   const Registry registry = builtin_registry();
   try {
     Mechanism m = build(scene_from_text(text, "bad.json"), registry);
@@ -162,7 +164,7 @@ void check_all(const std::vector<Bad>& all) {
     REQUIRE(column > 0);
     line.erase(column - 1, 1);
     INFO(bad.line);
-    const std::string message = message_of("{\"lockstep\": 1,\n" + line + "\n}");
+    const std::string message = refusal_of("{\"lockstep\": 1,\n" + line + "\n}");
     INFO(message);
     if (!bad.words.empty()) CHECK(message.rfind("bad.json:2:" + std::to_string(column) + ": ", 0) == 0);
     CHECK(message.rfind("bad.json:2:", 0) == 0);
@@ -180,17 +182,19 @@ TEST_CASE("a link, marker or force that cannot be is refused at its place", "[un
 TEST_CASE("a run that cannot be is refused at its place", "[unit][scene]") { check_all(kRuns); }
 
 TEST_CASE("a scene that is none says so", "[unit][scene]") {
-  CHECK(message_of("[]").find("expected an object") != std::string::npos);
-  CHECK(message_of("{}").find("missing key \"lockstep\"") != std::string::npos);
-  CHECK(message_of("{\"lockstep\": 2}").find("this program reads version 1") != std::string::npos);
-  CHECK(message_of("{\"lockstep\": 1, \"bodies\": [").find("closing ] is missing") != std::string::npos);
-  CHECK(message_of("{\"lockstep\": 1, \"run\": " + std::string(70, '[') + std::string(70, ']') + "}").find("64") !=
+  CHECK(refusal_of("[]").find("expected an object") != std::string::npos);
+  CHECK(refusal_of("{}").find("missing key \"lockstep\"") != std::string::npos);
+  CHECK(refusal_of("{\"lockstep\": 2}").find("this program reads version 1") != std::string::npos);
+  CHECK(refusal_of("{\"lockstep\": 1, \"bodies\": [").find("closing ] is missing") != std::string::npos);
+  CHECK(refusal_of("{\"lockstep\": 1, \"run\": " + std::string(70, '[') + std::string(70, ']') + "}").find("64") !=
         std::string::npos);
   CHECK_THROWS_AS(read_scene("no_such_scene.json"), FileError);
 }
 
 TEST_CASE("a link between bodies that stand still has nothing to hold", "[unit][scene]") {
-  const std::string message = message_of(R"({"lockstep": 1, "bodies": [{"name": "base", "fixed": true}],
+  const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "base", "fixed": true}],
     "links": [{"name": "A", "type": "fixed", "p": "base", "s": "ground", "at": [0,0,0]}]})");
   CHECK(message.find("link 'A', s: bodies 'base' and 'ground' are both fixed") != std::string::npos);
 }
+
+}  // namespace scene_errors_test

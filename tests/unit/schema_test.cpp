@@ -15,6 +15,8 @@
 #include "tests/support/json_schema.h"
 #include "tests/support/paths.h"
 
+namespace schema_test {
+
 using namespace lockstep;
 
 TEST_CASE("the schema that the build writes is the one that the tables make", "[unit][scene]") {
@@ -92,3 +94,5 @@ TEST_CASE("the schema, list and describe name every type of the registry", "[uni
   CHECK_THROWS_AS(shelf_contents(registry, "linkz"), SceneError);
   CHECK_THROWS_WITH(find_descriptions(registry, "revolut"), Catch::Matchers::Contains("did you mean \"revolute\""));
 }
+
+}  // namespace schema_test

@@ -9,6 +9,8 @@
 #include "tests/support/schur_on_kkt.h"
 #include "tests/support/solver_checks.h"
 
+namespace schur_solver_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -188,3 +190,5 @@ TEST_CASE("schur is made by name, without keys", "[unit][kkt]") {
   CHECK_NOTHROW(check(SchurSolver::info()));
   CHECK(SchurSolver::make(Params{})->name() == "schur");
 }
+
+}  // namespace schur_solver_test

@@ -3,6 +3,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace semi_implicit_euler_test {
+
 using namespace lockstep;
 
 TEST_CASE("semi-implicit Euler takes the new velocity to move", "[unit][integrators]") {
@@ -19,3 +21,5 @@ TEST_CASE("semi-implicit Euler takes the new velocity to move", "[unit][integrat
   CHECK(s.q[2] == Approx(0.9).epsilon(1e-14));
   CHECK_FALSE(method.dense(0.05, s));
 }
+
+}  // namespace semi_implicit_euler_test

@@ -7,6 +7,8 @@
 #include <lockstep/integrators.h>
 #include "tests/support/messages.h"
 
+namespace short_way_test {
+
 using namespace lockstep;
 using lockstep::testing::message_of;
 using lockstep::testing::says;
@@ -69,3 +71,5 @@ TEST_CASE("A simulation refuses what it cannot make, with the next move", "[simu
   CHECK(run.loop().report().steps == 10);
   CHECK(says(message_of<Error>([&] { run.record({"rod.x"}); }), {"before run_until"}));
 }
+
+}  // namespace short_way_test

@@ -13,6 +13,8 @@
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
+namespace simulation_test {
+
 using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
@@ -349,3 +351,5 @@ TEST_CASE("the loop allocates nothing in its steps and outputs", "[unit][dynamic
   steps();
   CHECK(allocations_of(steps) == 0);
 }
+
+}  // namespace simulation_test

@@ -6,6 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace singular_rate_test {
+
 using namespace lockstep;
 
 namespace {
@@ -112,3 +114,5 @@ TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
                        {"dop853", "singular position", "start slightly off it"});
 }
+
+}  // namespace singular_rate_test

@@ -4,6 +4,8 @@
 #include <lockstep/error.h>
 #include "tests/support/solver_checks.h"
 
+namespace sparse_solver_test {
+
 using namespace lockstep;
 using namespace lockstep::test;
 
@@ -87,3 +89,5 @@ TEST_CASE("sparse is made by name, without keys", "[unit][kkt]") {
   CHECK_NOTHROW(check(SparseSolver::info()));
   CHECK(SparseSolver::make(Params{})->name() == "sparse");
 }
+
+}  // namespace sparse_solver_test

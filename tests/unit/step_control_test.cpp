@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
+namespace step_control_test {
+
 using namespace lockstep;
 
 TEST_CASE("the controller's factors stay within 0.2 and 5", "[unit][integrators]") {
@@ -48,3 +50,5 @@ TEST_CASE("errors are weighed in metres, radians and their rates", "[unit][integ
   error.v[2] = NAN;
   CHECK(norm.of(error, y1) == HUGE_VAL);
 }
+
+}  // namespace step_control_test

@@ -6,6 +6,8 @@
 #include <lockstep/integrators.h>
 #include "tests/support/catch.h"
 
+namespace step_loop_parts_test {
+
 using namespace lockstep;
 
 TEST_CASE("the root finder returns the far end of a bracket within the tolerance", "[unit][dynamics]") {
@@ -83,3 +85,5 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   clock.note_output(1.7);
   CHECK_FALSE(clock.end_due(1.7));
 }
+
+}  // namespace step_loop_parts_test

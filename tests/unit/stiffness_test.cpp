@@ -5,6 +5,8 @@
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
+namespace stiffness_test {
+
 using namespace lockstep;
 
 namespace {
@@ -58,3 +60,5 @@ TEST_CASE("an undamped fast oscillation is not called stiff", "[unit][integrator
   CHECK(std::isinf(pulled(method, 1e6, 0, tolerance).stiff_since));  // 1000 rad/s
   CHECK(std::isinf(pulled(method, 1e6, 5, tolerance).stiff_since));  // damped by a 400th
 }
+
+}  // namespace stiffness_test

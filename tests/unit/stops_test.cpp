@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace stops_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 
@@ -163,3 +165,5 @@ TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
     CHECK(last(1) == Approx(expected).margin(1e-6));
   }
 }
+
+}  // namespace stops_test

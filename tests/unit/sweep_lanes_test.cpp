@@ -7,6 +7,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace sweep_lanes_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -93,3 +95,5 @@ TEST_CASE("lanes can be broken off", "[unit][scene]") {
   REQUIRE(lanes.runs.size() == 3);
   CHECK(lanes.runs.front().broken_off);
 }
+
+}  // namespace sweep_lanes_test

@@ -8,6 +8,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace sweep_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -122,3 +124,5 @@ TEST_CASE("other columns, no end and no rows are failures or gaps, not numbers",
   CHECK(off.broken_off);
   CHECK_FALSE(off.failed);
 }
+
+}  // namespace sweep_test

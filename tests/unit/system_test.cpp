@@ -13,6 +13,8 @@
 #include "tests/support/lock_inputs.h"
 #include "tests/support/messages.h"
 
+namespace system_test {
+
 using lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
@@ -260,3 +262,5 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   CHECK(f.allFinite());
   CHECK(table.n_rows == 13);
 }
+
+}  // namespace system_test

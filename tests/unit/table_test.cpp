@@ -14,6 +14,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace table_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words, lockstep::testing::message_of;
 
@@ -146,3 +148,5 @@ TEST_CASE("CSV files are written whole", "[unit][record]") {
   CHECK(back["Bx"] == three_rows()["Bx"]);
   std::filesystem::remove(file);
 }
+
+}  // namespace table_test

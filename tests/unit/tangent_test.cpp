@@ -3,6 +3,8 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 
+namespace tangent_test {
+
 using namespace lockstep;
 
 namespace {
@@ -71,3 +73,5 @@ TEST_CASE("Differences move one unknown of a slot", "[unit][kkt]") {
   CHECK(Differences::distance(one, in) == 5);
   CHECK(Differences::distance(both, in) == 5);
 }
+
+}  // namespace tangent_test

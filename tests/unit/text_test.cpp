@@ -6,6 +6,8 @@
 
 #include "tests/support/catch.h"
 
+namespace text_test {
+
 using namespace lockstep;
 
 namespace {
@@ -54,3 +56,5 @@ TEST_CASE("numbers read back as the same double", "[unit][support]") {
   CHECK(text::brief(1.0 / 3) == "0.333");
   CHECK(text::brief(123456) == "1.23e+05");
 }
+
+}  // namespace text_test

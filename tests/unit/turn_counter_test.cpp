@@ -2,6 +2,8 @@
 
 #include "tests/support/catch.h"
 
+namespace turn_counter_test {
+
 using namespace lockstep;
 
 namespace {
@@ -47,3 +49,5 @@ TEST_CASE("without a rate the nearest branch is taken", "[unit][record]") {
   turns.restart();
   CHECK(turns.at(-3.0, 0.1, none) == -3.0);
 }
+
+}  // namespace turn_counter_test

@@ -3,6 +3,8 @@
 #include <lockstep/math.h>
 #include "tests/support/messages.h"
 
+namespace units_test {
+
 using namespace lockstep;
 using lockstep::testing::check_words;
 
@@ -115,3 +117,5 @@ TEST_CASE("what cannot be read is refused with the text and what to write", "[un
   check_words(read_quantity("1 m^99", Unit::length).problem, {"m^99"});
   check_words(read_quantity("1 m // s", Unit::speed).problem, {"missing"});
 }
+
+}  // namespace units_test

@@ -2,6 +2,8 @@
 
 #include "tests/support/catch.h"
 
+namespace value_test {
+
 using namespace lockstep;
 
 TEST_CASE("a value says what it is", "[unit][model]") {
@@ -51,3 +53,5 @@ TEST_CASE("a place is written as file, line and column", "[unit][model]") {
   CHECK(Where{std::make_shared<const std::string>("four_bar.json"), 4, 64}.text() == "four_bar.json:4:64");
   CHECK(Where{}.text().empty());
 }
+
+}  // namespace value_test

@@ -5,6 +5,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace vary_test {
+
 using namespace lockstep;
 using namespace lockstep::testing;
 
@@ -114,3 +116,5 @@ TEST_CASE("a value that cannot be is refused with the place of what it replaced"
   const Scene scene = varied(read.scene, all, {0}, read.registry);
   check_words(message_of<SceneError>([&] { build(scene, read.registry); }), {"scene.json:2:", "body 'bob'", "-1"});
 }
+
+}  // namespace vary_test

@@ -6,6 +6,8 @@
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
+namespace auxiliary_test {
+
 using namespace lockstep;
 
 namespace {
@@ -73,3 +75,5 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
   CHECK(std::abs(run.state().v[2] - y[1]) < method.error);
   CHECK(std::abs(run.state().s[0] - y[2]) < method.error);
 }
+
+}  // namespace auxiliary_test

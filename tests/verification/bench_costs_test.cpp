@@ -2,6 +2,8 @@
 #include "tests/benchmark/peers/costs.h"
 #include "tests/support/catch.h"
 
+namespace bench_costs_test {
+
 using namespace lockstep::peers;
 
 namespace {
@@ -65,3 +67,5 @@ TEST_CASE("the best peer is the cheapest of all but lockstep, measured before gu
   CHECK(costs.best_peer("chain-10", 1e-3, &Line::error)->cpu == 3);
   CHECK_FALSE(costs.best_peer("chain-100", 1e-3, &Line::error));
 }
+
+}  // namespace bench_costs_test

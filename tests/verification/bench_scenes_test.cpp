@@ -10,6 +10,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
+namespace bench_scenes_test {
+
 using namespace lockstep;
 
 namespace {
@@ -86,3 +88,5 @@ TEST_CASE("bench scenes run and keep their constraints", "[verification][bench]"
     CHECK(dynamics.violation_v(simulation.state()) < 1e-6);
   }
 }
+
+}  // namespace bench_scenes_test

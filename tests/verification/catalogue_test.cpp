@@ -20,6 +20,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace catalogue_test {
+
 using namespace lockstep;
 
 namespace {
@@ -372,3 +374,5 @@ TEST_CASE("followers of splined cams stand where a search finds them", "[verific
                                      0.2 * (t["y_2_dd"][i] + g) * t["y_2_d"][i]));
   CHECK(power <= (std::string(way.integrator) == "generalized_alpha" ? 1e-2 : 1e-7));
 }
+
+}  // namespace catalogue_test

@@ -18,6 +18,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
+namespace couplings_test {
+
 using namespace lockstep;
 
 namespace {
@@ -229,3 +231,5 @@ TEST_CASE("joints and couplings from functions take nothing from the heap while 
           for (int i = 0; i < 100; ++i) simulation.step();
         }) == 0);
 }
+
+}  // namespace couplings_test

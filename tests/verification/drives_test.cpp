@@ -6,6 +6,8 @@
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
+namespace drives_test {
+
 using namespace lockstep;
 
 namespace {
@@ -191,3 +193,5 @@ TEST_CASE("a mechanism held at rest by its drives carries its weight, with every
   const StepReport none;
   CHECK(std::abs(torque.value(Sample(dynamics, state, none)) - 9.81 * (2.0 * 0.5 + 1.0 * 1.25)) < 1e-9);
 }
+
+}  // namespace drives_test

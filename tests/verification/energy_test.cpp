@@ -8,6 +8,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
+namespace energy_test {
+
 using namespace lockstep;
 
 namespace {
@@ -70,3 +72,5 @@ TEST_CASE("rk4 loses energy of the double pendulum all the time", "[verification
   const std::vector<Part> parts = parts_of("rk4", 0.005, 50'000);
   for (std::size_t i = 1; i < parts.size(); ++i) CHECK(parts[i].middle() < parts[i - 1].middle());
 }
+
+}  // namespace energy_test

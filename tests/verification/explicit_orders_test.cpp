@@ -10,6 +10,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace explicit_orders_test {
+
 using namespace lockstep;
 
 namespace {
@@ -103,3 +105,5 @@ TEST_CASE("the error of explicit methods follows the tolerance to 1e-9 with slop
   CHECK(xy / xx < 1.3);
   CHECK(y.back() < -9);
 }
+
+}  // namespace explicit_orders_test

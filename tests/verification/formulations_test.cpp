@@ -13,6 +13,8 @@
 #include "tests/support/constraint.h"
 #include "tests/support/mechanism.h"
 
+namespace formulations_test {
+
 using namespace lockstep;
 using namespace lockstep::inputs;
 
@@ -283,3 +285,5 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     }
   }
 }
+
+}  // namespace formulations_test

@@ -10,6 +10,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace friction_test {
+
 using namespace lockstep;
 
 namespace {
@@ -302,3 +304,5 @@ TEST_CASE("friction: links and parameters that cannot be are named", "[verificat
   o.mu = -1;
   testing::check_words(testing::message_of<ModelError>([&] { JointFriction("f", rod, o); }), {"'f'", "mu is -1"});
 }
+
+}  // namespace friction_test

@@ -9,6 +9,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
+namespace impacts_test {
+
 using namespace lockstep;
 
 namespace {
@@ -482,3 +484,5 @@ TEST_CASE("one-sided links that cannot be are named", "[verification][impacts]")
                        {"'floor'", "C = -0.1", "forbidden", "\"side\": \"below\""});
   testing::check_words(Copies::unsuited(below.system), {"'floor'", "one-sided"});
 }
+
+}  // namespace impacts_test

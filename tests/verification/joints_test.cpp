@@ -9,6 +9,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace joints_test {
+
 using namespace lockstep;
 
 namespace {
@@ -102,3 +104,5 @@ TEST_CASE("a gear train speeds up as its equivalent inertia says", "[verificatio
   CHECK(off(t, "carrier", steady(3 * (M - J1 * alpha))) <= 1e-12);
   if (std::string(way.integrator) == "dop853") CHECK(off(t, "balance", steady(0)) <= 1e-12);  // order 2 has less
 }
+
+}  // namespace joints_test

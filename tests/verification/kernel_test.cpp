@@ -13,6 +13,8 @@
 #include "tests/support/lock_inputs.h"
 #include "tests/support/paths.h"
 
+namespace kernel_test {
+
 using namespace lockstep;
 using namespace lockstep::inputs;
 using oracle::Configuration;
@@ -202,3 +204,5 @@ TEST_CASE("relative_kinematics gives the relative coordinates without the impose
     }
   }
 }
+
+}  // namespace kernel_test

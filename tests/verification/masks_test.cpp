@@ -9,6 +9,8 @@
 #include "tests/support/constraint.h"
 #include "tests/support/lock_inputs.h"
 
+namespace masks_test {
+
 using namespace lockstep;
 using namespace lockstep::inputs;
 using oracle::Configuration;
@@ -265,3 +267,5 @@ TEST_CASE("every mask has full row rank on its whole constraint set", "[verifica
     }
   }
 }
+
+}  // namespace masks_test

@@ -17,6 +17,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
+namespace modes_test {
+
 using namespace lockstep;
 
 namespace {
@@ -269,3 +271,5 @@ TEST_CASE("modes of a governor in steady rotation", "[verification][modes]") {
     check(c.name, sys, Vec3(0, 0, 8));
   }
 }
+
+}  // namespace modes_test

@@ -12,6 +12,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
+namespace motor_placement_test {
+
 using namespace lockstep;
 using inputs::difference;
 
@@ -216,3 +218,5 @@ TEST_CASE("wherever the motor's law is put, the motion is the same", "[verificat
   check_motions(true);
   check_motions(false);
 }
+
+}  // namespace motor_placement_test

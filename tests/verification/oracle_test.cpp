@@ -23,6 +23,8 @@
 #include "tests/support/paper_lock.h"
 #include "tests/support/paths.h"
 
+namespace oracle_test {
+
 namespace {
 
 using namespace lockstep::oracle;
@@ -291,3 +293,5 @@ TEST_CASE("reactions by virtual work are what lock-checks.json says", "[verifica
                      check.at("reaction.power_of_laws")) < kTolerance);
   }
 }
+
+}  // namespace oracle_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace orders_test {
+
 using namespace lockstep;
 
 namespace {
@@ -126,3 +128,5 @@ TEST_CASE("the error of radau5 follows the tolerance down to 1e-9 with slope one
   CHECK(slope == Approx(1).margin(0.15));
   CHECK(tight < 1e-9);
 }
+
+}  // namespace orders_test

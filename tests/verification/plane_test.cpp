@@ -12,6 +12,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace plane_test {
+
 using namespace lockstep;
 using lockstep::testing::message_of;
 
@@ -164,3 +166,5 @@ TEST_CASE("a law that leaves the plane later stops the run by name", "[verificat
   const std::string text = message_of<ModelError>([&] { dynamics.evaluate(state); });
   CHECK(text.find("link 'drive': its law leaves the plane at t = 6") != std::string::npos);
 }
+
+}  // namespace plane_test

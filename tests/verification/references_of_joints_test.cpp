@@ -16,6 +16,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace references_of_joints_test {
+
 using namespace lockstep;
 
 namespace {
@@ -190,3 +192,5 @@ TEST_CASE("the Stewart platform of the scene follows its table", "[verification]
     CHECK(worst <= 1e-4);
   }
 }
+
+}  // namespace references_of_joints_test

@@ -8,6 +8,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace references_test {
+
 using namespace lockstep;
 
 namespace {
@@ -93,3 +95,5 @@ TEST_CASE("the homokinetic joint turns both shafts alike at every bend", "[verif
   CHECK(t.n_rows() == 201);
   CHECK(worst < 1e-10);
 }
+
+}  // namespace references_test

@@ -9,6 +9,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace singular_test {
+
 using namespace lockstep;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][inte
     CHECK(p.error <= 50 * tolerance);
   }
 }
+
+}  // namespace singular_test

@@ -8,6 +8,8 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
 
+namespace stiff_test {
+
 using namespace lockstep;
 
 namespace {
@@ -92,3 +94,5 @@ TEST_CASE("Andrews' mechanism A03 holds to 1e-7 with radau5", "[verification][st
     CHECK(e.error <= 1e-7 * std::max(1.0, e.size));
   }
 }
+
+}  // namespace stiff_test
