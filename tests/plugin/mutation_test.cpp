@@ -1,17 +1,20 @@
-// Real plugins, changed at random: the host reads each without harm. One whose loaded part is whole loads and is the same
-// plugin; one that was cut there is refused. Changed code in a file of sound structure is found by nobody, so it is not run.
+// Real plugins, changed at random: the host reads each without harm. One whose loaded part is whole loads and is the
+// same plugin; one that was cut there is refused. Of damage to the loaded part, the structure shows what is in headers
+// and tables: that is refused. Changed code and data are not found, so such a file is not run.
+#include <dlfcn.h>
 #include <elf.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <random>
 
-#include <lockstep/loader.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"
@@ -68,13 +71,25 @@ class Mutator {
   std::mt19937_64 bits_;
 };
 
-// 0: loaded and brings what the original brings; 1: refused; above: crashed.
-int fate_in_a_child(const std::string& file, const Registry& original) {
+// What `act` returns in a child, or 128 and the number of the signal that ended it.
+template <class Act>
+int fate_in_a_child(Act&& act) {
   const pid_t child = fork();
   REQUIRE(child >= 0);
   if (child == 0) {
+    for (const int crash : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL})
+      std::signal(crash, SIG_DFL);  // Catch2 has its own
     alarm(20);
-    int fate = 2;
+    _exit(act());
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+// 0: loaded and brings what the original brings; 1: refused; above: neither.
+int fate_when_loaded(const std::string& file, const Registry& original) {
+  return fate_in_a_child([&] {
     try {
       Registry registry;
       load_plugin(registry, file);
@@ -82,16 +97,18 @@ int fate_in_a_child(const std::string& file, const Registry& original) {
                         registry.links.names() == original.links.names() &&
                         registry.forces.names() == original.forces.names() &&
                         registry.integrators.names() == original.integrators.names();
-      fate = same ? 0 : 3;
+      return same ? 0 : 3;
     } catch (const PluginError&) {
-      fate = 1;
+      return 1;
     } catch (...) {
+      return 2;
     }
-    _exit(fate);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  });
+}
+
+// By the system's loader: 0: opened; 1: refused; above: it crashed.
+int fate_when_opened(const std::string& file) {
+  return fate_in_a_child([&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL) != nullptr ? 0 : 1; });
 }
 
 bool is_taken(const std::string& file) {
@@ -103,21 +120,25 @@ bool is_taken(const std::string& file) {
   }
 }
 
+std::vector<Elf64_Phdr> loaded_segments(const std::string& sound) {
+  Elf64_Ehdr header;
+  std::memcpy(&header, sound.data(), sizeof header);
+  std::vector<Elf64_Phdr> segments(header.e_phnum);
+  std::memcpy(segments.data(), sound.data() + header.e_phoff, segments.size() * sizeof(Elf64_Phdr));
+  std::erase_if(segments, [](const Elf64_Phdr& s) { return s.p_type != PT_LOAD; });
+  return segments;
+}
+
 // The header, but for what it says of sections, and the segments that a loader takes into memory, each as far as the
 // file has it.
 std::string loaded_part(const std::string& sound, const std::string& bytes) {
-  Elf64_Ehdr header;
-  std::memcpy(&header, sound.data(), sizeof header);
-  std::string part = bytes.substr(0, sizeof header);
+  std::string part = bytes.substr(0, sizeof(Elf64_Ehdr));
   for (const auto& [at, n] : {std::pair<std::size_t, std::size_t>{offsetof(Elf64_Ehdr, e_shoff), 8},
                               {offsetof(Elf64_Ehdr, e_shentsize), 6}})  // of the sections, which debuggers read
     if (at + n <= part.size()) part.replace(at, n, n, '\0');
-  for (unsigned k = 0; k < header.e_phnum; ++k) {
-    Elf64_Phdr s;
-    std::memcpy(&s, sound.data() + header.e_phoff + k * sizeof s, sizeof s);
-    if (s.p_type == PT_LOAD && s.p_offset < bytes.size())
-      part += bytes.substr(std::max<std::size_t>(s.p_offset, sizeof header),
-                           s.p_offset + s.p_filesz - std::max<std::size_t>(s.p_offset, sizeof header));
+  for (const Elf64_Phdr& s : loaded_segments(sound)) {
+    const std::size_t begin = std::max<std::size_t>(s.p_offset, sizeof(Elf64_Ehdr));
+    if (s.p_offset < bytes.size()) part += bytes.substr(begin, s.p_offset + s.p_filesz - begin);
   }
   return part;
 }
@@ -128,12 +149,15 @@ TEST_CASE("thousands of changed plugins are refused, or are the same plugin stil
   const std::string plugin = GENERATE(std::string(paths::kPlugins) + "/bump.so",
                                       std::string(paths::kPlugins) + "/cam_follower.so", kModules + "/probe.so");
   const std::string sound = bytes_of(plugin), sound_part = loaded_part(sound, sound);
+  const Elf64_Phdr last = loaded_segments(sound).back();
+  // what debuggers read is changed up to half as many bytes as are loaded
+  const std::size_t end = std::min(sound.size(), (last.p_offset + last.p_filesz) * 3 / 2);
   Registry original;
   load_plugin(original, plugin);
   Mutator mutator(20260);
   int n_refused = 0, n_same = 0;
   for (int k = 0; k < 1000; ++k) {
-    const std::string bytes = mutator.changed(sound);
+    const std::string bytes = mutator.changed(sound, end);
     if (bytes == sound) continue;
     const std::string file = plugin_file("mutants", "mutant.so", bytes), part = loaded_part(sound, bytes);
     const bool taken = is_taken(file);
@@ -141,23 +165,37 @@ TEST_CASE("thousands of changed plugins are refused, or are the same plugin stil
     if (part.size() < sound_part.size()) CHECK_FALSE(taken);
     n_refused += taken ? 0 : 1;
     if (!taken || part != sound_part) continue;
-    CHECK(fate_in_a_child(file, original) == 0);
+    CHECK(fate_when_loaded(file, original) == 0);
     ++n_same;
   }
   CAPTURE(plugin, n_refused, n_same);
-  CHECK(n_refused > 250);
+  // By gcc 12 and GNU ld 2.40: 411, 380 and 416 of 1000. In the others code, data or what debuggers read is changed.
+  CHECK(n_refused > 350);
   CHECK(n_same > 0);  // tables that only debuggers read
-  CHECK(fate_in_a_child(plugin, original) == 0);
+  CHECK(fate_when_loaded(plugin, original) == 0);
   fs::remove_all(kModules + "/mutants");
 }
 
+// The system's loader trusts them. What stays sound, such as two symbols in each other's places, is not refused and may
+// crash it: by gcc 12 and GNU ld 2.40, none and 2 of 1000.
 TEST_CASE("the tables of a plugin are read without trust", "[plugin][mutation]") {
-  const std::string sound = bytes_of(std::string(paths::kPlugins) + "/cam_follower.so");
+  const std::string plugin = GENERATE(std::string(paths::kPlugins) + "/cam_follower.so", kModules + "/tables.so");
+  const std::string sound = bytes_of(plugin);
+  const Elf64_Phdr first = loaded_segments(sound).front();
+  const bool is_tables = (first.p_flags & PF_X) == 0;  // some linkers put the code there, too
   Mutator mutator(4);
-  int n_refused = 0;
-  for (int k = 0; k < 1000; ++k)
-    n_refused += is_taken(plugin_file("loose", "loose.so", mutator.changed(sound, 0x1800))) ? 0 : 1;
-  CHECK(n_refused > 300);
+  int n_refused = 0, n_crashed = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const std::string bytes = mutator.changed(sound, is_tables ? first.p_filesz : 0x1800);
+    const std::string file = plugin_file("loose", "loose.so", bytes);
+    if (!is_taken(file))
+      ++n_refused;
+    else if (is_tables && fate_when_opened(file) > 1)
+      ++n_crashed;
+  }
+  CAPTURE(plugin, n_refused, n_crashed);
+  CHECK(n_refused > (is_tables ? 700 : 300));
+  CHECK(n_crashed <= 5);
   fs::remove_all(kModules + "/loose");
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include <lockstep/error.h>
 #include <lockstep/loader.h>
 #include "framework/description/registry/plugin_file.h"
-#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {
@@ -29,23 +29,27 @@ std::string flags(const lockstep_abi_record& r) {
 
 // Magic, size and number are at the same place in the record of every version, so that an old plugin is recognised.
 lockstep_abi_record read_abi(const std::string& path) {
-  const SharedFile file(path);
   const std::string who = "plugin file '" + path + "' ";
-  const auto place = file.exported(kAbiSymbol);
-  if (!place)
+  const auto data = exported_data(path, kAbiSymbol);
+  if (!data)
     throw PluginError(who + "is not a lockstep plugin: it has no symbol \"" + kAbiSymbol +
                       "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
   constexpr std::size_t kHead = offsetof(lockstep_abi_record, compiler);
   lockstep_abi_record record{};
+<<<<<<< ours
   std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset,
               std::min<std::uint64_t>(place->size, kHead));
   if (place->size < kHead || field_text(record.magic) != kAbiMagic)
+=======
+  std::memcpy(static_cast<void*>(&record), data->data(), std::min(data->size(), kHead));
+  if (data->size() < kHead || field_text(record.magic) != kAbiMagic)
+>>>>>>> theirs
     throw PluginError(who + "has a record that cannot be read; rebuild it against this lockstep");
-  if (record.size != sizeof record || place->size != sizeof record)
+  if (record.size != sizeof record || data->size() != sizeof record)
     throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
                       std::to_string(record.size) + " bytes, this host is ABI " + std::to_string(kAbiNumber) +
                       " with " + std::to_string(sizeof record) + "; rebuild the plugin against this lockstep");
-  std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset, sizeof record);
+  std::memcpy(static_cast<void*>(&record), data->data(), sizeof record);
   return record;
 }
 

@@ -1,239 +1,331 @@
 #include "framework/description/registry/plugin_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cerrno>
+#include <map>
+#include <set>
 
-#include <lockstep/error.h>
+#include "framework/description/registry/elf_image.h"
 
 namespace lockstep {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
-constexpr std::uint64_t kMostAddress = std::uint64_t{1} << 40;
+using Number = std::uint64_t;
+using MaybeNumber = std::optional<std::uint64_t>;
 
+constexpr std::string_view kHash = "its hash table", kVersions = "its table of versions";
+
+// What linkers write into a plugin. The system's loader obeys some other tags, and passes over those that it does not
+// know, so that a damaged one would go unseen.
+bool is_usual(std::int64_t tag) {
+  constexpr std::int64_t kRefused[] = {DT_REL, DT_TEXTREL, DT_PREINIT_ARRAY, DT_CONFIG, DT_AUDIT, DT_DEPAUDIT};
+  if (std::ranges::count(kRefused, tag) > 0) return false;
+  return (tag >= 0 && tag < DT_NUM) || (tag >= DT_GNU_PRELINKED && tag <= DT_SYMINENT) ||
+         (tag >= DT_GNU_HASH && tag <= DT_SYMINFO) || tag == DT_VERSYM || tag == DT_RELACOUNT || tag == DT_FLAGS_1 ||
+         (tag >= DT_VERDEF && tag <= DT_VERNEEDNUM) || (tag >= DT_LOPROC && tag < DT_LOPROC + 16);
+}
+
+// Types of relocations that linkers write into a plugin, by what the loader writes: an address in the library, what a
+// function in it returns, a symbol's address, a number or a pair of numbers for variables of a thread.
 #if defined(__x86_64__)
-constexpr unsigned kMachine = EM_X86_64;
+constexpr Number kRelative = R_X86_64_RELATIVE, kCalled = R_X86_64_IRELATIVE, kThreadPair = R_X86_64_TLSDESC;
+constexpr Number kSymbol[] = {R_X86_64_64, R_X86_64_GLOB_DAT, R_X86_64_JUMP_SLOT};
+constexpr Number kThread[] = {R_X86_64_DTPMOD64, R_X86_64_DTPOFF64, R_X86_64_TPOFF64};
+constexpr bool kKnown = true;
 #elif defined(__aarch64__)
-constexpr unsigned kMachine = EM_AARCH64;
-#elif defined(__riscv)
-constexpr unsigned kMachine = EM_RISCV;
-#else
-constexpr unsigned kMachine = EM_NONE;  // unknown: any machine is accepted
+constexpr Number kRelative = R_AARCH64_RELATIVE, kCalled = R_AARCH64_IRELATIVE, kThreadPair = R_AARCH64_TLSDESC;
+constexpr Number kSymbol[] = {R_AARCH64_ABS64, R_AARCH64_GLOB_DAT, R_AARCH64_JUMP_SLOT};
+constexpr Number kThread[] = {R_AARCH64_TLS_DTPMOD, R_AARCH64_TLS_DTPREL, R_AARCH64_TLS_TPREL};
+constexpr bool kKnown = true;
+#else  // any type is taken
+constexpr Number kNone = ~Number{0}, kRelative = kNone, kCalled = kNone, kThreadPair = kNone;
+constexpr Number kSymbol[] = {kNone}, kThread[] = {kNone};
+constexpr bool kKnown = false;
 #endif
 
-std::string machine_name(unsigned machine) {
-  static const std::map<unsigned, const char*> kNames = {
-      {EM_X86_64, "x86-64"}, {EM_386, "32-bit x86"},       {EM_AARCH64, "AArch64"}, {EM_ARM, "32-bit ARM"},
-      {EM_RISCV, "RISC-V"},  {EM_PPC64, "64-bit PowerPC"}, {EM_S390, "S/390"}};
-  const auto found = kNames.find(machine);
-  return found != kNames.end() ? found->second : "machine number " + std::to_string(machine);
-}
-
-// Closes the file.
-struct Descriptor {
-  int number;
-  ~Descriptor() {
-    if (number >= 0) close(number);
+class PluginFile {
+ public:
+  explicit PluginFile(const std::string& path) : image_(path) {
+    read_dynamic();
+    check_tags();
+    read_strings();
+    read_symbols();
+    check_versions();
+    check_relocations("its relocations", DT_RELA, DT_RELASZ, tag(DT_RELACOUNT).value_or(0));
+    check_relocations("its relocations of calls", DT_JMPREL, DT_PLTRELSZ, 0);
+    check_packed_relocations();
+    check_calls();
   }
-};
 
-std::string kind_of(mode_t mode) {
-  if (S_ISDIR(mode)) return "a folder";
-  if (S_ISFIFO(mode)) return "a pipe";
-  if (S_ISCHR(mode) || S_ISBLK(mode)) return "a device";
-  if (S_ISSOCK(mode)) return "a socket";
-  return "of an unknown kind";
-}
+  std::optional<std::string> exported(std::string_view symbol) const {
+    for (const Elf64_Sym& s : symbols_.subspan(1)) {
+      if (s.st_shndx == SHN_UNDEF || ELF64_ST_TYPE(s.st_info) != STT_OBJECT || symbol != text(s.st_name)) continue;
+      const auto data = image_.at<char>("the data of a symbol", s.st_value, s.st_size);
+      return std::string(data.begin(), data.end());
+    }
+    return {};
+  }
+
+ private:
+  // The loader adds the library's place to the addresses in this table, so it must be writable.
+  void read_dynamic() {
+    const Elf64_Phdr& s = *image_.segment(PT_DYNAMIC);
+    image_.need_mapped("its dynamic table", s.p_vaddr, s.p_filesz, PF_W);
+    for (const Elf64_Dyn& e : image_.at<Elf64_Dyn>("its dynamic table", s.p_vaddr, s.p_filesz / sizeof(Elf64_Dyn))) {
+      if (e.d_tag == DT_NULL) return;
+      if (!is_usual(e.d_tag))
+        image_.refuse(fmt::format("its dynamic table asks for what no plugin needs (tag {:#x})", e.d_tag));
+      if (e.d_tag == DT_NEEDED)
+        needed_.push_back(e.d_un.d_val);
+      else if (!tags_.emplace(e.d_tag, e.d_un.d_val).second)
+        image_.refuse(fmt::format("its dynamic table has tag {:#x} twice; must be once", e.d_tag));
+    }
+    image_.refuse(fmt::format("its dynamic table has no end: {} bytes; must end with tag 0", s.p_filesz));
+  }
+
+  // A table and what is said of it come together.
+  void check_tags() const {
+    constexpr std::int64_t kPairs[][2] = {{DT_RELA, DT_RELASZ},        {DT_RELA, DT_RELAENT},
+                                          {DT_JMPREL, DT_PLTRELSZ},    {DT_JMPREL, DT_PLTREL},
+                                          {DT_RELR, DT_RELRSZ},        {DT_RELR, DT_RELRENT},
+                                          {DT_STRTAB, DT_STRSZ},       {DT_SYMTAB, DT_SYMENT},
+                                          {DT_VERDEF, DT_VERDEFNUM},   {DT_INIT_ARRAY, DT_INIT_ARRAYSZ},
+                                          {DT_VERNEED, DT_VERNEEDNUM}, {DT_FINI_ARRAY, DT_FINI_ARRAYSZ}};
+    for (const auto& [table, its] : kPairs)
+      if (tag(table).has_value() != tag(its).has_value())
+        image_.refuse(fmt::format("its dynamic table has one of tags {:#x} and {:#x}; must be both", table, its));
+    constexpr std::int64_t kValues[][2] = {{DT_SYMENT, sizeof(Elf64_Sym)},
+                                           {DT_RELAENT, sizeof(Elf64_Rela)},
+                                           {DT_RELRENT, sizeof(Elf64_Relr)},
+                                           {DT_PLTREL, DT_RELA}};
+    for (const auto& [which, must] : kValues)
+      if (tag(which) && *tag(which) != static_cast<Number>(must))
+        image_.refuse(fmt::format("tag {:#x} of its dynamic table is {}; must be {}", which, *tag(which), must));
+    if ((tag(DT_FLAGS).value_or(0) & DF_TEXTREL) != 0) image_.refuse("its code is not position independent");
+  }
+
+  void read_strings() {
+    strings_ = table<char>("its table of strings", DT_STRTAB, DT_STRSZ);
+    if (strings_.empty() || strings_.back() != '\0')
+      image_.refuse(fmt::format("its strings have no end: the last of {} bytes must be 0", strings_.size()));
+    for (const Number name : needed_)
+      if (*text(name) == '\0') image_.refuse("a library that it needs has no name");
+    for (const std::int64_t which : {DT_SONAME, DT_RPATH, DT_RUNPATH})
+      if (tag(which)) text(*tag(which));
+  }
+
+  // How many symbols there are is in the hash tables only.
+  void read_symbols() {
+    const auto hash = tag(DT_HASH), gnu_hash = tag(DT_GNU_HASH);
+    if (!hash && !gnu_hash) image_.refuse("its symbols have no hash table");
+    const Number n = std::max(hash ? count_by_hash(*hash) : 0, gnu_hash ? count_by_gnu_hash(*gnu_hash) : 0);
+    symbols_ = image_.at<Elf64_Sym>("its table of symbols", value(DT_SYMTAB), n);
+    const Elf64_Sym& none = symbols_.front();  // the symbol of relocations without one
+    image_.need_equal("a part of the empty symbol", none.st_name | none.st_info | none.st_shndx | none.st_value, 0);
+    const Elf64_Phdr* thread = image_.segment(PT_TLS);
+    const Number thread_size = thread != nullptr ? thread->p_memsz : 0;
+    for (const Elf64_Sym& s : symbols_.subspan(1)) {
+      const unsigned type = ELF64_ST_TYPE(s.st_info);
+      text(s.st_name);
+      if (s.st_shndx == SHN_UNDEF) {
+        image_.need_equal("the address of a symbol of another library", s.st_value, 0);
+        image_.need_at_least("the binding of a symbol of another library", ELF64_ST_BIND(s.st_info), STB_GLOBAL);
+      } else if (type == STT_TLS) {
+        image_.need_at_most("the place of a thread's variable", s.st_value, thread_size);
+      } else if (s.st_shndx != SHN_ABS) {
+        image_.need_mapped("a symbol", s.st_value, 0, type == STT_GNU_IFUNC ? PF_X : 0);
+      }
+    }
+  }
+
+  // Numbers of buckets and of symbols, then for each bucket and each symbol the next symbol of its chain, 0 at the end.
+  Number count_by_hash(Number address) const {
+    const auto head = image_.at<std::uint32_t>(kHash, address, 2);
+    const Number n_buckets = head[0], n = head[1];
+    image_.need_at_least("the number of symbols in its hash table", n, 1);
+    image_.need_at_least("the number of buckets of its hash table", n_buckets, 1);
+    const auto next = image_.at<std::uint32_t>(kHash, address + 8, n_buckets + n);
+    for (const Number k : next) image_.need_at_most("a symbol in its hash table", k, n - 1);
+    std::vector<bool> seen(n);
+    for (Number k : next.first(n_buckets))
+      for (; k != 0; k = next[n_buckets + k]) {
+        if (seen[k]) image_.refuse(fmt::format("symbol {} is twice in its hash table; must be once", k));
+        seen[k] = true;
+      }
+    return n;
+  }
+
+  // Here symbols before the first are in no bucket, each chain is a run of symbols, and its last has an odd number.
+  Number count_by_gnu_hash(Number address) const {
+    const auto head = image_.at<std::uint32_t>(kHash, address, 4);
+    const Number n_buckets = head[0], first = head[1], n_filter = head[2], shift = head[3];
+    image_.need_at_least("the number of buckets of its hash table", n_buckets, 1);
+    image_.need_at_least("the first symbol in its hash table", first, 1);
+    image_.need_at_most("the shift in its hash table", shift, 31);
+    if (!std::has_single_bit(n_filter))
+      image_.refuse(fmt::format("the filter of its hash table has {} words; must be a power of two", n_filter));
+    image_.at<Number>(kHash, address + 16, n_filter);
+    const auto buckets = image_.at<std::uint32_t>(kHash, address + 16 + 8 * n_filter, n_buckets);
+    for (const Number k : buckets) image_.need_at_least("a symbol in its hash table", k == 0 ? first : k, first);
+    Number last = std::ranges::max(buckets);
+    if (last == 0) return first;
+    const Number chains = address + 16 + 8 * n_filter + 4 * n_buckets;
+    while ((image_.at<std::uint32_t>(kHash, chains + 4 * (last - first), 1).front() & 1) == 0) ++last;
+    return last + 1;
+  }
+
+  // The loader makes an array of as many versions as the tables number, and looks each symbol's up there.
+  void check_versions() const {
+    const bool named = tag(DT_VERNEED) || tag(DT_VERDEF);
+    if (tag(DT_VERSYM) && !named) image_.refuse("its symbols have versions that no table names");
+    if (!named) return;
+    const Number most = std::max<Number>({check_needed_versions(), check_own_versions(), 1});
+    for (const Number version : image_.at<Elf64_Half>(kVersions, value(DT_VERSYM), symbols_.size()))
+      image_.need_at_most("the version of a symbol", version & 0x7fff, most);
+  }
+
+  // The highest number that is given out.
+  Number check_needed_versions() const {
+    std::set<std::string_view> libraries;
+    for (const Number name : needed_) libraries.insert(text(name));
+    Number most = 0;
+    for_chain(tag(DT_VERNEED), tag(DT_VERNEEDNUM), &Elf64_Verneed::vn_next, [&](Number at, const Elf64_Verneed& need) {
+      image_.need_equal("the format of its table of versions", need.vn_version, VER_NEED_CURRENT);
+      if (!libraries.contains(text(need.vn_file)))
+        image_.refuse(fmt::format("a library with versions is '{}'; must be one that it needs", text(need.vn_file)));
+      for_chain(at + need.vn_aux, need.vn_cnt, &Elf64_Vernaux::vna_next, [&](Number, const Elf64_Vernaux& version) {
+        text(version.vna_name);
+        most = std::max<Number>(most, version.vna_other & 0x7fff);
+      });
+    });
+    return most;
+  }
+
+  Number check_own_versions() const {
+    Number most = 0;
+    for_chain(tag(DT_VERDEF), tag(DT_VERDEFNUM), &Elf64_Verdef::vd_next, [&](Number at, const Elf64_Verdef& own) {
+      image_.need_equal("the format of its table of versions", own.vd_version, VER_DEF_CURRENT);
+      for_chain(at + own.vd_aux, own.vd_cnt, &Elf64_Verdaux::vda_next,
+                [&](Number, const Elf64_Verdaux& name) { text(name.vda_name); });
+      most = std::max<Number>(most, own.vd_ndx & 0x7fff);
+    });
+    return most;
+  }
+
+  // Visits the entries of a chain, of which each says how far on the next one is, 0 at the end.
+  template <class T, class Visit>
+  void for_chain(MaybeNumber address, MaybeNumber count, Elf64_Word T::*next, Visit&& visit) const {
+    for (Number k = 1; address; ++k) {
+      const T& entry = image_.at<T>(kVersions, *address, 1).front();
+      visit(*address, entry);
+      const bool ends = entry.*next == 0;
+      if (ends) image_.need_at_least("the number of entries in its table of versions", k, *count);
+      image_.need_at_most("the number of entries in its table of versions", ends ? k : k + 1, *count);
+      address = ends ? MaybeNumber() : *address + entry.*next;
+    }
+  }
+
+  void check_relocations(std::string_view what, std::int64_t address, std::int64_t size, Number n_relative) {
+    const auto all = table<Elf64_Rela>(what, address, size);
+    image_.need_at_most("the number of relative relocations", n_relative, all.size());
+    for (Number k = 0; k < all.size(); ++k) {
+      const Number type = ELF64_R_TYPE(all[k].r_info), symbol = ELF64_R_SYM(all[k].r_info), place = all[k].r_offset;
+      const auto to = static_cast<Number>(all[k].r_addend);
+      image_.need_at_most("the symbol of a relocation", symbol, symbols_.size() - 1);
+      if (kKnown && k < n_relative) image_.need_equal("the type of a relative relocation", type, kRelative);
+      if (type == 0 && address == DT_RELA) continue;  // on every machine: nothing is written
+      image_.need_mapped("what a relocation writes", place, type == kThreadPair ? 16 : 8, PF_W);
+      if (!written_.emplace(place, type == kRelative ? MaybeNumber(to) : MaybeNumber()).second)
+        image_.refuse(fmt::format("relocations write to {:#x} twice; must be once", place));
+      if (type == kRelative) {
+        image_.need_mapped("what a relocation points to", to, 0, 0);
+      } else if (type == kCalled) {
+        image_.need_mapped("what a relocation calls", to, 1, PF_X);
+      } else if (std::ranges::count(kSymbol, type) > 0) {
+        image_.need_at_least("the symbol of a relocation", symbol, 1);
+      } else if (kKnown && type != kThreadPair && std::ranges::count(kThread, type) == 0) {
+        image_.refuse(fmt::format("the type of a relocation is {}; must be one that linkers write", type));
+      }
+    }
+  }
+
+  // The packed form: an even number is a place, an odd one says by its bits which of the 63 places after it follow.
+  void check_packed_relocations() {
+    const auto relocate = [&](Number place) {
+      const Number to = image_.at<Number>("what a packed relocation writes", place, 1).front();
+      image_.need_mapped("what a packed relocation writes", place, 8, PF_W);
+      image_.need_mapped("what a packed relocation points to", to, 0, 0);
+      written_[place] = to;
+    };
+    Number next = 0;
+    for (const Elf64_Relr word : table<Elf64_Relr>("its packed relocations", DT_RELR, DT_RELRSZ)) {
+      const bool is_place = (word & 1) == 0;
+      if (!is_place && next == 0) image_.refuse("its packed relocations begin with bits; must begin with a place");
+      if (is_place) relocate(word);
+      for (Number bit = 0; bit < 63 && !is_place; ++bit)
+        if ((word >> (bit + 1) & 1) != 0) relocate(next + 8 * bit);
+      next = is_place ? word + 8 : next + Number{63} * 8;
+    }
+  }
+
+  void check_calls() const {
+    if (tag(DT_INIT)) image_.need_mapped("the function that opens it", *tag(DT_INIT), 1, PF_X);
+    if (tag(DT_FINI)) image_.need_mapped("the function that closes it", *tag(DT_FINI), 1, PF_X);
+    if (tag(DT_PLTGOT)) image_.need_mapped("its table of calls", *tag(DT_PLTGOT), 24, PF_W);
+    check_functions("its list of functions that open it", DT_INIT_ARRAY, DT_INIT_ARRAYSZ);
+    check_functions("its list of functions that close it", DT_FINI_ARRAY, DT_FINI_ARRAYSZ);
+  }
+
+  // The address of a function depends on the library's place, so a relocation writes it.
+  void check_functions(std::string_view what, std::int64_t address, std::int64_t size) const {
+    const Number n = table<Number>(what, address, size).size();
+    for (Number place = tag(address).value_or(0), k = 0; k < n && kKnown; ++k, place += 8) {
+      const auto found = written_.find(place);
+      if (found == written_.end()) image_.refuse(fmt::format("{} has no relocation at {:#x}", what, place));
+      if (found->second) image_.need_mapped(fmt::format("a function of {}", what), *found->second, 1, PF_X);
+    }
+  }
+
+  MaybeNumber tag(std::int64_t which) const {
+    const auto found = tags_.find(which);
+    return found != tags_.end() ? MaybeNumber(found->second) : MaybeNumber();
+  }
+
+  Number value(std::int64_t which) const {
+    if (!tag(which)) image_.refuse(fmt::format("its dynamic table has no tag {:#x}; must have it", which));
+    return *tag(which);
+  }
+
+  // The last of all strings ends, so each does.
+  const char* text(Number name) const {
+    image_.need_at_most("the place of a name in its strings", name, strings_.size() - 1);
+    return strings_.data() + name;
+  }
+
+  // Nothing when there is no such table.
+  template <class T>
+  std::span<const T> table(std::string_view what, std::int64_t address, std::int64_t size) const {
+    if (!tag(address)) return {};
+    const Number n_bytes = value(size);
+    if (n_bytes % sizeof(T) != 0)
+      image_.refuse(fmt::format("{} has {} bytes; must be a multiple of {}", what, n_bytes, sizeof(T)));
+    return image_.at<T>(what, *tag(address), n_bytes / sizeof(T));
+  }
+
+  ElfImage image_;
+  std::map<std::int64_t, Number> tags_;  // of the dynamic table
+  std::vector<Number> needed_;           // names of libraries
+  std::span<const char> strings_;
+  std::span<const Elf64_Sym> symbols_;
+  std::map<Number, MaybeNumber> written_;  // by a relocation: place -> address in this file, or nothing known
+};
 
 }  // namespace
 
-// Opened non-blocking: opening a pipe would wait for its writer.
-Bytes::Bytes(std::string path) : path_(std::move(path)) {
-  const std::string who = "plugin file '" + path_ + "' ";
-  const Descriptor file{open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
-  struct stat about {};
-  if (file.number < 0 && errno == ENXIO) throw PluginError(who + "is a socket or a pipe, not a regular file");
-  if (file.number < 0 || fstat(file.number, &about) != 0)
-    throw PluginError(who + "cannot be opened (" + std::strerror(errno) + "); check the path and that you may read it");
-  if (!S_ISREG(about.st_mode)) throw PluginError(who + "is " + kind_of(about.st_mode) + ", not a regular file");
-  if (static_cast<std::uint64_t>(about.st_size) > kMostBytes)
-    throw PluginError(who + "has " + std::to_string(about.st_size) + " bytes; a plugin has at most 2^30");
-  bytes_.resize(static_cast<std::size_t>(about.st_size));
-  std::size_t n = 0;
-  while (n < bytes_.size()) {
-    const ssize_t got = read(file.number, bytes_.data() + n, bytes_.size() - n);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw PluginError(who + "cannot be read to its end; try again");
-    n += static_cast<std::size_t>(got);
-  }
-  if (bytes_.empty()) refuse("it is empty");
-}
-
-void Bytes::need(std::uint64_t offset, std::uint64_t n) const {
-  if (offset > bytes_.size() || bytes_.size() - offset < n) refuse("it ends too early");
-}
-
-void Bytes::refuse(const std::string& why) const {
-  throw PluginError("plugin file '" + path_ + "' is not a shared library that can be loaded here: " + why +
-                    "; rebuild it with lockstep_add_plugin");
-}
-
-SharedFile::SharedFile(const std::string& path) : bytes_(path) {
-  read_header();
-  read_segments();
-  read_dynamic();
-  check_tables();
-  count_symbols();
-}
-
-void SharedFile::read_header() {
-  if (!bytes_.begins_with(ELFMAG)) bytes_.refuse("it does not begin with an ELF header");
-  const auto ident = bytes_.at<std::array<unsigned char, EI_NIDENT>>(0);
-  const unsigned char order = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
-  if (ident[EI_CLASS] != ELFCLASS64) bytes_.refuse("it is made for a machine with another word size");
-  if (ident[EI_DATA] != order) bytes_.refuse("it is made for a machine with another byte order");
-  header_ = bytes_.at<Elf64_Ehdr>(0);
-  if (kMachine != EM_NONE && header_.e_machine != kMachine)
-    bytes_.refuse("it is made for " + machine_name(header_.e_machine) + ", this host is " + machine_name(kMachine));
-  if (ident[EI_VERSION] != EV_CURRENT || header_.e_version != EV_CURRENT)
-    bytes_.refuse("its format is of an unknown version");
-  if (ident[EI_OSABI] != ELFOSABI_NONE && ident[EI_OSABI] != ELFOSABI_GNU)
-    bytes_.refuse("it is made for another operating system");
-  if (header_.e_type != ET_DYN) bytes_.refuse("it is an object file or a program");
-  if (header_.e_ehsize != sizeof(Elf64_Ehdr) || header_.e_phentsize != sizeof(Elf64_Phdr) || header_.e_phnum == 0 ||
-      header_.e_phnum > 64 || header_.e_phoff % 8 != 0)
-    bytes_.refuse("its header is damaged");
-}
-
-void SharedFile::read_segments() {
-  bytes_.need(header_.e_phoff, header_.e_phnum * sizeof(Elf64_Phdr));
-  std::uint64_t last = 0;
-  int n_dynamic = 0;
-  for (unsigned k = 0; k < header_.e_phnum; ++k) {
-    const auto s = bytes_.at<Elf64_Phdr>(header_.e_phoff + k * sizeof(Elf64_Phdr));
-    if (s.p_type == PT_GNU_STACK && (s.p_flags & PF_X) != 0) bytes_.refuse("it asks for an executable stack");
-    if (s.p_type == PT_NULL || s.p_type == PT_GNU_STACK) continue;
-    bytes_.need(s.p_offset, s.p_filesz);
-    if (s.p_memsz > kMostAddress || s.p_vaddr > kMostAddress || s.p_filesz > s.p_memsz)
-      bytes_.refuse("a segment has an impossible size");
-    if (s.p_align > 1 && (!std::has_single_bit(s.p_align) || s.p_align > kMostBytes))
-      bytes_.refuse("a segment has an impossible alignment");
-    if (s.p_type == PT_LOAD) {
-      if ((s.p_flags & PF_R) == 0 || ((s.p_flags & PF_W) != 0 && (s.p_flags & PF_X) != 0))
-        bytes_.refuse("a segment cannot be read, or can be written and executed");
-      if (s.p_vaddr < last) bytes_.refuse("its segments overlap or are not in order");
-      if (s.p_vaddr % 4096 != s.p_offset % 4096) bytes_.refuse("a segment cannot be mapped");
-      last = s.p_vaddr + s.p_memsz;
-      loaded_.push_back(s);
-    } else if (s.p_type == PT_DYNAMIC) {
-      dynamic_ = s;
-      ++n_dynamic;
-    }
-  }
-  if (loaded_.empty()) bytes_.refuse("it has nothing to load");
-  if (n_dynamic != 1) bytes_.refuse("it has no dynamic table, or several");
-}
-
-std::uint64_t SharedFile::offset_of(std::uint64_t address, std::uint64_t size, const char* what) const {
-  for (const Elf64_Phdr& s : loaded_)
-    if (address >= s.p_vaddr && address - s.p_vaddr <= s.p_filesz && s.p_filesz - (address - s.p_vaddr) >= size)
-      return s.p_offset + (address - s.p_vaddr);
-  bytes_.refuse(std::string(what) + " is outside of the file");
-}
-
-void SharedFile::read_dynamic() {
-  const std::uint64_t at = offset_of(dynamic_.p_vaddr, dynamic_.p_filesz, "its dynamic table");
-  for (std::uint64_t k = 0; (k + 1) * sizeof(Elf64_Dyn) <= dynamic_.p_filesz; ++k) {
-    const auto entry = bytes_.at<Elf64_Dyn>(at + k * sizeof(Elf64_Dyn));
-    if (entry.d_tag == DT_NULL) return;
-    if (entry.d_tag != DT_NEEDED && !tags_.emplace(entry.d_tag, entry.d_un.d_val).second)
-      bytes_.refuse("its dynamic table has a duplicate entry");
-  }
-  bytes_.refuse("its dynamic table has no end");
-}
-
-// The system's loader uses these addresses without checking them.
-void SharedFile::check_tables() const {
-  struct Table {
-    std::int64_t at, size;
-    const char* what;
-  };
-  constexpr Table kSized[] = {{DT_STRTAB, DT_STRSZ, "its table of strings"},
-                              {DT_RELA, DT_RELASZ, "its list of relocations"},
-                              {DT_JMPREL, DT_PLTRELSZ, "its list of relocations of calls"},
-                              {DT_INIT_ARRAY, DT_INIT_ARRAYSZ, "its list of initialisers"},
-                              {DT_FINI_ARRAY, DT_FINI_ARRAYSZ, "its list of finalisers"}};
-  for (const Table& t : kSized) {
-    if (tag(t.at).has_value() != tag(t.size).has_value()) bytes_.refuse("its dynamic table is damaged");
-    if (tag(t.at)) offset_of(*tag(t.at), *tag(t.size), t.what);
-  }
-  for (const std::int64_t which : {DT_VERSYM, DT_VERNEED, DT_VERDEF, DT_INIT, DT_FINI, DT_PLTGOT})
-    if (tag(which)) offset_of(*tag(which), 1, "what its dynamic table points to");
-  if (tag(DT_RELA) && value(DT_RELAENT, "the size of a relocation") != sizeof(Elf64_Rela))
-    bytes_.refuse("its relocations have another size");
-  for (const std::int64_t which :
-       {DT_FILTER, DT_AUXILIARY, DT_CONFIG, DT_AUDIT, DT_DEPAUDIT, DT_PREINIT_ARRAY, DT_REL, DT_TEXTREL})
-    if (tag(which))
-      bytes_.refuse("its dynamic table has an entry that no plugin needs (tag " + std::to_string(which) + ")");
-  if (tag(DT_VERSYM) && !tag(DT_VERNEED) && !tag(DT_VERDEF))
-    bytes_.refuse("its symbols have versions that no table names");
-}
-
-std::optional<std::uint64_t> SharedFile::tag(std::int64_t which) const {
-  const auto found = tags_.find(which);
-  if (found == tags_.end()) return {};
-  return found->second;
-}
-
-std::uint64_t SharedFile::value(std::int64_t which, const char* what) const {
-  const auto found = tag(which);
-  if (!found) bytes_.refuse(std::string("its dynamic table does not name ") + what);
-  return *found;
-}
-
-// The number of symbols is only in the hash tables: the number of chains, or the end of the last chain, which is an odd
-// hash.
-void SharedFile::count_symbols() {
-  const auto number = [&](std::uint64_t address) {
-    return std::uint64_t{bytes_.at<std::uint32_t>(offset_of(address, 4, "its hash table"))};
-  };
-  const auto hash = tag(DT_HASH), gnu_hash = tag(DT_GNU_HASH);
-  if (!hash && !gnu_hash) bytes_.refuse("its symbols have no hash table");
-  if (hash) n_symbols_ = number(*hash + 4);
-  if (gnu_hash) {
-    const std::uint64_t n_buckets = number(*gnu_hash), first = number(*gnu_hash + 4);
-    const std::uint64_t buckets = *gnu_hash + 16 + 8 * number(*gnu_hash + 8), chains = buckets + 4 * n_buckets;
-    if (n_buckets == 0 || first == 0) bytes_.refuse("its hash table is damaged");
-    std::uint64_t last = 0;
-    for (std::uint64_t b = 0; b < n_buckets; ++b) last = std::max(last, number(buckets + 4 * b));
-    if (last != 0 && last < first) bytes_.refuse("its hash table is damaged");
-    if (last != 0)
-      while ((number(chains + 4 * (last - first)) & 1) == 0) ++last;
-    n_symbols_ = std::max(n_symbols_, last == 0 ? first : last + 1);
-  }
-  if (value(DT_SYMENT, "the size of a symbol") != sizeof(Elf64_Sym)) bytes_.refuse("its symbols have another size");
-  symbols_ = offset_of(value(DT_SYMTAB, "its symbols"), n_symbols_ * sizeof(Elf64_Sym), "its table of symbols");
-  strings_size_ = value(DT_STRSZ, "the size of its strings");
-  strings_ = offset_of(value(DT_STRTAB, "its strings"), strings_size_, "its table of strings");
-  if (strings_size_ == 0 || bytes_.at<char>(strings_ + strings_size_ - 1) != '\0')
-    bytes_.refuse("its strings are not terminated");
-}
-
-std::optional<SharedFile::Place> SharedFile::exported(const std::string& symbol) const {
-  for (std::uint64_t k = 1; k < n_symbols_; ++k) {
-    const auto entry = bytes_.at<Elf64_Sym>(symbols_ + k * sizeof(Elf64_Sym));
-    if (entry.st_name >= strings_size_) bytes_.refuse("a name lies outside of it");
-    if (entry.st_shndx == SHN_UNDEF || ELF64_ST_TYPE(entry.st_info) != STT_OBJECT) continue;
-    if (symbol == bytes_.data() + strings_ + entry.st_name)  // the last string is terminated, so each is
-      return Place{offset_of(entry.st_value, entry.st_size, "the data of a symbol"), entry.st_size};
-  }
-  return {};
+std::optional<std::string> exported_data(const std::string& path, std::string_view symbol) {
+  return PluginFile(path).exported(symbol);
 }
 
 }  // namespace lockstep
