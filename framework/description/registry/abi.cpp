@@ -36,14 +36,8 @@ lockstep_abi_record read_abi(const std::string& path) {
                       "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
   constexpr std::size_t kHead = offsetof(lockstep_abi_record, compiler);
   lockstep_abi_record record{};
-<<<<<<< ours
-  std::memcpy(static_cast<void*>(&record), file.bytes().data() + place->offset,
-              std::min<std::uint64_t>(place->size, kHead));
-  if (place->size < kHead || field_text(record.magic) != kAbiMagic)
-=======
   std::memcpy(static_cast<void*>(&record), data->data(), std::min(data->size(), kHead));
   if (data->size() < kHead || field_text(record.magic) != kAbiMagic)
->>>>>>> theirs
     throw PluginError(who + "has a record that cannot be read; rebuild it against this lockstep");
   if (record.size != sizeof record || data->size() != sizeof record)
     throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
