@@ -19,10 +19,10 @@ using namespace lockstep;
 
 namespace {
 
-struct Scene {
+struct Bench {
   System system;
   Marker *P, *S, *P2, *S2;
-  explicit Scene(bool third) {
+  explicit Bench(bool third) {
     const MassProperties mass{1.0, Vec3::Zero(), Vec3(0.1, 0.2, 0.25).asDiagonal()};
     Body& a = system.add_body("a", mass, {Vec3(0.1, 0.2, 0.3), axis_angle(Vec3(1, 2, 3), 0.4)});
     Body& b = system.add_body("b", mass, {Vec3(1.1, -0.2, 0.1), axis_angle(Vec3(-1, 0, 2), 0.3)});
@@ -35,11 +35,11 @@ struct Scene {
   }
 };
 
-using Add = std::function<void(Scene&)>;
+using Add = std::function<void(Bench&)>;
 
 /// One link in its scene, ready to be gathered again and again.
 struct Probe {
-  Scene scene;
+  Bench scene;
   std::unique_ptr<Dynamics> dynamics;
   State state;
   const Inputs* inputs = nullptr;
@@ -89,19 +89,19 @@ int main() {
     Add phi, hand;
   };
   const std::vector<Case> cases = {
-      {"distance", false, [](Scene& s) { s.system.add<Distance>("l", *s.P, *s.S, 1.0); },
-       [](Scene& s) { s.system.add<hand::Distance>("l", *s.P, *s.S, Mask::none).length = 1.0; }},
-      {"universal (xyz and the row)", false, [](Scene& s) { s.system.add<Universal>("l", *s.P, *s.S); },
-       [](Scene& s) { s.system.add<hand::Universal>("l", *s.P, *s.S, Mask::xyz); }},
-      {"screw (x y e1 e2 and the row)", false, [](Scene& s) { s.system.add<Screw>("l", *s.P, *s.S, 0.3); },
-       [](Scene& s) {
+      {"distance", false, [](Bench& s) { s.system.add<Distance>("l", *s.P, *s.S, 1.0); },
+       [](Bench& s) { s.system.add<hand::Distance>("l", *s.P, *s.S, Mask::none).length = 1.0; }},
+      {"universal (xyz and the row)", false, [](Bench& s) { s.system.add<Universal>("l", *s.P, *s.S); },
+       [](Bench& s) { s.system.add<hand::Universal>("l", *s.P, *s.S, Mask::xyz); }},
+      {"screw (x y e1 e2 and the row)", false, [](Bench& s) { s.system.add<Screw>("l", *s.P, *s.S, 0.3); },
+       [](Bench& s) {
          s.system.add<hand::Screw>("l", *s.P, *s.S, Mask::x | Mask::y | Mask::e1 | Mask::e2).lead = 0.3;
        }},
       {"gear", true,
-       [](Scene& s) {
+       [](Bench& s) {
          s.system.add(std::make_unique<Gear>(Attachment{"l", {{s.P, s.S}, {s.P2, s.S2}}}, 2.0));
        },
-       [](Scene& s) {
+       [](Bench& s) {
          auto gear = std::make_unique<hand::Gear>("l", *s.P, *s.S, *s.P2, *s.S2);
          gear->ratio = 2.0;
          s.system.add(std::move(gear));

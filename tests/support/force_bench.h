@@ -90,7 +90,7 @@ struct ForceBench {
     const Pose slot = world * inverse(m.body->in_slot * m.local);
     Motion& o = start[static_cast<std::size_t>(m.body->slot)];
     o.x = slot.x, o.e = slot.q, o.A = rotation(slot.q), o.w = o.A.transpose() * w_world;
-    o.v = v + cross(w_world, lockstep::Vec3(slot.x - world.x));
+    o.v = v + lockstep::cross(w_world, lockstep::Vec3(slot.x - world.x));
     at(t);
   }
   Inputs in() const { return {t, motions, {}, z}; }
@@ -108,7 +108,7 @@ struct ForceBench {
   }
   /// Moment about the world's origin, of both bodies together or of one.
   lockstep::Vec3 moment_about_origin(const Force& force, int slot) const {
-    return moment_on(force, slot) + cross(in().slot(slot).x, force_on(force, slot));
+    return moment_on(force, slot) + lockstep::cross(in().slot(slot).x, force_on(force, slot));
   }
   /// f.v over the slots.
   double power(const Force& force) const {

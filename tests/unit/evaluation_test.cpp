@@ -48,7 +48,7 @@ TEST_CASE("Two factors of two evaluations live side by side", "[unit][dynamics]"
   Evaluation e1(system, here), e2(system, there);
   Factor f1 = dynamics.new_factor(), f2 = dynamics.new_factor();
   f1.compute(e1), f2.compute(e2);
-  const Solved one = solve(f1, e1), two = solve(f2, e2), again = solve(f1, e1);
+  const Answer one = solve(f1, e1), two = solve(f2, e2), again = solve(f1, e1);
   CHECK(dynamics.work().factors == 2);
   CHECK(one.a == again.a);
   CHECK((one.a - two.a).norm() > 0.1);

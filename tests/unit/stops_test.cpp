@@ -77,7 +77,7 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
 TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
   const Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
       "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_s": [0, 0, 0], "length": 1,
-                 "one_sided": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
+                 "unilateral": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
   const Unilateral& o = *m.system.link("rope").unilateral();
   CHECK(o.restitution == 0.5);
   CHECK(o.rest_speed == Approx(0.002));
@@ -94,8 +94,8 @@ TEST_CASE("scene: friction of a link, by its own key and by a force that names i
 }
 
 TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
-  check_words(refusal(arm(R"("one_sided": {})")), {"arm.json", "link 'A'", "5 rows", "exactly one"});
-  check_words(refusal(arm(R"("one_sided": {"restitution": 2})")), {"link 'A', one_sided", "restitution", "0", "1"});
+  check_words(refusal(arm(R"("unilateral": {})")), {"arm.json", "link 'A'", "5 rows", "exactly one"});
+  check_words(refusal(arm(R"("unilateral": {"restitution": 2})")), {"link 'A', unilateral", "restitution", "0", "1"});
   check_words(refusal(arm(R"("stops": [{"axis": "rz"}])")), {"link 'A', stops[0]", "low", "high"});
   check_words(refusal(arm(R"("stops": [{"axis": "rz", "low": 1, "high": 0}])")), {"stops[0]", "high", "above"});
   check_words(refusal(arm(R"("stops": [{"axis": "rw", "low": 1}])")), {"stops[0]", "axis"});

@@ -318,7 +318,7 @@ std::string cube(double mu) {
     markers +=
         R"(, {"name": "m)" + n + R"(", "body": "cube", "at": [)" + edge(0) + ", " + edge(1) + ", " + edge(2) + "]}";
     links += comma + R"({"name": "c)" + n + R"(", "type": "point_on_plane", "p": "m)" + n +
-             R"(", "s": "floor", "one_sided": {"restitution": 0.4}})";
+             R"(", "s": "floor", "unilateral": {"restitution": 0.4}})";
     forces += comma + R"({"name": "f)" + n + R"(", "type": "joint_friction", "link": "c)" + n + R"(", "mu": )" +
               std::to_string(mu) + R"(, "smoothing_speed": 0.01})";
   }

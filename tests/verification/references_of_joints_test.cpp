@@ -164,7 +164,7 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
         {speed, (v.v - three("vx", "vy", "vz", i)).norm(), (rotation(p.q) * v.w - three("wx", "wy", "wz", i)).norm()});
     const Evaluated& values = dynamics.evaluate(s);
     for (int k = 0; k < 6; ++k)  // a multiplier above zero pulls, f pushes
-      force = std::max(force, std::abs(values.lambda[k] + text::number(("f" + std::to_string(k + 1)).c_str(), i)));
+      force = std::max(force, std::abs(values.lambda[k] + number(("f" + std::to_string(k + 1)).c_str(), i)));
   }
   CAPTURE(rk4, position, turn, speed, force);
   CHECK(position <= (rk4 ? 1e-10 : 1e-11));

@@ -1,6 +1,6 @@
 #include "framework/description/registry/elf_image.h"
 
-#include <fmt/format.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <bit>

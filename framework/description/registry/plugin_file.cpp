@@ -1,6 +1,6 @@
 #include "framework/description/registry/plugin_file.h"
 
-#include <fmt/format.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <bit>

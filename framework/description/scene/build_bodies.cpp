@@ -231,8 +231,8 @@ void Builder::marker(const Value& object, const std::string& owner) {
   placed(object.where, [&] {
     Marker& m = world ? out_.system.add_marker_at(name, body, pose("world_at", "world_orientation"))
                       : out_.system.add_marker(name, body, pose("at", "orientation"));
-    if (p.has("slide")) m.translation_law = p.translation_law("slide");
-    if (p.has("spin")) m.rotation_law = p.rotation_law("spin");
+    if (p.has("translation")) m.translation_law = p.translation_law("translation");
+    if (p.has("rotation")) m.rotation_law = p.rotation_law("rotation");
   });
 }
 

@@ -29,8 +29,8 @@ Quat axes_with_z(int k) {
 }  // namespace
 
 void Builder::unilateral(const Params& link, Lock& lock) {
-  if (!link.has("one_sided")) return;
-  const Params p = params_of(link.value("one_sided"), "one_sided", part_of(link.owner(), "one_sided"), nullptr);
+  if (!link.has("unilateral")) return;
+  const Params p = params_of(link.value("unilateral"), "unilateral", part_of(link.owner(), "unilateral"), nullptr);
   const std::string side = p.text("side");
   const bool its_own = lock.unilateral() != nullptr;  // as a stop has
   if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");

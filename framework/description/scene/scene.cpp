@@ -5,6 +5,7 @@
 #include "framework/description/scene/json.h"
 #include <lockstep/loader.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/run_settings.h"
 
@@ -21,6 +22,7 @@ Scene scene_from(Value root, std::string file) {
   scene.file = std::move(file);
   if (scene.root.object() == nullptr)
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
+  rename_old_keys(scene.root);
   const Params p = params_of(scene.root, "scene", "scene", nullptr);
   if (p.integer("lockstep") != kFormat)
     p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) +

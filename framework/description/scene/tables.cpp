@@ -141,8 +141,8 @@ SceneTable marker() {
             {"orientation", Form::orientation, Unit::none, kOptional, "its axes, in the body frame"},
             {"world_at", Form::vector3, Unit::length, kOptional, "its origin at the start, world"},
             {"world_orientation", Form::orientation, Unit::none, kOptional, "its axes at the start, in the world"},
-            {"slide", Form::translation_law, Unit::length, kOptional, "moves it along its own home axes"},
-            {"spin", Form::rotation_law, Unit::angle, kOptional, "turns it about them"}}}};
+            {"translation", Form::translation_law, Unit::length, kOptional, "moves it along its own home axes"},
+            {"rotation", Form::rotation_law, Unit::angle, kOptional, "turns it about them"}}}};
 }
 
 // The keys that place a link or a force.
@@ -165,7 +165,7 @@ SceneTable link() {
                {{"drive", Holds::object_or_list, "drive"},
                 {"start", Holds::object, "start"},
                 {"pairs", Holds::texts_or_objects, "pair"},
-                {"one_sided", Holds::object, "one_sided"},
+                {"unilateral", Holds::object, "unilateral"},
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
                "links"};
@@ -177,7 +177,7 @@ SceneTable link() {
       {"turn", Form::rotation_law, Unit::angle, kOptional, "how far P is held turned against S"},
       {"active", Form::boolean, Unit::none, true, "whether it holds from the start"},
       any("start", "how its free coordinates begin"),
-      any("one_sided", "its one row may push but not pull: C >= 0 instead of C = 0"),
+      any("unilateral", "its one row may push but not pull: C >= 0 instead of C = 0"),
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
       any("friction", "friction from its own reaction; a force named \"A.friction\"")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
@@ -207,9 +207,9 @@ Keys bounce_keys() {
           {"rest_speed", Form::number, Unit::any, 0.001, "impacts that leave less end at rest, m/s or rad/s"}};
 }
 
-std::vector<SceneTable> one_sided_parts() {
-  SceneTable one_sided{{"one_sided", "impacts of a link that may push but not pull", bounce_keys()}};
-  one_sided.info.keys.push_back({"side",
+std::vector<SceneTable> unilateral_parts() {
+  SceneTable unilateral{{"unilateral", "impacts of a link that may push but not pull", bounce_keys()}};
+  unilateral.info.keys.push_back({"side",
                                  Form::choice,
                                  Unit::none,
                                  "above",
@@ -223,7 +223,7 @@ std::vector<SceneTable> one_sided_parts() {
         {"high", Form::number, Unit::any, kOptional, "its highest value, m or rad"}}}};
   for (Key& key : bounce_keys()) travel.info.keys.push_back(std::move(key));
   const TypeInfo& friction = JointFriction::info();
-  return {one_sided, travel, {{"friction", friction.help, friction.keys}}};
+  return {unilateral, travel, {{"friction", friction.help, friction.keys}}};
 }
 
 std::vector<SceneTable> link_parts() {
@@ -308,7 +308,7 @@ std::vector<SceneTable> runs() {
 
 std::vector<SceneTable> all_tables() {
   std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
-  for (const auto& group : {shapes(), link_parts(), one_sided_parts(), events(), runs()})
+  for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check(table.info);
   return all;
