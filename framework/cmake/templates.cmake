@@ -1,14 +1,20 @@
-# The templates of `lockstep new-plugin` as texts inside the program: framework/tools/program/templates/<kind>/<file>. They are
-# whole plugins, and the tests build and run them as they stand.
-file(GLOB_RECURSE template_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/framework/tools/program/templates/*)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${template_files})
+# The templates of `lockstep new-plugin` as texts inside the program: framework/tools/program/templates/<kind>/<file>, and
+# those of common/ for every kind, with @kind@ replaced. The tests build and run the sources as they stand.
+set(template_folder ${PROJECT_SOURCE_DIR}/framework/tools/program/templates)
 set(template_texts "")
-foreach(template_file IN LISTS template_files)
-  file(READ ${template_file} text)
-  cmake_path(GET template_file FILENAME name)
-  cmake_path(GET template_file PARENT_PATH folder)
-  cmake_path(GET folder FILENAME kind)
+function(add_template kind file)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} text)
+  string(REPLACE "@kind@" "${kind}" text "${text}")
+  cmake_path(GET file FILENAME name)
   string(APPEND template_texts "    {\"${kind}\", \"${name}\", R\"lockstep(${text})lockstep\"},\n")
+  set(template_texts "${template_texts}" PARENT_SCOPE)
+endfunction()
+foreach(kind link coupling law force integrator)
+  file(GLOB template_files CONFIGURE_DEPENDS ${template_folder}/${kind}/* ${template_folder}/common/*)
+  foreach(template_file IN LISTS template_files)
+    add_template(${kind} ${template_file})
+  endforeach()
 endforeach()
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/framework/tools/program/template_files.cpp @ONLY CONTENT
 "// Written by the configuration from framework/tools/program/templates.

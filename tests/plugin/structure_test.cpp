@@ -122,12 +122,12 @@ void check(const std::string& module, const std::vector<Case>& cases) {
   fs::remove_all(kModules + "/structure");
 }
 
-std::string text::number(std::uint64_t n) { return std::to_string(n); }
+std::string number(std::uint64_t n) { return std::to_string(n); }
 
 }  // namespace
 
 TEST_CASE("a plugin whose segments are damaged is refused", "[plugin][structure]") {
-  const std::string page = text::number(Library(kModules + "/tables.so").segment_with(PF_W).p_align);
+  const std::string page = number(Library(kModules + "/tables.so").segment_with(PF_W).p_align);
   check(
       "tables.so",
       {{"it ends too early: a segment is 1073741824 bytes from 0 on; must end at ",
@@ -320,7 +320,7 @@ TEST_CASE("a plugin whose relocations are damaged is refused", "[plugin][structu
                      {" bytes; must be a multiple of 24", [](auto& l) { l.value(DT_PLTRELSZ) += 8; }},
                      {"the number of relative relocations is 1073741824; must be at most ",
                       [](auto& l) { l.value(DT_RELACOUNT) = kFar; }},
-                     {"the type of a relative relocation is " + text::number(kSymbol) + "; must be ",
+                     {"the type of a relative relocation is " + number(kSymbol) + "; must be ",
                       [&](auto& l) { first(l).r_info = ELF64_R_INFO(std::uint64_t{1}, kSymbol); }},
                      {"the type of a relocation is 4000; must be one that linkers write",
                       [&](auto& l) { call(l).r_info = ELF64_R_INFO(std::uint64_t{1}, 4000u); }},

@@ -37,9 +37,9 @@ Read read(const std::string& text) {
   set_logger(own);
   const Mechanism m = build(scene_from_text(text, "ball.json"), builtin_registry());
   spdlog::drop("lockstep");
-  const Marker& floor = m.system->marker("floor");
+  const Marker& floor = m.system.marker("floor");
   return {floor.translation_law->at(0).x.z(), 2 * std::acos(floor.rotation_law->at(0).q.w),
-          m.system->link("fall").unilateral()->restitution, words.str()};
+          m.system.link("fall").unilateral()->restitution, words.str()};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Certificate: how many digits of each recorded channel agree between one run and repeats of it by other means.
+// Certificate: how many digits of each recorded channel agree between a run and repeats of it by other means.
 #pragma once
 
 #include <string>
@@ -17,22 +17,22 @@ struct Agreement {
 struct CertifiedChannel {
   std::string name, unit;
   double size = 0;                       ///< largest magnitude in the run
-  bool zero = false;                     ///< it is nothing but round-off: the difference counts, digits mean nothing
-  std::vector<Agreement> by{};           ///< one a repeat
-  LOCKSTEP_API Agreement worst() const;  ///< of all repeats; fewest digits
+  bool zero = false;                     ///< it is only round-off: digits are meaningless
+  std::vector<Agreement> by{};           ///< one per repeat
+  LOCKSTEP_API Agreement worst() const;  ///< largest difference and fewest digits of all repeats
 };
 
 struct Certificate {
   std::vector<CertifiedChannel> channels;
   std::size_t n_rows = 0;  ///< instants that all tables have
-  bool cut = false;        ///< the tables end at different instants; what is common was compared
+  bool cut = false;        ///< the tables end at different instants; the common part was compared
 };
 
-/// The first column is the time. A channel is zero where all that it shows is below 1e-9 of the largest channel of its
-/// unit, or of what is large in that unit's world: 1e-9 alone. Throws ModelError for tables with other columns.
+/// The first column is the time. A channel is zero if all its values are 0, or if they are below 1e-9 times the largest
+/// value of its unit (at least 1) and fewer than 6 digits agree. Throws ModelError for tables with other columns.
 LOCKSTEP_API Certificate certify(const Table& run, const std::vector<const Table*>& repeats);
 
-/// A table of text: a line a channel, fewest digits marked. `names`: what the repeats are called.
+/// A table as text, one line per channel. `names`: of the repeats.
 LOCKSTEP_API std::string certificate_text(const Certificate&, const std::vector<std::string>& names);
 
 }  // namespace lockstep

@@ -47,8 +47,6 @@ std::vector<std::size_t> Grid::at(long run) const {
   return choice;
 }
 
-long Grid::n_runs(Shard shard) const {
-  return shard.index > n_runs_ ? 0 : 1 + (n_runs_ - shard.index) / shard.count;
-}
+long Grid::n_runs(Shard shard) const { return shard.index > n_runs_ ? 0 : 1 + (n_runs_ - shard.index) / shard.count; }
 
 }  // namespace lockstep

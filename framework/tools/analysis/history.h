@@ -1,11 +1,11 @@
-// History: what a charted run leaves behind at the instants of comparison; for the work_precision*.cpp files only.
+// History: a measured run at the instants of comparison. Private to the work_precision*.cpp files.
 #pragma once
 
 #include <functional>
 #include <vector>
 
-#include "framework/tools/analysis/work_precision.h"
 #include <lockstep/recorder.h>
+#include "framework/tools/analysis/work_precision.h"
 
 namespace lockstep {
 
@@ -13,10 +13,10 @@ struct History {
   std::vector<double> t, energy, kinetic;
   std::vector<VecX> q, v;
   std::vector<VecX>
-      load;  ///< 6 a slot: force (N, world) and moment about the mass centre (N m, slot axes) of all links
+      load;  ///< of all links, 6 per slot: force (N, world), moment about the mass centre (N m, slot axes)
 };
 
-/// Fills a history and keeps account of what looking costs: the loads need an evaluation of their own.
+/// Fills a history and measures its own cost: the loads take an extra evaluation.
 class HistoryObserver final : public Observer {
  public:
   HistoryObserver(System& system, const std::function<double()>& cpu, History& to)
@@ -36,7 +36,7 @@ class HistoryObserver final : public Observer {
   long evaluations_ = 0;
 };
 
-/// Largest difference; infinite when the two do not cover the same instants or a number is not finite.
+/// Largest difference; infinite if the two have different instants or a number is not finite.
 HistoryError difference(const History&, const History&, double length);
 /// Largest displacement from the start, speed, load, and of the energy its change or its kinetic part.
 HistoryError size_of(const History&, double length);

@@ -6,7 +6,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kLuck = 2;  // a finer run may err so many times as much
+constexpr double kLuck = 2;  // factor by which the error of a finer run may be larger
 
 }  // namespace
 
@@ -35,7 +35,7 @@ std::vector<const WorkPrecisionRun*> pareto_front(const WorkPrecision& result, E
     if (!(run->error.of(kind) < best)) continue;
     front.push_back(run);
     best = run->error.of(kind);
-    if (best <= result.agreement.of(kind)) break;  // less is no better: the truth itself is not known so well
+    if (best <= result.agreement.of(kind)) break;  // the reference itself is not known better
   }
   return front;
 }

@@ -1,4 +1,4 @@
-// Pareto: which of the charted runs count, which of them nothing beats, and what a wanted error costs.
+// The Pareto front of cost and error, and the cost of a given error.
 #pragma once
 
 #include <vector>
@@ -7,27 +7,27 @@
 
 namespace lockstep {
 
-/// What a run costs.
+/// The cost of a run: CPU time or evaluations.
 enum class CostKind { cpu, evaluations };
 LOCKSTEP_API double cost(const WorkPrecisionRun&, CostKind);
 
-/// No lucky hit: it is done, and no finer run of its combination failed or errs more than twice as much. Differences
-/// below the agreement of the references are none. Time that ran out says nothing against the coarser runs.
+/// Not accurate by chance: the run is complete, and no finer run of its combination failed or has more than twice its
+/// error. Differences below the agreement of the references are ignored, and so are runs that ran out of time.
 LOCKSTEP_API bool counts(const WorkPrecision&, const WorkPrecisionRun&, ErrorKind = ErrorKind::position);
 
-/// The runs that count and that no other such run beats in cost and error both; cheapest first.
+/// The runs that count and of which no other is both cheaper and more accurate; cheapest first.
 LOCKSTEP_API std::vector<const WorkPrecisionRun*> pareto_front(const WorkPrecision&, ErrorKind = ErrorKind::position,
                                                                CostKind = CostKind::cpu);
 
-/// The coarsest run of a combination that counts and meets the error. An upper bound: there is no coarser run that
-/// missed it, so a cheaper one might meet it too.
+/// The coarsest run of a combination that counts and meets the error. It is an upper bound if no coarser run missed the
+/// error: a cheaper one might meet it too.
 struct CostAtError {
   const WorkPrecisionRun* run = nullptr;
   bool upper_bound = false;
   bool confirmed = false;  ///< a finer run was made
 };
 
-/// One for each combination that met the error, least CPU time first.
+/// One per combination that met the error, least CPU time first.
 LOCKSTEP_API std::vector<CostAtError> costs_at_error(const WorkPrecision&, double error,
                                                      ErrorKind = ErrorKind::position);
 

@@ -11,11 +11,11 @@
 namespace lockstep {
 namespace {
 
-constexpr double kReferenceShare = 0.1;  // of the budget, that one try for a reference may take
-constexpr double kLastShare = 0.5;       // the same, when none came to its end before
-constexpr double kReferenceTime = 0.6;   // of the budget, after which no wider reference is tried
-constexpr double kSecondTime = 0.45;     // of the budget, after which no better pair is looked for
-constexpr double kAgreed = 1e-8;  // of the system's length: references that differ by less are not tried for better
+constexpr double kReferenceShare = 0.1;  // of the budget, for one attempt at a reference
+constexpr double kLastShare = 0.5;       // the same, if none has reached its end
+constexpr double kReferenceTime = 0.6;   // of the budget, after which no wider tolerance is tried
+constexpr double kSecondTime = 0.45;     // of the budget, after which no better pair is sought
+constexpr double kAgreed = 1e-8;         // of the system's length: references that differ by less are good enough
 
 class Search {
  public:
@@ -29,14 +29,13 @@ class Search {
   Reference make() {
     const Subject subject = trajectory_.make();
     result_.length = subject.system->length();
-    // The tightest runs; where those disagree, other choices of keys with more room above round-off; then all with
-    // more.
+    // The tightest runs; if those disagree, other choices of keys at a tolerance further above round-off; then all.
     const double r = options_.reference_tolerance;
     try_all(r, true, false);
     try_all(100 * r, false, true);
     try_all(100 * r, true, false);
     try_all(1000 * r, true, true);
-    if (found_.empty()) {  // little time: nearly all of it for one
+    if (found_.empty()) {  // little time: spend it on one
       limit_ = kLastShare * options_.budget;
       for (const MethodChoice& method : options_.references)
         if (found_.empty() && left() > 0) find(method, 1000 * r);
@@ -75,13 +74,13 @@ class Search {
                         {Formulation::omega, tight},
                         {tolerance, 1e-2 * tolerance},
                         options_.largest_step};
-    Outcome out = try_run(trajectory_, recipe, limit_, clocks_, TrialKind::truth);
+    Outcome out = attempt_run(trajectory_, recipe, limit_, clocks_, RunKind::reference);
     if (out.failure.empty()) return std::move(out.history);
     why_ = method.name + ": " + out.failure;
     return std::nullopt;
   }
 
-  // The first method of each kind is the usual one.
+  // The first method of each kind is the default one.
   void try_all(double tolerance, bool usual, bool others) {
     std::vector<std::string> kinds;
     for (const MethodChoice& method : options_.references) {
@@ -91,7 +90,7 @@ class Search {
     }
   }
 
-  // Another history, and with it perhaps a better pair.
+  // Adds a history, and with it possibly a better pair.
   void find(const MethodChoice& method, double tolerance) {
     std::optional<History> history = history_of(method, tolerance);
     if (!history) return;
@@ -118,9 +117,9 @@ class Search {
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;
   double begin_;
-  double limit_;  // s, of one try
+  double limit_;  // s, of one attempt
   std::vector<Found> found_;
-  std::pair<std::size_t, std::size_t> pair_{0, 0};  // those of them that agree best; equal: none do yet
+  std::pair<std::size_t, std::size_t> pair_{0, 0};  // the two that agree best; equal: there are none yet
   std::string why_ = "no adaptive method was offered";
   Reference result_;
 };

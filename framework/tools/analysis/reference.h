@@ -1,9 +1,9 @@
-// Reference: the truth that charted runs are held against; for the work_precision*.cpp files only.
+// Reference: the solution to which measured runs are compared. Private to the work_precision*.cpp files.
 #pragma once
 
 #include <string>
 
-#include "framework/tools/analysis/trial.h"
+#include "framework/tools/analysis/attempt.h"
 
 namespace lockstep {
 
@@ -14,8 +14,8 @@ struct Reference {
   double length = 0;         ///< of the system, m
 };
 
-/// The two methods of different kinds that agree best, the first of them being the truth; wider tolerances where the
-/// tightest cannot be met; in need one method at two tolerances. Throws StepError when none comes to the end.
+/// The two methods of different kinds that agree best; the first of them is the reference. Uses wider tolerances if the
+/// tightest cannot be met, and one method at two tolerances if need be. Throws StepError if no run reaches the end.
 Reference make_reference(const Trajectory&, const WorkPrecisionOptions&, const Clocks&);
 
 }  // namespace lockstep

@@ -13,38 +13,37 @@
 namespace lockstep {
 namespace {
 
-constexpr double kFirstDecade = 1.5;  // cost of the second tolerance against the first
-constexpr double kFirstTurn = 0.25;   // of its equal share of the time, that a combination gets to show what it takes
-constexpr double kFalls = 0.8;   // an error that falls at all falls below this part of the best so far (order 1: half)
-constexpr double kWrong = 1e-2;  // of the motion's size
-constexpr double kSettled = 1e-7;  // of the motion's size: finer runs that do not fall are at their floor
-constexpr long kManySteps = 10;    // steps an output: then outputs cost nothing beside them
-constexpr double kPatience =
-    4;  // for each place of the form that differs from the base's, and for each turn that was too short
-constexpr double kOther = 2;     // for another integrator than the base's
-constexpr double kTooDear = 10;  // times the cheapest that met the target
+constexpr double kFirstGrowth = 1.5;  // assumed cost of the second tolerance relative to the first
+constexpr double kFirstTurn = 0.25;   // part of its equal share of the time that a combination gets at first
+constexpr double kFalls = 0.8;     // an error that falls at all is below this part of the best so far (order 1: half)
+constexpr double kWrong = 1e-2;    // relative error of a useless run
+constexpr double kSettled = 1e-7;  // relative error below which a combination that stops falling is at its floor
+constexpr long kManySteps = 10;    // steps per output, from which on the cost of outputs is negligible
+constexpr double kPatience = 4;    // handicap of each item of the form that differs from the base's, and of a time-out
+constexpr double kOther = 2;       // handicap of another integrator than the base's
+constexpr double kTooDear = 10;    // times the cheapest run that met the target
 
-/// One combination on its ladder.
-struct Lane {
+/// One combination, on its way from coarse to fine settings.
+struct Combination {
   const MethodChoice* method;
   const SolverChoice* solver;
   Formulation formulation;
   Stabilization::Kind kind;
   bool adaptive;
-  double patience;         // how much dearer another combination's next rung may be and still comes later
-  std::size_t rung = 0;    // the next
-  double expected = 0;     // s that the next rung takes
-  double last_cpu = 0;     // of the rung before
-  double best = HUGE_VAL;  // error so far, as a part of the motion's size
-  int n_stuck = 0;         // rungs since it fell
-  bool met = false;        // the target, by the rung before
+  double handicap;         // factor on the expected cost when the next run is chosen
+  std::size_t rung = 0;    // the next setting
+  double expected = 0;     // s that it will take
+  double last_cpu = 0;     // of the setting before
+  double best = HUGE_VAL;  // smallest relative error so far
+  int n_stuck = 0;         // settings since it fell
+  bool met = false;        // the setting before met the target
   bool over = false;
-  std::optional<WorkPrecisionRun> given_up{};  // the next rung, when it took too long for its turn
+  std::optional<WorkPrecisionRun> given_up{};  // the next setting, if it took too long for its turn
 };
 
-class Survey {
+class Benchmark {
  public:
-  Survey(const Trajectory& trajectory, const WorkPrecisionOptions& options)
+  Benchmark(const Trajectory& trajectory, const WorkPrecisionOptions& options)
       : trajectory_(trajectory),
         options_(options),
         clocks_{options.clock ? options.clock : thread_seconds, options.cpu ? options.cpu : thread_seconds},
@@ -53,11 +52,11 @@ class Survey {
   WorkPrecision run() {
     take_reference();
     plan();
-    while (Lane* lane = next()) climb(*lane);
-    for (const Lane& lane : lanes_)
-      if (lane.given_up) keep(*lane.given_up);
-    for (const Lane& lane : lanes_)
-      if (!lane.over) result_.left_out.push_back(label(run_of(lane)));
+    while (Combination* c = next()) climb(*c);
+    for (const Combination& c : combinations_)
+      if (c.given_up) keep(*c.given_up);
+    for (const Combination& c : combinations_)
+      if (!c.over) result_.left_out.push_back(label(run_of(c)));
     sort_runs();
     return std::move(result_);
   }
@@ -74,7 +73,7 @@ class Survey {
   void plan() {
     const WorkPrecisionOptions& o = options_;
     const auto differs = [](bool a) { return a ? 1 : 0; };
-    std::vector<std::pair<int, Lane>> all;
+    std::vector<std::pair<int, Combination>> all;
     for (const MethodChoice& method : o.integrators) {
       const std::optional<bool> adaptive = adaptive_of(method);
       if (!adaptive) continue;
@@ -85,15 +84,15 @@ class Survey {
                                 differs(kind != o.stabilizations.front()) + differs(&solver != &o.solvers.front());
             const int n = in_form + differs(&method != &o.integrators.front());
             if (o.separately && n > 1) continue;
-            const double patience = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
-            all.emplace_back(n, Lane{&method, &solver, formulation, kind, *adaptive, patience});
+            const double handicap = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
+            all.emplace_back(n, Combination{&method, &solver, formulation, kind, *adaptive, handicap});
           }
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (auto& [n, lane] : all) lanes_.push_back(lane);
+    for (auto& [n, c] : all) combinations_.push_back(c);
   }
 
-  // Nothing, with the reason said, when the method cannot be made.
+  // None if the method cannot be made; the reason is kept.
   std::optional<bool> adaptive_of(const MethodChoice& method) {
     try {
       return method.make()->info().adaptive;
@@ -103,54 +102,54 @@ class Survey {
     }
   }
 
-  std::size_t n_rungs(const Lane& lane) const {
-    return lane.adaptive ? options_.tolerances.size() : options_.steps.size();
+  std::size_t n_rungs(const Combination& c) const {
+    return c.adaptive ? options_.tolerances.size() : options_.steps.size();
   }
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
-  // The open combination whose next rung is cheapest and fits; those near the base before the others.
-  double weight(const Lane& lane) const {
-    const bool begun = lane.rung > 0 || lane.given_up;
-    return lane.patience * (begun ? lane.expected : first_);
+  // The open combination whose next run is cheapest and fits; those near the base come first.
+  double weight(const Combination& c) const {
+    const bool begun = c.rung > 0 || c.given_up;
+    return c.handicap * (begun ? c.expected : first_);
   }
-  Lane* next() {
+  Combination* next() {
     const double time = left();
-    Lane* best = nullptr;
-    for (Lane& lane : lanes_)
-      if (!lane.over && lane.expected <= time && (best == nullptr || weight(lane) < weight(*best))) best = &lane;
+    Combination* best = nullptr;
+    for (Combination& c : combinations_)
+      if (!c.over && c.expected <= time && (best == nullptr || weight(c) < weight(*best))) best = &c;
     return time > 0 ? best : nullptr;
   }
 
-  WorkPrecisionRun run_of(const Lane& lane) const {
+  WorkPrecisionRun run_of(const Combination& c) const {
     WorkPrecisionRun run;
-    run.integrator = lane.method->name, run.solver = lane.solver->name;
-    run.formulation = lane.formulation, run.stabilization = lane.kind, run.adaptive = lane.adaptive;
-    run.setting = lane.adaptive ? options_.tolerances[lane.rung]
-                                : trajectory_.length / trajectory_.outputs / options_.steps[lane.rung];
+    run.integrator = c.method->name, run.solver = c.solver->name;
+    run.formulation = c.formulation, run.stabilization = c.kind, run.adaptive = c.adaptive;
+    run.setting =
+        c.adaptive ? options_.tolerances[c.rung] : trajectory_.length / trajectory_.outputs / options_.steps[c.rung];
     return run;
   }
 
-  void climb(Lane& lane) {
-    WorkPrecisionRun run = run_of(lane);
-    tell(label(run));
+  void climb(Combination& c) {
+    WorkPrecisionRun run = run_of(c);
+    if (options_.progress) options_.progress(label(run));
     const double share = left() / static_cast<double>(n_open()), begin = clocks_.clock();
-    const Outcome last = measure(lane, run, std::min(left(), std::max(4 * lane.expected, kFirstTurn * share)));
+    const Outcome last = measure(c, run, std::min(left(), std::max(4 * c.expected, kFirstTurn * share)));
     if (last.unsuited) {
       result_.unsuited.push_back({way(run), run.failure});
-      lane.over = true;
+      c.over = true;
       return;
     }
     const double spent = clocks_.clock() - begin;
     if (first_ == 0) first_ = spent;
-    if (last.given_up) {  // once more when the others have had their turn, with more time
-      lane.expected = 2 * spent;
-      lane.patience *= kPatience;
-      lane.given_up = run;
+    if (last.given_up) {  // again after the others have had their turn, with more time
+      c.expected = 2 * spent;
+      c.handicap *= kPatience;
+      c.given_up = run;
       return;
     }
-    lane.given_up.reset();
+    c.given_up.reset();
     keep(run);
-    advance(lane, run, spent);
+    advance(c, run, spent);
   }
 
   void keep(const WorkPrecisionRun& run) {
@@ -158,25 +157,26 @@ class Survey {
     if (options_.measured) options_.measured(run);
   }
 
-  Outcome measure(const Lane& lane, WorkPrecisionRun& run, double limit) {
+  Outcome measure(const Combination& c, WorkPrecisionRun& run, double limit) {
     Stabilization stabilization = options_.gains;
-    stabilization.kind = lane.kind;
-    Recipe recipe{lane.method, lane.solver, {lane.formulation, stabilization}};
-    if (lane.adaptive)
+    stabilization.kind = c.kind;
+    Recipe recipe{c.method, c.solver, {c.formulation, stabilization}};
+    if (c.adaptive)
       recipe.tolerance = {run.setting, 1e-2 * run.setting}, recipe.step = options_.largest_step;
     else
       recipe.step = run.setting;
-    Outcome out = try_run(trajectory_, recipe, limit, clocks_);
+    Outcome out = attempt_run(trajectory_, recipe, limit, clocks_);
     note(out, run, out.cpu);
     if (!run.done()) return out;
     run.error = difference(out.history, reference_, length_);
     if (!std::isfinite(run.error.position)) run.failure = "numbers that are not finite";
-    // Outputs between long steps can cost more than the steps: where they change nothing, the time is taken without.
-    const bool bare = out.dense && out.report.steps < kManySteps * trajectory_.outputs;
-    double cpu = bare ? HUGE_VAL : run.cpu;
-    for (int k = bare ? 0 : 1; run.done() && k < std::max(1, options_.repeats); ++k) {
+    // Dense output between long steps can cost more than the steps: then the time is taken without outputs.
+    const bool plain = out.dense && out.report.steps < kManySteps * trajectory_.outputs;
+    double cpu = plain ? HUGE_VAL : run.cpu;
+    for (int k = plain ? 0 : 1; run.done() && k < std::max(1, options_.repeats); ++k) {
       if (k > 0 && cpu > options_.quick) break;
-      const Outcome again = try_run(trajectory_, recipe, limit, clocks_, bare ? TrialKind::bare : TrialKind::looked);
+      const Outcome again =
+          attempt_run(trajectory_, recipe, limit, clocks_, plain ? RunKind::plain : RunKind::observed);
       if (!again.failure.empty()) break;
       cpu = std::min(cpu, again.cpu);
       note(again, run, cpu);
@@ -191,31 +191,30 @@ class Survey {
     run.steps = out.report.steps, run.rejected = out.report.rejected;
   }
 
-  // Whether this combination goes on, and what its next rung will take.
-  void advance(Lane& lane, const WorkPrecisionRun& run, double spent) {
-    double growth =
-        lane.adaptive ? (lane.last_cpu > 0 ? std::clamp(run.cpu / lane.last_cpu, 1.1, 5.0) : kFirstDecade) : 2;
-    if (!lane.adaptive && lane.rung + 1 < n_rungs(lane))
-      growth = static_cast<double>(options_.steps[lane.rung + 1]) / options_.steps[lane.rung];
-    lane.expected = growth * spent;
-    lane.last_cpu = run.cpu;
-    ++lane.rung;
-    lane.over = lane.rung >= n_rungs(lane);
+  // Decides whether this combination goes on, and predicts the cost of its next run.
+  void advance(Combination& c, const WorkPrecisionRun& run, double spent) {
+    double growth = c.adaptive ? (c.last_cpu > 0 ? std::clamp(run.cpu / c.last_cpu, 1.1, 5.0) : kFirstGrowth) : 2;
+    if (!c.adaptive && c.rung + 1 < n_rungs(c))
+      growth = static_cast<double>(options_.steps[c.rung + 1]) / options_.steps[c.rung];
+    c.expected = growth * spent;
+    c.last_cpu = run.cpu;
+    ++c.rung;
+    c.over = c.rung >= n_rungs(c);
     if (!run.done()) return;
     const double e = relative(run.error);
-    lane.n_stuck = e < kFalls * lane.best ? 0 : lane.n_stuck + 1;
-    lane.best = std::min(lane.best, e);
-    if (lane.n_stuck >= (lane.best < kSettled ? 2 : 4)) lane.over = true;
-    if (hopeless(run)) lane.over = true;
+    c.n_stuck = e < kFalls * c.best ? 0 : c.n_stuck + 1;
+    c.best = std::min(c.best, e);
+    if (c.n_stuck >= (c.best < kSettled ? 2 : 4)) c.over = true;
+    if (hopeless(run)) c.over = true;
     if (options_.target <= 0) return;
     const bool meets = run.error.of(options_.target_kind) <= options_.target;
-    if (meets && lane.met) lane.over = true;
+    if (meets && c.met) c.over = true;
     if (meets) cheapest_met_ = std::min(cheapest_met_, run.cpu);
-    if (lane.last_cpu > kTooDear * cheapest_met_) lane.over = true;
-    lane.met = meets;
+    if (c.last_cpu > kTooDear * cheapest_met_) c.over = true;
+    c.met = meets;
   }
 
-  // Largest of the errors, each against the size of what it is an error of; nothing is more right than the reference.
+  // Largest relative error; errors below the agreement of the references count as that.
   double relative(const HistoryError& error) const {
     double most = 0;
     for (const ErrorKind kind : kErrorKinds) {
@@ -227,23 +226,23 @@ class Survey {
   }
 
   bool hopeless(const WorkPrecisionRun& run) const {
-    if (relative(run.error) > kWrong) return false;  // to be as wrong as that is cheap
+    if (relative(run.error) > kWrong) return false;  // such errors are cheap
     return std::any_of(result_.runs.begin(), result_.runs.end(), [&](const WorkPrecisionRun& other) {
       return other.done() && relative(other.error) <= relative(run.error) && run.cpu > options_.hopeless * other.cpu;
     });
   }
 
-  // Combinations one after another in the order of the plan; within each the rungs keep theirs.
+  // Sorted by combination in the order of the plan, each from coarse to fine.
   void sort_runs() {
     std::vector<WorkPrecisionRun> sorted;
-    for (const Lane& lane : lanes_)
+    for (const Combination& c : combinations_)
       for (const WorkPrecisionRun& run : result_.runs)
-        if (same_way(run_of_first(lane), run)) sorted.push_back(run);
+        if (same_way(run_of_first(c), run)) sorted.push_back(run);
     result_.runs = std::move(sorted);
   }
-  WorkPrecisionRun run_of_first(Lane lane) const {
-    lane.rung = 0;
-    return run_of(lane);
+  WorkPrecisionRun run_of_first(Combination c) const {
+    c.rung = 0;
+    return run_of(c);
   }
 
   static std::string way(const WorkPrecisionRun& run) {
@@ -251,10 +250,8 @@ class Survey {
                        run.solver);
   }
   std::size_t n_open() const {
-    return static_cast<std::size_t>(std::count_if(lanes_.begin(), lanes_.end(), [](const Lane& l) { return !l.over; }));
-  }
-  void tell(const std::string& what) const {
-    if (options_.progress) options_.progress(what);
+    return static_cast<std::size_t>(
+        std::count_if(combinations_.begin(), combinations_.end(), [](const Combination& l) { return !l.over; }));
   }
 
   const Trajectory& trajectory_;
@@ -262,9 +259,9 @@ class Survey {
   Clocks clocks_;
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
-  double first_ = 0;  // s that the base's first run took: what one that did not begin yet is taken for
+  double first_ = 0;  // s of the very first run: the expected cost of a combination that has not begun
   History reference_;
-  std::vector<Lane> lanes_;
+  std::vector<Combination> combinations_;
   WorkPrecision result_;
 };
 
@@ -306,7 +303,7 @@ WorkPrecision work_precision(const Trajectory& trajectory, const WorkPrecisionOp
         "registry");
   if (options.tolerances.empty() || options.steps.empty())
     throw ModelError("a chart needs tolerances and steps; give at least one of each");
-  return Survey(trajectory, options).run();
+  return Benchmark(trajectory, options).run();
 }
 
 }  // namespace lockstep

@@ -13,12 +13,12 @@ namespace lockstep {
 namespace {
 
 constexpr double kNegligible = 1e-9;  // m, m/s, J, N
-constexpr double kLeast = 1e-16;   // nothing is zero on a logarithmic axis
+constexpr double kLeast = 1e-16;   // drawn instead of zero
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
 
-// All but the values of `by` (and of the integrator, where rows of panels are integrators) as the base has them.
+// Equal to the base in all but `by`.
 bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by) {
   for (const ChartBy other : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
     if (other != by && value_of(run, other) != value_of(base, other)) return false;
@@ -27,7 +27,7 @@ bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by)
 
 double drawn(double error) { return std::max(error, kLeast); }
 
-// An error so many times the motion itself says nothing: the run is drawn among those that failed.
+// An error many times the size of the motion: the run is drawn as a failure.
 bool useless(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
   const double size = std::max(result.size.of(kind), result.agreement.of(kind));
   return !run.done() || !(run.error.of(kind) <= 30 * size);
@@ -42,7 +42,7 @@ Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind
   return s;
 }
 
-// The front as the staircase that it is: for this cost no less error, for this error no less cost.
+// The Pareto front as a staircase.
 Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
   Series s{"front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
   for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
@@ -61,7 +61,7 @@ Range extent(const std::vector<Series>& all, bool of_x) {
   return r;
 }
 
-// Below this line the two references differ themselves.
+// A line at the difference of the two references: smaller errors are meaningless.
 void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
   const double floor = result.agreement.of(kind);
   const Range x = extent(panel.series, true);
@@ -70,7 +70,7 @@ void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
       {"the references differ", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
 }
 
-// A shaded strip above everything that was measured, with a cross for each run that failed, at what it cost.
+// A shaded strip above all data, with a cross at its cost for each run that failed.
 void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
                   const std::vector<std::pair<std::string, Wanted>>& curves, ErrorKind kind) {
   Range y = extent(panel.series, false);
@@ -98,7 +98,7 @@ std::string shortened(std::string text, std::size_t most) {
   return text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
-// Why runs failed and what was left out, a line a curve.
+// Why runs failed and what was left out, one line per curve.
 std::vector<std::string> remarks_of(const WorkPrecision& result,
                                     const std::vector<std::pair<std::string, Wanted>>& curves) {
   std::vector<std::string> lines{fmt::format(
@@ -126,7 +126,7 @@ std::vector<std::string> remarks_of(const WorkPrecision& result,
   return lines;
 }
 
-// The base's, or another that works with more of the values: not every solver takes every formulation.
+// The base's solver, or another that works with more values of `by`: not every solver takes every formulation.
 std::string common_solver(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by) {
   if (by == ChartBy::solver) return base.solver;
   const auto n_values = [&](const std::string& solver) {
@@ -156,7 +156,7 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   panel.series.push_back(front_of(result, kind, by));
   for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
   const Range y = extent(panel.series, false);
-  // Nothing of this kind: no link, no energy, or round-off alone.
+  // This error is zero or round-off: no links, no energy.
   if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);

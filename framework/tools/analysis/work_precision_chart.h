@@ -1,4 +1,4 @@
-// The results of work_precision as lines of a file and as pictures.
+// The results of work_precision as a CSV file and as charts.
 #pragma once
 
 #include <string>
@@ -9,24 +9,24 @@
 
 namespace lockstep {
 
-/// One line a run with names in words, header with units; whether it counts, whether it is on the front of position
-/// error against CPU time; failures with their reason. Throws FileError.
+/// One line per run: its method, setting, errors and cost, whether it counts, whether it is on the Pareto front of
+/// position error against CPU time, and the reason of a failure. Throws FileError.
 LOCKSTEP_API void write_runs(const std::string& file, const WorkPrecision&);
 
-/// "18 combinations, such as rk4, quaternion, project, schur: why", a line a reason.
+/// "18 combinations, such as rk4, quaternion, project, schur: why", one line per reason.
 LOCKSTEP_API std::vector<std::string> unsuited_lines(const WorkPrecision&);
 
-/// What distinguishes the curves of a picture; in all else they are as its base.
+/// What distinguishes the curves of a chart; in all else they equal its base.
 enum class ChartBy { integrator, formulation, stabilization, solver };
 LOCKSTEP_API std::string to_string(ChartBy);
-/// The run's value of it, and all that were charted, in the order of their first run.
+/// The value of a run, and all values of the runs in the order of their first.
 LOCKSTEP_API std::string value_of(const WorkPrecisionRun&, ChartBy);
 LOCKSTEP_API std::vector<std::string> values_of(const WorkPrecision&, ChartBy);
 
-/// The four errors over the cost, one panel each, a curve an integrator in the base's form.
+/// The four errors over the cost, one panel each, one curve per integrator.
 LOCKSTEP_API GridSpec integrators_chart(const WorkPrecision&, const std::string& title, const WorkPrecisionRun& base,
                                         CostKind);
-/// Position and reaction error over CPU time, a row an integrator of `integrators`, a curve a value of `by`.
+/// Position and reaction error over CPU time, one row per integrator, one curve per value of `by`.
 LOCKSTEP_API GridSpec forms_chart(const WorkPrecision&, const std::string& title, const WorkPrecisionRun& base,
                                   ChartBy by, const std::vector<std::string>& integrators);
 

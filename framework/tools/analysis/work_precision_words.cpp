@@ -1,11 +1,11 @@
-// The results of work_precision as words and as lines of a file.
+// Names, labels and the CSV file of work-precision results.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <fstream>
 
-#include "framework/tools/analysis/work_precision_chart.h"
 #include <lockstep/error.h>
+#include "framework/tools/analysis/work_precision_chart.h"
 
 namespace lockstep {
 namespace {

@@ -105,7 +105,7 @@ void Batch::get(int lane, const double* rate, StateRate& out) const {
     for (Eigen::Index i = 0; i < part->size(); ++i, from += kLanes) (*part)[i] = *from;
 }
 
-// What the laws of one copy see; the motions are those of its forces, when it has any.
+// The inputs of one copy's laws; the motions are filled only if it has forces.
 Inputs Batch::inputs(int lane, const double* y, double t) {
   VecX& s = states_[lane];
   const VecX& z = memory_[lane];
@@ -138,7 +138,7 @@ void Batch::fill_laws(const double* y, const Numbers8& t) {
   }
 }
 
-// Forces know one mechanism: they are applied copy by copy.
+// Forces are scalar code: they are applied copy by copy.
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
   if (!has_forces_) return;
   for (int l = 0; l < kLanes; ++l) {
@@ -196,17 +196,17 @@ Flags8 Batch::evaluate(const double* y, const Numbers8& t, double* rate) {
   return unmet;
 }
 
-// a from x = lambda, and the correction that loops want always; the number of corrections.
+// a from x = lambda, and the one correction that closed loops always need; returns the number of corrections.
 int Batch::first_solution() {
   pass_.apply(plan_, z_);
   if (z_.eps == 0) return 0;
-  for (std::size_t i = 0; i < x_.size(); ++i) x_[i] *= E_[i];  // r = E lambda: no need to look
+  for (std::size_t i = 0; i < x_.size(); ++i) x_[i] *= E_[i];  // r = E lambda, known without a residual
   pass_.solve(plan_, z_);
   pass_.apply(plan_, z_);
   return 1;
 }
 
-// The stop rule copy by copy; corrections are made for all copies while one needs them.
+// The stop rule per copy; all copies are corrected while one of them needs it.
 Flags8 Batch::check_rows(int corrections) {
   alignas(64) std::array<double, 3 * kL> largest;
   pass_.largest_scales(plan_, z_, largest.data());
@@ -219,7 +219,7 @@ Flags8 Batch::check_rows(int corrections) {
   };
   const auto raise = [&] {
     if (raised) return false;
-    alignas(64) std::array<double, 4 * kL> S;  // and the energy behind them
+    alignas(64) std::array<double, 4 * kL> S;  // followed by the energy
     pass_.energies(plan_, z_, S.data());
     for (std::size_t i = 0; i < largest.size(); ++i) floors_[i] = residual_floor(largest[i], S[i], S[3 * kL + i % kL]);
     return raised = true;

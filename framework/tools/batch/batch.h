@@ -1,4 +1,4 @@
-// Batch: up to eight copies and their numbers, one copy a lane. Private to the room.
+// Batch: up to eight copies and their data, one copy per lane. Private to the room.
 //
 // Arrays of states and rates have Plan::n() packs: q, v, s as in State. Unused lanes repeat the first copy.
 #pragma once
@@ -15,7 +15,7 @@ namespace lockstep::lanes {
 using Numbers8 = std::array<double, kLanes>;
 using Flags8 = std::array<bool, kLanes>;
 
-/// What a projection did to one lane.
+/// The result of a projection in one lane.
 struct Landing {
   double before = 0, after = 0;  ///< |C|, m
   bool converged = true;
@@ -23,7 +23,7 @@ struct Landing {
 
 class LOCKSTEP_API Batch {
  public:
-  /// All of one mechanism, set up and suited; `first` among all copies, for messages.
+  /// Copies of one mechanism, set up and suited; `first`: the number of the first of them, for messages.
   Batch(std::span<System* const> systems, int first, const CopiesOptions&);
 
   int size() const { return n_; }
@@ -33,17 +33,17 @@ class LOCKSTEP_API Batch {
   System& system(int lane) const { return *systems_[lane]; }
   std::size_t n_numbers() const { return kLanes * plan_.n(); }
 
-  /// A state into its lane of an array, and back (q, v, s).
+  /// Copies a state (q, v, s) to its lane of an array, and back.
   void put(int lane, const State&, double* y) const;
   void get(int lane, const double* y, State&) const;
   void get(int lane, const double* rate, StateRate&) const;
-  /// Memory of the copy's forces, from here on.
+  /// Sets the memory of a copy.
   void remember(int lane, const VecX& z) { memory_[lane] = z; }
   const VecX& memory(int lane) const { return memory_[lane]; }
 
-  /// d/dt of the states y at the times t. True in the lanes whose rows could not be met.
+  /// d/dt of the states y at the times t. Returns true in the lanes whose rows could not be satisfied.
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate);
-  /// Both projections, in the lanes that are wanted; quaternions are normalised in all.
+  /// Projects positions and velocities in the wanted lanes; quaternions are normalised in all.
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed);
 
  private:

@@ -1,5 +1,5 @@
-// Projection of eight states onto their constraints, as dynamics/evaluate/projection.cpp does one: the same rule, copy
-// by copy; a copy that is done does not move while others go on.
+// Projection of eight states onto their constraints, by the rule of dynamics/evaluate/projection.cpp for each copy; a
+// copy that has converged does not move while others go on.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ bool any(const Flags8& f) {
   return std::any_of(f.begin(), f.end(), [](bool x) { return x; });
 }
 
-// Largest |number| of each lane over packs [first, first + width) of every `stride`.
+// Largest absolute value in each lane, over packs [first, first + width) of every `stride`.
 Numbers8 largest(const double* y, std::size_t first, std::size_t stride, std::size_t width, int n_slots) {
   Numbers8 out{};
   for (std::size_t k = 0; k < static_cast<std::size_t>(n_slots); ++k)
@@ -32,8 +32,8 @@ void Batch::gather_rows(const double* y, const Numbers8& t) {
   rows_moved_ = true;
 }
 
-// M d + J^T z = 0, J d = -c in the wanted lanes, d = 0 in the others; `fresh`: the factor is made here. Checked by the
-// stop rule unless the rows are newer than the factor: then the caller iterates.
+// M d + J^T z = 0, J d = -c in the wanted lanes, d = 0 in the others; `fresh`: factors first. The stop rule applies
+// unless the rows are newer than the factor: then the caller iterates.
 void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
   for (std::size_t i = 0; i < plan_.size_x; ++i)
     for (std::size_t l = 0; l < kL; ++l) {
@@ -84,7 +84,7 @@ void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::arr
   project_velocities(y, wanted, factored);
 }
 
-// True when the factor that was left is good for the velocities.
+// True if the last factor can be used for the velocities.
 bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
   const Numbers8 x_max = largest(y, 0, 7, 3, plan_.n_slots);
   const double tolerance = stabilization_.tolerance;

@@ -12,14 +12,14 @@
 namespace lockstep {
 namespace {
 
-// Whether markers are parallel is a matter of numbers.
+// Without the flag of parallel markers, which depends on numbers only.
 LinkPattern pattern_of(const Lock& link) {
   LinkPattern pattern = link.pattern();
   pattern.laws |= with::parallel;
   return pattern;
 }
 
-// In words how copy b differs from the first, a; "" if it is a copy.
+// How mechanism b differs from the first, a; "" if it is a copy.
 std::string difference(const System& a, const System& b) {
   const auto counts = [](const std::string& what, auto x, auto y) {
     return std::to_string(y) + " " + what + " instead of " + std::to_string(x);
@@ -48,7 +48,7 @@ std::string difference(const System& a, const System& b) {
   return "";
 }
 
-// Makes the integrator of this name; empty where the registry has none.
+// Makes the integrator of this name; empty if the registry has none.
 std::function<std::unique_ptr<Integrator>()> maker(const Registry& registry, const std::string& name) {
   if (registry.integrators.find(name) == nullptr) return {};
   return [&registry, name] { return registry.integrators.make(name, Params{}, &registry, "copies"); };
@@ -80,9 +80,9 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
 struct Copies::Work {
   std::vector<System*> systems;
   CopiesOptions options;
-  Registry own;  // where none was given
+  Registry own;  // if none was given
   std::function<std::unique_ptr<Integrator>()> make_integrator;
-  std::unique_ptr<Integrator> method;  // the one whose numbers the lanes take
+  std::unique_ptr<Integrator> method;  // whose coefficients the lanes use
   std::vector<std::unique_ptr<lanes::Batch>> batches;
   Aligned<double> y, rate;
 
@@ -99,7 +99,7 @@ struct Copies::Work {
     }
   }
   std::size_t first(const lanes::Batch& batch) const { return static_cast<std::size_t>(batch.first()); }
-  /// The states of a batch into its array, and their times.
+  /// Loads the states of a batch into its array; returns their times.
   lanes::Numbers8 load(lanes::Batch& batch, std::span<const State> states) {
     lanes::Numbers8 t{};
     for (int l = 0; l < kLanes; ++l) {

@@ -1,4 +1,4 @@
-// All passes for one set of instructions: included once by lane_avx512.cpp, lane_fma.cpp and lane_plain.cpp, which say
+// All passes for one instruction set: included once by lane_avx512.cpp, lane_fma.cpp and lane_plain.cpp, which define
 // LOCKSTEP_SET, LOCKSTEP_WIDE and LOCKSTEP_TARGET. Private to the room.
 #pragma once
 
@@ -151,7 +151,7 @@ LOCKSTEP_LANE void combine(std::size_t n, const double* y, const double* h, std:
   }
 }
 
-/// The arrays from this lane on.
+/// The arrays, beginning at this lane.
 LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   Numbers n = z;
   if (lane == 0) return n;
@@ -163,7 +163,7 @@ LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   return n;
 }
 
-// The pass of all eight lanes: as many rounds as packs make a row.
+// A pass over all eight lanes, in as many rounds as the packs need.
 #define LOCKSTEP_PASS(name, parameters, arguments)                   \
   LOCKSTEP_TARGET void name##_pass parameters {                      \
     for (int lane = 0; lane < kLanes; lane += kWide) name arguments; \

@@ -1,8 +1,8 @@
-// Numbers of which each is a pack: one number a copy. Vectors of them are those of math/vec.h. Private to the room.
+// Numbers that are packs, one value per copy; vectors of them are those of math/vec.h. Private to the room.
 //
-// Compiled once for each set of instructions, into a namespace of its own: LOCKSTEP_SET, with packs of LOCKSTEP_WIDE
-// lanes, as many as a register holds. Everything is always inlined, so that it is compiled for the set of the pass that
-// calls it. Memory holds eight lanes side by side in every case; narrower packs make several rounds (lane_all.h).
+// Compiled once per instruction set, in the namespace LOCKSTEP_SET, with packs of LOCKSTEP_WIDE lanes, as many as a
+// register holds. Everything is always inlined, so that it is compiled for the instruction set of the calling pass. In
+// memory there are always eight lanes side by side; narrower packs make several rounds (lane_all.h).
 #pragma once
 
 #include <lockstep/jet.h>

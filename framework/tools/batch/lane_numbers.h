@@ -1,4 +1,4 @@
-// Numbers: the arrays of the copies; every number is a pack of eight. Private to the room.
+// Numbers: the arrays of a batch, in packs of eight. Private to the room.
 #pragma once
 
 #include "framework/dynamics/solvers/elimination.h"
@@ -6,8 +6,8 @@
 
 namespace lockstep::lanes {
 
-/// Those of the elimination (Numbers::rows being J), and by slot, the ground behind them: body; without the ground:
-/// a_f, wrench. By row: C, Ct.
+/// Those of the elimination (Numbers::rows being J). Per slot, then for the ground: body; per slot: a_f, wrench. Per row:
+/// C, Ct.
 struct Numbers : schur::Numbers {
   const double* y = nullptr;  ///< state: q, v, s
   const double* gravity = nullptr;

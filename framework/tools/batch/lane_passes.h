@@ -1,4 +1,4 @@
-// The passes over all bodies and nodes of eight copies, compiled for three sets of instructions. Private to the room.
+// The passes over all bodies and nodes of eight copies, compiled for three instruction sets. Private to the room.
 #pragma once
 
 #include <lockstep/batch.h>
@@ -23,7 +23,7 @@ struct Passes {
   void (*largest_scales)(const Plan&, const Numbers&, double* out) = nullptr;
   /// For residual_floor(): the largest S_jj of each RowKind, and the energy; 4 packs.
   void (*energies)(const Plan&, const Numbers&, double* out) = nullptr;
-  /// A pack, 0 where |r| <= tolerance max(scale, floor of its kind) in every row, else 1; a NaN is never met.
+  /// A pack, 0 where |r| <= tolerance max(scale, floor of its kind) in every row, else 1 (also for a NaN).
   void (*unmet)(const Plan&, const Numbers&, double tolerance, double* out) = nullptr;
   /// The norm of Dynamics::norm for each copy: metres; L: a pack.
   void (*norm)(const Plan&, const double* c, const double* L, double* out) = nullptr;
@@ -34,10 +34,10 @@ struct Passes {
                   const double* w, double* out) = nullptr;
 };
 
-/// Throws ModelError where the machine has not got these instructions.
+/// Throws ModelError if the machine does not have these instructions.
 Passes passes(Instructions);
 
-// What it chooses from, each compiled in a file of its own.
+// One set of passes per instruction set, each compiled in its own file.
 namespace avx512 {
 Passes all_passes();
 }

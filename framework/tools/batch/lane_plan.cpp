@@ -7,7 +7,7 @@
 namespace lockstep::lanes {
 namespace {
 
-// Classes that are a mask and nothing else: what one of another's own adds would not be seen.
+// Exactly these classes, which are masks only: a subclass could add behaviour that the lanes would ignore.
 template <class... Joints>
 bool is_any_of(const Lock& link) {
   return ((typeid(link) == typeid(Joints)) || ...);

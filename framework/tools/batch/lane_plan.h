@@ -1,5 +1,5 @@
-// The plan of the copies: the plan of the elimination (dynamics/solvers/schur_plan.h), counted in packs of eight, and
-// what the rows of each link are calculated from. Private to the room.
+// The plan of a batch: the plan of the elimination (dynamics/solvers/schur_plan.h) in packs of eight, and where the data
+// of each link are. Private to the room.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ inline constexpr std::size_t kL = kLanes;  // as an index
 /// How the rotational half of a link is calculated.
 enum class Turn : unsigned char { none, parallel, plain, law };
 
-/// What the rows of one link are calculated from.
+/// Where the data of one link are.
 struct Link {
   int link = 0;         ///< in the system
   int m = 0;            ///< rows
@@ -58,7 +58,7 @@ namespace law {
 inline constexpr std::size_t p = 0, pd = 3, pdd = 6, q = 9, A = 13, w = 22, a = 25, size = 28;
 }
 
-/// In words why the mechanism cannot run in lanes; "" if it can. The system is set up.
+/// Why the mechanism cannot run in lanes; "" if it can. The system is set up.
 std::string unsuited(const System&);
 Plan make_plan(const System&);
 

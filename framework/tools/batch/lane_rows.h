@@ -8,10 +8,10 @@
 
 namespace lockstep::lanes::LOCKSTEP_SET {
 
-/// What the rows are asked for: the right side Qhat, or what projection moves to zero: C and Ct.
+/// What the rows are for: accelerations need the right side Qhat, the projection C and Ct.
 enum class For { acceleration, projection };
 
-/// The numbers of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (null: the ground).
+/// The data of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (null: the ground).
 struct LinkRows {
   const double *O1, *O2, *markers, *laws;
   double *J1, *J2;
@@ -61,7 +61,7 @@ struct LinkRows {
   }
 };
 
-/// f<j>(): an axis as a constant.
+/// Calls f<j>() with the axis as a constant.
 template <class F>
 LOCKSTEP_LANE void with_axis(int j, F&& f) {
   if (j == 0) return f.template operator()<0>();

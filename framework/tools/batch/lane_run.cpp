@@ -1,4 +1,4 @@
-// Explicit Runge-Kutta in lanes: every copy has its own time, step and error control, the attempts go in lockstep. A
+// Explicit Runge-Kutta in lanes: every copy has its own time, step and error control; the attempts are made together. A
 // copy whose attempt is rejected repeats it with a smaller step while the others go on.
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ constexpr std::size_t kL = kLanes;
 struct Lane {
   explicit Lane(int order) : control(order) {}
   bool going = false;  // steps in lanes
-  bool tried = false;  // an attempt at its present step was rejected
+  bool rejected = false;  // an attempt at the present step was rejected
   bool lands = false;  // the present attempt ends on the schedule's next instant
   double advised = 0, asked = 0;
   OutputSchedule schedule;
@@ -127,7 +127,7 @@ double LaneRun::first_step(int lane, const State& start) const {
   }
 }
 
-// At the schedule's next instant.
+// Ends a step at the schedule's next instant.
 void LaneRun::arrive(int lane) {
   Lane& the = lanes_[static_cast<std::size_t>(lane)];
   bool output = false;
@@ -145,7 +145,7 @@ void LaneRun::arrive(int lane) {
 void LaneRun::choose_steps() {
   for (std::size_t l = 0; l < kL; ++l) {
     Lane& the = lanes_[l];
-    h_[l] = 0;  // lanes that are done do not move
+    h_[l] = 0;  // lanes that have ended do not move
     if (!the.going) continue;
     double h = the.advised;
     if (task_.options.max_step > 0) h = std::min(h, task_.options.max_step);
@@ -243,10 +243,10 @@ void LaneRun::accept(int lane, double error) {
   reports_[l].t = t_[l];
   ++reports_[l].steps;
   if (!fixed_) {
-    const double next = h_[l] * the.control.accept(h_[l], error, 0, the.tried);
-    the.advised = the.tried ? next : advised_after(the.asked, h_[l], h_[l], next);
+    const double next = h_[l] * the.control.accept(h_[l], error, 0, the.rejected);
+    the.advised = the.rejected ? next : advised_after(the.asked, h_[l], h_[l], next);
   }
-  the.tried = false;
+  the.rejected = false;
   System& system = batch_.system(lane);
   if (system.n_memory() > 0) {
     batch_.get(lane, y_.data(), state_);
@@ -262,11 +262,11 @@ void LaneRun::accept(int lane, double error) {
   if (the.lands) arrive(lane);
 }
 
-// Repeats with a smaller step; what cannot be stepped leaves for the ordinary path, which names it.
+// Repeats with a smaller step; a copy that cannot go on leaves for the scalar code, which reports the error.
 void LaneRun::reject(int lane, double factor) {
   const auto l = static_cast<std::size_t>(lane);
   ++reports_[l].rejected;
-  lanes_[l].tried = true;
+  lanes_[l].rejected = true;
   lanes_[l].advised = factor * h_[l];
   if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
 }

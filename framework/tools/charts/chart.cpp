@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/tools/charts/chart_style.h"
 #include <lockstep/error.h>
+#include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
 namespace {
@@ -22,21 +22,11 @@ Extent extent_x(const ChartSpec& spec) {
 void check(const ChartSpec& spec) {
   if (spec.panels.empty())
     throw ModelError(fmt::format("chart \"{}\" has no panels; give it at least one", spec.title));
-  for (const Panel& p : spec.panels) {
-    Extent x{}, y{};
-    for (const Series& s : p.series) {
-      chart_style::check(s, spec.title);
-      x.take(s.x, spec.log_x);
-      y.take(s.y, p.log_y);
-    }
-    if (!x.any || !y.any)
-      throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it a series with numbers{}",
-                                   spec.title, p.y_label,
-                                   spec.log_x || p.log_y ? " above zero, or take the logarithm away" : ""));
-  }
+  for (const Panel& p : spec.panels)
+    check_panel(p.series, spec.log_x, p.log_y, spec.title, p.y_label,
+                std::string("a series with numbers") +
+                    (spec.log_x || p.log_y ? " above zero, or take the logarithm away" : ""));
 }
-
-std::string block(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
 
 void range(Script& out, char a, const std::optional<Range>& r) {
   if (r)
@@ -45,8 +35,8 @@ void range(Script& out, char a, const std::optional<Range>& r) {
     out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
 }
 
-// What is there and a twentieth of it above and below; around what stays constant, a twentieth of its size.
-// Nothing where that is beyond all numbers.
+// The range of the data and a twentieth of it above and below; around a constant, a twentieth of its size. None if
+// that overflows.
 std::optional<Range> with_margin(const Extent& y) {
   constexpr double kPart = 0.05, kConstant = 1e-5;
   const double size = std::max(std::abs(y.low), std::abs(y.high)), span = y.high - y.low;
@@ -56,31 +46,30 @@ std::optional<Range> with_margin(const Extent& y) {
   return std::isfinite(r.first) && std::isfinite(r.second) ? std::optional(r) : std::nullopt;
 }
 
-constexpr double kLeft = 104, kRight = 28;  // pixels beside the panels
+constexpr double kLeft = 104, kRight = 28;  // pixels to the left and right of the panels
 
 struct Legend {
   std::size_t n_columns, n_rows;
-  double width;  ///< letters that a column gets beyond gnuplot's own count, which takes them for narrower than they are
+  double width;  ///< letters added to each column: gnuplot underestimates their width
 };
 
 Legend legend_of(const Panel& p, int picture_width) {
-  constexpr double kLetter = 10, kSample = 70;
   std::size_t n = 0, longest = 0;
   for (const Series& s : p.series) {
     n += s.label.empty() ? 0 : 1;
     longest = std::max(longest, s.label.size());
   }
-  const double letters = static_cast<double>(longest), one = kLetter * letters + kSample;
-  const auto columns = static_cast<std::size_t>(std::clamp((picture_width - kLeft - kRight) / one, 1.0, 20.0));
+  const double letters = static_cast<double>(longest);
+  const std::size_t columns = legend_columns(picture_width - kLeft - kRight, letters, 10);
   return {columns, (n + columns - 1) / columns, 1 + 0.3 * letters};
 }
 
-// Places as parts of the picture, from its left and its lower edge.
+// Fractions of the picture, from its left and its lower edge.
 struct Layout {
   double left, right, first_top, plot_height, pitch;
 };
 
-// Every panel has the same room for its legend, that of the panel which needs most, and so the same height.
+// Every panel has the same height, with room for the largest legend.
 Layout layout_of(const ChartSpec& spec) {
   constexpr double kRow = 21, kGap = 12;
   std::size_t n_rows = 0;
@@ -96,13 +85,12 @@ Layout layout_of(const ChartSpec& spec) {
 
 void place(Script& out, const Layout& all, const Legend& legend, std::size_t k) {
   const double top = all.first_top - static_cast<double>(k) * all.pitch;
-  out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", all.left, all.right));
-  out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", top, top - all.plot_height));
+  margins(out, all.left, all.right, top, top - all.plot_height);
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal maxcols {} width {}", all.left,
                        top, legend.n_columns, legend.width));
 }
 
-// Distance of the tics, 1, 2 or 5 times a power of ten: no closer than this height holds, but two of them in it.
+// Distance of the tics, 1, 2 or 5 times a power of ten: as many as fit the height, and at least two.
 double tic_step(double low, double high, double height) {
   const double most = std::clamp(std::floor(height / 32), 2.0, 10.0);
   const double raw = (high - low) / most;
@@ -136,10 +124,9 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   range(out, 'x', spec.x_range);
   range(out, 'y', seen);
   notes(out, p.notes);
-  std::string clauses;
-  for (std::size_t i = 0; i < p.series.size(); ++i)
-    clauses += (i == 0 ? "plot " : ", \\\n     ") + plot_clause(block(k, i), p.series[i], i);
-  out.line(clauses);
+  std::vector<std::string> clauses;
+  for (std::size_t i = 0; i < p.series.size(); ++i) clauses.push_back(plot_clause(block_name(k, i), p.series[i], i));
+  plot(out, clauses);
 }
 
 }  // namespace
@@ -151,9 +138,7 @@ Series curve(const Table& table, const std::string& x, const std::string& y, con
 void write_chart(const std::string& path, const ChartSpec& spec) {
   check(spec);
   Script out;
-  for (std::size_t k = 0; k < spec.panels.size(); ++k)
-    for (std::size_t i = 0; i < spec.panels[k].series.size(); ++i)
-      series_data(out, block(k, i), spec.panels[k].series[i]);
+  panel_data(out, spec.panels);
   common(out);
   begin_page(out, spec.panels.size(), spec.title);
   const Layout layout = layout_of(spec);

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "framework/tools/charts/chart_style.h"
 #include <lockstep/error.h>
+#include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
 namespace {
@@ -17,28 +17,27 @@ using namespace chart_style;
 constexpr double kTitle = 54, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
-// Those of chart_style and five more, still apart for most eyes; marks and dashes tell the rest.
+// The colours of chart_style and five more, which most readers can distinguish; marks and dashes do the rest.
 constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
                                               "#000000", "#882255", "#999933", "#5b3fa0", "#8c564b", "#7f7f7f"};
 
 constexpr std::size_t kOneLine = 98;  // letters of a title
 
-/// All labels with what stands for them.
+/// All labels with their line styles and colours.
 struct Legend {
   std::vector<std::string> labels;
   std::vector<SeriesStyle> styles;
   std::vector<std::string> colors;
   std::size_t n_columns = 1, n_rows = 0;
-  double width = 0;  // letters that a column gets beyond gnuplot's own count
+  double width = 0;  // letters added to each column: gnuplot underestimates their width
 
   std::size_t index(const std::string& label) const {
     return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
   }
 };
 
-// What has a colour of its own comes last and leaves the colours of the others alone.
+// Series with a colour of their own come last, so that they do not shift the colours of the others.
 Legend legend_of(const GridSpec& spec) {
-  constexpr double kLetter = 9.5, kSample = 70;
   Legend legend;
   std::size_t longest = 0;
   for (const bool own_color : {false, true})
@@ -51,8 +50,7 @@ Legend legend_of(const GridSpec& spec) {
         longest = std::max(longest, s.label.size());
       }
   const double letters = static_cast<double>(longest);
-  const auto fits =
-      static_cast<std::size_t>(std::clamp((spec.width - kLeft - kRight) / (kLetter * letters + kSample), 1.0, 20.0));
+  const std::size_t fits = legend_columns(spec.width - kLeft - kRight, letters, 9.5);
   const std::size_t n = legend.labels.size();
   legend.n_rows = (n + fits - 1) / fits;
   legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
@@ -80,20 +78,24 @@ Layout layout_of(const GridSpec& spec, const Legend& legend) {
   return all;
 }
 
-std::string block(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
+// An invisible plot that fills the page, for what is placed by page coordinates.
+void whole_page(Script& out) {
+  out.line("unset border\nunset tics\nunset xlabel\nunset ylabel\nunset object\nunset label\nunset logscale");
+  out.line("set xrange [0:1]\nset yrange [0:1]");
+  margins(out, 0, 1, 1, 0);
+}
 
 void add_legend(Script& out, const Layout& all, const Legend& legend) {
-  out.line("unset border\nunset tics\nunset xlabel\nunset ylabel\nset xrange [0:1]\nset yrange [0:1]");
-  out.line("set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1");
+  whole_page(out);
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
                        kLeft / all.width, 1 - (all.title - 6) / all.height, legend.n_columns, legend.width));
-  std::string clauses = "plot 2 notitle";
+  std::vector<std::string> clauses{"2 notitle"};
   for (std::size_t i = 0; i < legend.labels.size(); ++i) {
     std::string clause = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);
     clause.replace(0, std::string("$none using 1:2").size(), "keyentry");
-    clauses += ", \\\n     " + clause;
+    clauses.push_back(clause);
   }
-  out.line(clauses);
+  plot(out, clauses);
   out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
 }
 
@@ -101,10 +103,8 @@ void place(Script& out, const GridSpec& spec, const Layout& all, std::size_t k) 
   const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(k / all.n_columns);
   const double left = kLeft + column * (all.plot_width + kBetween);
   const double top = all.top + row * spec.panel_height + kAbove;
-  out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", left / all.width,
-                       (left + all.plot_width) / all.width));
-  out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", 1 - top / all.height,
-                       1 - (top + all.plot_height) / all.height));
+  margins(out, left / all.width, (left + all.plot_width) / all.width, 1 - top / all.height,
+          1 - (top + all.plot_height) / all.height);
 }
 
 // Whole decades around what is there, so that every axis has labels.
@@ -137,23 +137,20 @@ void add_panel(Script& out, const GridSpec& spec, const Layout& all, const Legen
   out.line(
       fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
   strip(out, panel, spec.strip_label);
-  std::string clauses;
+  std::vector<std::string> clauses;
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     Series s = panel.series[i];
     const std::size_t n = s.label.empty() ? i : legend.index(s.label);
     if (!s.label.empty()) s.color = color_or(legend.colors[n], n, "series \"" + s.label + "\"");
     s.label.clear();
-    clauses += (clauses.empty() ? "plot " : ", \\\n     ") + plot_clause(block(k, i), s, n);
+    clauses.push_back(plot_clause(block_name(k, i), s, n));
   }
-  out.line(clauses);
+  plot(out, clauses);
 }
 
 void add_remarks(Script& out, const GridSpec& spec, const Layout& all) {
   if (spec.remarks.empty()) return;
-  out.line(
-      "unset border\nunset tics\nunset xlabel\nunset ylabel\nunset object\nunset label\nset xrange [0:1]\nset "
-      "yrange [0:1]\nunset logscale");
-  out.line("set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1");
+  whole_page(out);
   for (std::size_t i = 0; i < spec.remarks.size(); ++i)
     out.line(
         fmt::format("set label {} {} at screen {:.5f}, screen {:.5f} left noenhanced font ',10' textcolor rgb "
@@ -165,16 +162,8 @@ void add_remarks(Script& out, const GridSpec& spec, const Layout& all) {
 
 void check(const GridSpec& spec) {
   if (spec.panels.empty()) throw ModelError(fmt::format("chart \"{}\" has no panels; give it one", spec.title));
-  for (const GridPanel& panel : spec.panels) {
-    Extent x{}, y{};
-    for (const Series& s : panel.series) {
-      chart_style::check(s, spec.title);
-      x.take(s.x, true), y.take(s.y, true);
-    }
-    if (!x.any || !y.any)
-      throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it numbers above zero",
-                                   spec.title, panel.title));
-  }
+  for (const GridPanel& panel : spec.panels)
+    check_panel(panel.series, true, true, spec.title, panel.title, "numbers above zero");
 }
 
 }  // namespace
@@ -184,9 +173,7 @@ void write_grid(const std::string& path, const GridSpec& spec) {
   const Legend legend = legend_of(spec);
   const Layout all = layout_of(spec, legend);
   Script out;
-  for (std::size_t k = 0; k < spec.panels.size(); ++k)
-    for (std::size_t i = 0; i < spec.panels[k].series.size(); ++i)
-      series_data(out, block(k, i), spec.panels[k].series[i]);
+  panel_data(out, spec.panels);
   common(out);
   begin_page(out, 1, spec.title);
   add_legend(out, all, legend);

@@ -1,4 +1,4 @@
-// Grids: log-log panels beside and under one another, one legend for all of them above, remarks below.
+// Grids of log-log panels, with one legend above and remarks below.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace lockstep {
 
-/// Both axes logarithmic, both its own.
+/// A panel with its own logarithmic axes.
 struct GridPanel {
   std::string title, x_label;
   std::vector<Series> series;
-  double strip_from = 0;  ///< what lies above this y stands in a shaded strip with a name of its own; 0: no strip
-  Range y_range{0, 0};    ///< {0, 0}: what is there
+  double strip_from = 0;  ///< above this y the panel is a shaded strip; 0: no strip
+  Range y_range{0, 0};    ///< {0, 0}: that of the data
 };
 
 /// Series of one label have one colour and one mark in all panels, and one entry in the legend.
@@ -26,7 +26,7 @@ struct GridSpec {
   int width = 1300, panel_height = 400;  ///< pixels
 };
 
-/// Write `<base>.svg` and `<base>.png` like write_chart, with the same errors.
+/// Writes `<base>.svg` and `<base>.png` as write_chart does, with the same errors.
 LOCKSTEP_API void write_grid(const std::string& path, const GridSpec&);
 
 }  // namespace lockstep

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/tools/charts/chart_style.h"
 #include <lockstep/error.h>
+#include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
 namespace {
@@ -36,7 +36,7 @@ void check(const MapSpec& spec) {
   for (const Series& s : spec.curves) chart_style::check(s, spec.title);
 }
 
-// Half way to the neighbours, in the logarithm where the axis is logarithmic; the outer edges mirror the inner ones.
+// Half way to the neighbours, in the logarithm on a logarithmic axis; the outer edges mirror the inner ones.
 std::vector<double> edges(const std::vector<double>& centers, bool log) {
   std::vector<double> c = centers, e;
   if (log) std::transform(c.begin(), c.end(), c.begin(), [](double v) { return std::log(v); });
@@ -47,7 +47,7 @@ std::vector<double> edges(const std::vector<double>& centers, bool log) {
   return e;
 }
 
-// Cells as boxes: x, y, x low, x high, y low, y high, value. One block a kind, so that each has its own legend.
+// Cells as boxes: x, y, x low, x high, y low, y high, value. One block per kind, each with its own legend entry.
 void cell_data(Script& out, const std::string& name, const MapSpec& spec, int kind) {
   const std::vector<double> ex = edges(spec.x, spec.log_x), ey = edges(spec.y, spec.log_y);
   out.begin_data(name);
@@ -91,12 +91,6 @@ std::vector<std::string> cell_clauses(Script& out, const MapSpec& spec) {
   return clauses;
 }
 
-std::string plot_of(const std::vector<std::string>& clauses) {
-  std::string all;
-  for (const std::string& c : clauses) all += (all.empty() ? "plot " : ", \\\n     ") + c;
-  return all;
-}
-
 void add_map(Script& out, const MapSpec& spec) {
   std::vector<std::string> clauses = cell_clauses(out, spec);
   const std::vector<double> ex = edges(spec.x, spec.log_x), ey = edges(spec.y, spec.log_y);
@@ -112,7 +106,7 @@ void add_map(Script& out, const MapSpec& spec) {
     series_data(out, name, s);
     clauses.push_back(plot_clause(name, s, i));
   }
-  out.line(plot_of(clauses));
+  plot(out, clauses);
 }
 
 void check(const BarSpec& spec) {
@@ -192,7 +186,7 @@ void write_bars(const std::string& path, const BarSpec& spec) {
     clauses.push_back(
         fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels offset 0,0.6 font ',10' notitle", name));
   }
-  out.line(plot_of(clauses));
+  plot(out, clauses);
   end_page(out);
   draw(out, path, spec.width, spec.height);
 }

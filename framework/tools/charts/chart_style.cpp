@@ -21,7 +21,7 @@ bool is_color(const std::string& text) {
          std::all_of(text.begin() + 1, text.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-// Of every run of points the first, the least, the largest: a picture 1000 pixels wide shows no more.
+// Of each run of points the first, the least and the largest: a picture 1000 pixels wide shows no more.
 std::vector<std::size_t> thinned(const Series& s) {
   std::vector<std::size_t> keep;
   const std::size_t n = s.y.size();
@@ -45,13 +45,13 @@ std::vector<std::size_t> thinned(const Series& s) {
   return keep;
 }
 
-// The end of a character, or the start of the text, at or before byte `at`.
+// The last position at or before byte `at` that does not split a UTF-8 character.
 std::size_t character_end(const std::string& text, std::size_t at) {
   while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) --at;
   return std::min(at, text.size());
 }
 
-// A title as wide as the picture at most: smaller letters for a long one, then two lines, then an end cut off.
+// A title no wider than the picture: smaller letters for a long one, then two lines, then cut off.
 std::string fitted(const std::string& title) {
   constexpr std::size_t kLarge = 68, kSmall = 98;  // letters that fit into 800 pixels
   if (title.size() <= kSmall) {
@@ -103,7 +103,7 @@ void axis(Script& out, char a, const std::string& label, bool log, double low, d
     return;
   }
   out.line(fmt::format("set logscale {}", a));
-  const bool plain = low >= 1e-4 && high <= 1e5;  // numbers that are easier to read than powers
+  const bool plain = low >= 1e-4 && high <= 1e5;  // easier to read than powers of ten
   out.line(fmt::format("set format {} '{}'", a, plain ? "%g" : "10^{%T}"));
   if (high / low >= 30) return;
   std::string ticks;  // a decade or less: 1, 2 and 5 of each
@@ -155,6 +155,22 @@ std::string plot_clause(const std::string& name, const Series& s, std::size_t n)
   }
 }
 
+std::string block_name(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
+
+void plot(Script& out, const std::vector<std::string>& clauses) {
+  out.line(fmt::format("plot {}", fmt::join(clauses, ", \\\n     ")));
+}
+
+void margins(Script& out, double left, double right, double top, double bottom) {
+  out.line(fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}", left, right));
+  out.line(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", top, bottom));
+}
+
+std::size_t legend_columns(double width, double letters, double letter_width) {
+  constexpr double kSample = 70;  // pixels of the line in front of a label
+  return static_cast<std::size_t>(std::clamp(width / (letter_width * letters + kSample), 1.0, 20.0));
+}
+
 void check(const Series& s, const std::string& chart) {
   if (s.x.size() != s.y.size())
     throw ModelError(fmt::format("chart \"{}\": series \"{}\" has {} x and {} y; give both the same number", chart,
@@ -168,6 +184,17 @@ void Extent::take(std::span<const double> values, bool log) {
     high = any ? std::max(high, v) : v;
     any = true;
   }
+}
+
+void check_panel(const std::vector<Series>& series, bool log_x, bool log_y, const std::string& chart,
+                 const std::string& panel, const std::string& advice) {
+  Extent x{}, y{};
+  for (const Series& s : series) {
+    check(s, chart);
+    x.take(s.x, log_x), y.take(s.y, log_y);
+  }
+  if (!x.any || !y.any)
+    throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it {}", chart, panel, advice));
 }
 
 }  // namespace lockstep::chart_style

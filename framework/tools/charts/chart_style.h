@@ -1,4 +1,4 @@
-// What all charts look alike in; for the chart_*.cpp files only.
+// The common style of all charts. Private to the chart_*.cpp files.
 #pragma once
 
 #include <span>
@@ -11,23 +11,36 @@
 
 namespace lockstep::chart_style {
 
-/// The n-th of the colours that remain apart for colour-blind eyes.
+/// The n-th colour of a palette for colour-blind readers.
 std::string color(std::size_t n);
-/// `wanted` when it is "#rrggbb", else ModelError naming `what`; the n-th colour for "".
+/// `wanted` if it is "#rrggbb", the n-th colour for ""; else throws ModelError naming `what`.
 std::string color_or(const std::string& wanted, std::size_t n, const std::string& what);
 /// Fonts, grid, borders, legend above the picture.
 void common(Script&);
-/// Begins a page of n panels under one another with its title, above the legend; `end_page` ends it.
+/// Begins a page of n panels, one below the other, with its title above the legend; `end_page` ends it.
 void begin_page(Script&, std::size_t n, const std::string& title);
 void end_page(Script&);
-/// Label, logarithm, range of axis 'x' or 'y'; `low` and `high`: what is to be seen, for a choice of ticks.
+/// Label, scale and ticks of axis 'x' or 'y'; `low` and `high`: the range shown.
 void axis(Script&, char axis, const std::string& label, bool log, double low, double high);
 void notes(Script&, const std::vector<Note>&);
 /// Data block `$name` of the series, thinned to what a picture can show.
 void series_data(Script&, const std::string& name, const Series&);
+/// The name of the data block of one series of one panel, and all blocks of some panels.
+std::string block_name(std::size_t panel, std::size_t series);
+template <class P>
+void panel_data(Script& out, const std::vector<P>& panels) {
+  for (std::size_t k = 0; k < panels.size(); ++k)
+    for (std::size_t i = 0; i < panels[k].series.size(); ++i) series_data(out, block_name(k, i), panels[k].series[i]);
+}
+/// One plot command of these clauses.
+void plot(Script&, const std::vector<std::string>& clauses);
+/// Edges of the next plot, as fractions of the picture from its left and its lower edge.
+void margins(Script&, double left, double right, double top, double bottom);
+/// How many legend entries of `letters` letters fit side by side into `width` pixels.
+std::size_t legend_columns(double width, double letters, double letter_width);
 /// "$name using 1:2 with lines ...", n-th colour.
 std::string plot_clause(const std::string& name, const Series&, std::size_t n);
-/// Throws ModelError: lengths differ.
+/// Throws ModelError if x and y differ in length.
 void check(const Series&, const std::string& chart);
 
 /// Least and largest number that can be drawn on an axis.
@@ -36,5 +49,8 @@ struct Extent {
   bool any = false;
   void take(std::span<const double> values, bool log);
 };
+/// Throws ModelError if a panel has a bad series, or no number to draw; `advice` ends the message.
+void check_panel(const std::vector<Series>&, bool log_x, bool log_y, const std::string& chart, const std::string& panel,
+                 const std::string& advice);
 
 }  // namespace lockstep::chart_style

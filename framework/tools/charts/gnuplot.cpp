@@ -23,7 +23,7 @@ namespace lockstep {
 namespace {
 namespace fs = std::filesystem;
 
-// A folder of our own for the script and for what gnuplot says; gone at the end.
+// A temporary folder for the script and for gnuplot's output; removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -55,7 +55,7 @@ std::string contents(const std::string& file) {
   return text.str();
 }
 
-// Runs the program in the folder with its arguments as they are; what it says goes to said.txt. 0 when all went well.
+// Runs the program in the folder; its output goes to said.txt. Returns its exit code.
 int run(const std::string& program, std::span<const std::string> arguments, const std::string& folder) {
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -86,7 +86,7 @@ std::string base_of(const std::string& path) {
   return path;
 }
 
-// gnuplot writes under names of ours: its own reading of an output name ("| command", quotes) never meets the user's.
+// gnuplot writes to file names that we choose: it would interpret a user's ("| command", quotes).
 std::string head(const char* file, const std::string& terminal) {
   return fmt::format("set terminal {} enhanced background '#ffffff' linewidth 1.2\nset output '{}'\n", terminal, file);
 }

@@ -1,5 +1,4 @@
-// Script: the commands of one picture, handed to gnuplot. Nothing passes through a shell, and no text of the user's can
-// become a command.
+// Script: the gnuplot commands of one picture. No shell is involved, and no text of the user's can become a command.
 #pragma once
 
 #include <span>
@@ -10,13 +9,13 @@
 
 namespace lockstep {
 
-/// Where gnuplot is in PATH; "" when it is not installed.
+/// The path of gnuplot; "" if it is not in PATH.
 LOCKSTEP_API std::string find_gnuplot();
 
 class LOCKSTEP_API Script {
  public:
   Script& line(std::string_view commands);
-  /// Numbers as the data block `$name`, a row a line; what is not finite becomes a gap. Blank rows by `gap`.
+  /// A data block `$name`: rows of numbers, in which what is not finite becomes a gap, and blank rows.
   Script& begin_data(std::string_view name);
   Script& row(std::span<const double> numbers);
   Script& gap();
@@ -27,7 +26,7 @@ class LOCKSTEP_API Script {
   std::string text_;
 };
 
-/// A text as gnuplot takes it literally: in single quotes. A single quote inside becomes a typographic one (gnuplot 5.4
+/// The text as a gnuplot literal, in single quotes. A single quote inside becomes a typographic one (gnuplot 5.4
 /// misreads a doubled one at the beginning), control characters become blanks.
 LOCKSTEP_API std::string quoted_text(std::string_view text);
 

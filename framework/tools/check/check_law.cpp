@@ -6,23 +6,23 @@
 #include <cmath>
 #include <functional>
 
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/tools/check/draw.h"
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/slope.h"
-#include <lockstep/error.h>
-#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
 
-// A law of any kind as three levels of n numbers; the first may be a rotation, whose 9 numbers are its matrix.
+// A law of any kind as numbers on three levels: value, first and second derivative. A rotation's value is its matrix.
 struct Levels {
-  int n[3];
-  std::vector<std::string> names;                           // of all numbers
+  int n[3];                        // numbers on each level
+  std::vector<std::string> names;  // of all numbers
+  const char* level_names[3];
   std::function<void(double t, VecX& out)> at;              // all numbers
-  std::function<void(double t, double x, VecX& out)> move;  // the first level from t to t + x, 3 or 1 numbers
-  std::function<void(double, double, std::vector<double>&)> breakpoints;
-  const char* words[3];  // of the levels
+  std::function<void(double t, double x, VecX& out)> move;  // change of the value from t to t + x, as n[1] numbers
+  std::function<void(double, double, std::vector<double>&)> breakpoints{};
 
   int first(int level) const { return level == 0 ? 0 : level == 1 ? n[0] : n[0] + n[1]; }
 };
@@ -38,16 +38,19 @@ class LawCheck {
 
   void run() {
     if (!finite()) return;
-    listed_ = list();
-    slopes();
+    listed_ = breakpoints();
+    derivatives();
     jumps();
   }
 
  private:
+  static constexpr int kInstants = 200;
+  double instant(int i) const { return options_.from + span_ * i / kInstants; }
+
   bool finite() {
     VecX f, again, other;
-    for (int i = 0; i <= 200; ++i) {
-      const double t = options_.from + span_ * i / 200;
+    for (int i = 0; i <= kInstants; ++i) {
+      const double t = instant(i);
       law_.at(t, f);
       size_ = i == 0 ? f.cwiseAbs() : VecX(size_.cwiseMax(f.cwiseAbs()));
       for (Eigen::Index c = 0; c < f.size(); ++c)
@@ -56,19 +59,20 @@ class LawCheck {
                                  "its formula there: a division by zero, a root or a logarithm of a negative number"});
           return false;
         }
-      law_.at(options_.to - span_ * i / 200, other);
+      law_.at(instant(kInstants - i), other);
       law_.at(t, again);
       if (again != f)
         report_.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
                              "what it keeps between two calls: a law is a function of t alone"});
     }
-    for (int level = 0; level < 3; ++level)  // the size of a whole level
-      size_.segment(law_.first(level), law_.n[level])
-          .setConstant(size_.segment(law_.first(level), law_.n[level]).maxCoeff());
+    for (int level = 0; level < 3; ++level) {  // the size of a number is that of its whole level
+      auto sizes = size_.segment(law_.first(level), law_.n[level]);
+      sizes.setConstant(sizes.maxCoeff());
+    }
     return true;
   }
 
-  std::vector<double> list() {
+  std::vector<double> breakpoints() {
     constexpr double kMark = -12345.5;
     std::vector<double> out{kMark};
     law_.breakpoints(options_.from, options_.to, out);
@@ -84,23 +88,23 @@ class LawCheck {
     return out;
   }
 
-  void slopes() {
+  void derivatives() {
     Draw draw(options_.seed);
     for (int i = 0; i < 8 * options_.states; ++i) {
       const double t = draw.number(options_.from, options_.to);
       double reach = std::min({span_ / 50, t - options_.from, options_.to - t});
       for (const double b : listed_) reach = std::min(reach, 0.9 * std::abs(t - b));
       if (reach < 1e-6 * span_) continue;
-      VecX here, numbers;
+      const auto value = [&](double x, VecX& out) { law_.move(t, x, out); };
+      const auto rate = [&](double x, VecX& out) {
+        VecX all;
+        law_.at(t + x, all);
+        out = all.segment(law_.first(1), law_.n[1]);
+      };
+      VecX here;
       law_.at(t, here);
-      compare(1, first_derivative([&](double x, VecX& out) { law_.move(t, x, out); }, reach), here, t);
-      const Slope second = first_derivative(
-          [&](double x, VecX& out) {
-            law_.at(t + x, numbers);
-            out = numbers.segment(law_.first(1), law_.n[1]);
-          },
-          reach);
-      compare(2, second, here, t);
+      compare(1, first_derivative(value, reach), here, t);
+      compare(2, first_derivative(rate, reach), here, t);
     }
   }
 
@@ -120,26 +124,22 @@ class LawCheck {
   }
 
   void jumps() {
-    std::vector<std::vector<Jump>> of(static_cast<std::size_t>(size_.size()));
-    for (const Jump& j : find_jumps(law_.at, options_.from, options_.to, listed_))
-      of[static_cast<std::size_t>(j.component)].push_back(j);
-    for (std::size_t c = 0; c < of.size(); ++c) {
-      if (of[c].empty()) continue;
+    for (const auto& [c, all] : find_jumps(law_.at, options_.from, options_.to, listed_)) {
       std::vector<std::string> instants;
-      for (const Jump& j : of[c]) instants.push_back(fmt::format("{:.9g}", j.t));
+      for (const Jump& j : all) instants.push_back(fmt::format("{:.9g}", j.t));
       const std::size_t n = instants.size();
       if (n > 3) instants.resize(3);
       report_.add(fmt::format("jump {}", c),
                   {fmt::format("{} jumps at t = {} s{} (by {:.3g} at the first), which breakpoints() does not tell",
-                               name(static_cast<Eigen::Index>(c)), text::join(instants, n > 3 ? ", " : " and "),
-                               n > 3 ? fmt::format(" and {} more", n - 3) : "", of[c].front().size),
+                               name(c), text::join(instants, n > 3 ? ", " : " and "),
+                               n > 3 ? fmt::format(" and {} more", n - 3) : "", all.front().size),
                    "breakpoints(): append every instant where the value or one of its two derivatives jumps"});
     }
   }
 
-  const std::string& name(Eigen::Index c) const { return law_.names[static_cast<std::size_t>(c)]; }
+  const std::string& name(Eigen::Index c) const { return law_.names[c]; }
   std::string name_below(int level, int k) const {
-    return law_.n[level - 1] == law_.n[level] ? name(law_.first(level - 1) + k) : law_.words[level - 1];
+    return law_.n[level - 1] == law_.n[level] ? name(law_.first(level - 1) + k) : law_.level_names[level - 1];
   }
 
   Levels law_;
@@ -162,42 +162,42 @@ CheckReport checked(const Law& law, const char* kind, const std::string& name, c
 }  // namespace
 
 CheckReport check_law(const MotionLaw& law, const CheckOptions& options, const std::string& name) {
-  Levels l{{1, 1, 1}, {"y", "yd", "ydd"}, {}, {}, {}, {"y", "yd", "ydd"}};
-  l.at = [&](double t, VecX& out) {
+  const auto at = [&](double t, VecX& out) {
     const LawValue v = law.at(t);
     out = Vec3(v.y, v.yd, v.ydd);
   };
-  l.move = [&](double t, double x, VecX& out) { out = VecX::Constant(1, law.at(t + x).y); };
-  return checked(law, "law", name, options, std::move(l));
+  const auto move = [&](double t, double x, VecX& out) { out = VecX::Constant(1, law.at(t + x).y); };
+  return checked(law, "law", name, options, {{1, 1, 1}, {"y", "yd", "ydd"}, {"y", "yd", "ydd"}, at, move});
 }
 
 CheckReport check_law(const TranslationLaw& law, const CheckOptions& options, const std::string& name) {
-  Levels l{{3, 3, 3},      {"x[0]", "x[1]", "x[2]", "v[0]", "v[1]", "v[2]", "a[0]", "a[1]", "a[2]"}, {}, {}, {},
-           {"x", "v", "a"}};
-  l.at = [&](double t, VecX& out) {
+  const auto at = [&](double t, VecX& out) {
     const TranslationValue v = law.at(t);
     out.resize(9);
     out << v.x, v.v, v.a;
   };
-  l.move = [&](double t, double x, VecX& out) { out = law.at(t + x).x; };
-  return checked(law, "translation law", name, options, std::move(l));
+  const auto move = [&](double t, double x, VecX& out) { out = law.at(t + x).x; };
+  return checked(
+      law, "translation law", name, options,
+      {{3, 3, 3}, {"x[0]", "x[1]", "x[2]", "v[0]", "v[1]", "v[2]", "a[0]", "a[1]", "a[2]"}, {"x", "v", "a"}, at, move});
 }
 
 CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const std::string& name) {
-  Levels l{{9, 3, 3}, {}, {}, {}, {}, {"q", "w", "a"}};
-  for (const char* at : {"00", "10", "20", "01", "11", "21", "02", "12", "22"})
-    l.names.push_back(std::string("the rotation matrix of q [") + at[0] + "][" + at[1] + "]");
-  for (const char* letter : {"w", "a"})
-    for (const char* k : {"[0]", "[1]", "[2]"}) l.names.push_back(std::string(letter) + k);
-  l.at = [&](double t, VecX& out) {
+  std::vector<std::string> names;
+  for (int k = 0; k < 9; ++k) names.push_back(fmt::format("the rotation matrix of q [{}][{}]", k % 3, k / 3));
+  for (int k = 0; k < 6; ++k) names.push_back(fmt::format("{}[{}]", "wa"[k / 3], k % 3));
+  const auto at = [&](double t, VecX& out) {
     const RotationValue v = law.at(t);
     const Mat3 A = rotation(v.q);
     out.resize(15);
-    out << Eigen::Map<const Eigen::Matrix<double, 9, 1>>(A.data()), v.w, v.a;
+    out << A.reshaped(), v.w, v.a;
   };
   // (1.13): w is the rate of the rotation vector of q(t)' q(t + x) at x = 0, in the moved frame's own axes
-  l.move = [&](double t, double x, VecX& out) { out = rotation_vector(conjugate(law.at(t).q) * law.at(t + x).q); };
-  CheckReport report = checked(law, "rotation law", name, options, std::move(l));
+  const auto move = [&](double t, double x, VecX& out) {
+    out = rotation_vector(conjugate(law.at(t).q) * law.at(t + x).q);
+  };
+  CheckReport report =
+      checked(law, "rotation law", name, options, {{9, 3, 3}, std::move(names), {"q", "w", "a"}, at, move});
   for (int i = 0; i <= 200; ++i) {
     const double t = options.from + (options.to - options.from) * i / 200, n = std::sqrt(norm2(law.at(t).q));
     if (std::isfinite(n) && std::abs(n - 1) > 1e-12)

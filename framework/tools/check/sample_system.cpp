@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include <spdlog/fmt/fmt.h>
+
+#include <lockstep/error.h>
 #include "framework/tools/check/draw.h"
 
 namespace lockstep {
 namespace {
 
-// Slides and turns of markers: smooth, with exact derivatives.
+constexpr const char* kKindNames[] = {"both bodies moving", "S on the ground", "P on the ground",
+                                      "markers moving by laws"};
+
+// Smooth motions of markers, with exact derivatives.
 class Sway final : public TranslationLaw {
  public:
   explicit Sway(const Vec3& a) : a_(a) {}
@@ -32,20 +38,7 @@ class Wag final : public RotationLaw {
 
 }  // namespace
 
-const char* words_of(SampleKind kind) {
-  switch (kind) {
-    case SampleKind::moving:
-      return "both bodies moving";
-    case SampleKind::s_on_ground:
-      return "S on the ground";
-    case SampleKind::p_on_ground:
-      return "P on the ground";
-    default:
-      return "markers moving by laws";
-  }
-}
-
-SampleSystem::SampleSystem(SampleKind kind, const CheckOptions& options) : kind_(kind), seed_(options.seed) {
+SampleSystem::SampleSystem(SampleKind sample_kind, const CheckOptions& options) : kind(sample_kind), seed_(options.seed) {
   Draw draw(seed_);
   const MassProperties mass{1.0, draw.vector(0.1), Vec3(0.5, 0.6, 0.7).asDiagonal()};
   const auto body = [&](const char* name, bool fixed) {
@@ -65,13 +58,41 @@ Attachment SampleSystem::attachment(const std::string& name) {
     const std::string of = name + (k == 0 ? "" : std::to_string(k + 1));
     Marker& p = system.add_marker(of + ".P", *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
     Marker& s = system.add_marker(of + ".S", *common_, {draw.vector(0.2), draw.turn(0.5)});
-    if (kind_ == SampleKind::markers_move) {
+    if (kind == SampleKind::markers_move) {
       p.translation_law = std::make_shared<Sway>(draw.vector(0.2)), p.rotation_law = std::make_shared<Wag>(draw.vector(1));
       s.translation_law = std::make_shared<Sway>(draw.vector(0.2)), s.rotation_law = std::make_shared<Wag>(draw.vector(1));
     }
     attachment.pairs.emplace_back(&p, &s);
   }
   return attachment;
+}
+
+CheckReport check_in_samples(const std::string& subject, const CheckOptions& options, const MakeCheck& make) {
+  CheckReport report(subject, options.seed);
+  for (const SampleKind kind :
+       {SampleKind::moving, SampleKind::s_on_ground, SampleKind::p_on_ground, SampleKind::markers_move}) {
+    const char* name = kKindNames[static_cast<int>(kind)];
+    SampleSystem sample(kind, options);
+    CheckReport found(subject, options.seed);
+    std::function<void(CheckReport&)> check;
+    try {
+      check = make(sample);
+      sample.system.setup();
+    } catch (const UserCodeError& error) {
+      report.add("setup", {error.what(), "what it says"});
+      break;
+    } catch (const ModelError& error) {
+      if (kind == SampleKind::moving) throw;
+      report.note(fmt::format("not tried with {}: {}", name, error.what()));
+      continue;
+    }
+    check(found);
+    report.take(found);
+    if (found.ok()) continue;
+    report.note(fmt::format("the first findings came with {}", name));
+    break;
+  }
+  return report;
 }
 
 }  // namespace lockstep

@@ -1,6 +1,7 @@
-// SampleSystem: bodies and markers between which a registered type is tried.
+// SampleSystem: bodies and markers for the check of a registered type.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,25 +12,28 @@
 namespace lockstep {
 
 enum class SampleKind { moving, s_on_ground, p_on_ground, markers_move };
-inline constexpr SampleKind kAllSamples[] = {SampleKind::moving, SampleKind::s_on_ground, SampleKind::p_on_ground,
-                                             SampleKind::markers_move};
-/// "both bodies moving", "S on the ground", ...
-const char* words_of(SampleKind);
 
-/// Bodies "a", "b", ... with a P each, and "common" with every S; markers of their own for each thing that is tried.
+/// Bodies "a", "b", ... that carry a P each, and "common" that carries every S; each object gets its own markers.
 class SampleSystem {
  public:
   SampleSystem(SampleKind kind, const CheckOptions& options);
-  /// Markers for one more thing of this name: options.pairs pairs.
+  /// Markers for one more object of this name: options.pairs pairs.
   Attachment attachment(const std::string& name);
 
   System system;
+  const SampleKind kind;
 
  private:
-  SampleKind kind_;
   std::uint64_t seed_;
   std::vector<Body*> bodies_;
   Body* common_ = nullptr;
 };
+
+/// Adds the objects under check to the system and returns their check.
+using MakeCheck = std::function<std::function<void(CheckReport&)>(SampleSystem&)>;
+
+/// Makes and runs a check in each kind of sample system until one of them reports findings. What the maker refuses is
+/// thrown in the first and noted in the others.
+CheckReport check_in_samples(const std::string& subject, const CheckOptions&, const MakeCheck&);
 
 }  // namespace lockstep

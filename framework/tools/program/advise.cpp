@@ -2,31 +2,22 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <sstream>
 
-#include "framework/tools/analysis/pareto.h"
-#include "framework/tools/program/survey.h"
-#include "framework/tools/program/ways.h"
-#include "framework/description/scene/write.h"
 #include <lockstep/text.h>
+#include "framework/description/scene/write.h"
+#include "framework/tools/analysis/pareto.h"
+#include "framework/tools/program/benchmark.h"
+#include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kError = 1e-6;
+constexpr double kError = 1e-6;  // SI
 
-double error_of(const Words& w) {
-  if (w.error.empty()) return kError;
-  char* end = nullptr;
-  const double x = std::strtod(w.error.c_str(), &end);
-  if (*end != 0 || !(x > 0) || !(x < 1e300))
-    throw UsageError("--error: \"" + w.error + "\" is no error; give a number above 0, as in --error 1e-6");
-  return x;
-}
-
-ErrorKind kind_of(const Words& w) {
+ErrorKind kind_of(const Arguments& args) {
   for (const ErrorKind kind : kErrorKinds)
-    if (to_string(kind) == w.of) return kind;
+    if (to_string(kind) == args.of) return kind;
   return ErrorKind::position;
 }
 
@@ -34,22 +25,22 @@ std::string in_quotes(const std::string& word) {
   return word.find_first_of(" \t'\"\\$&;()<>|*?") == std::string::npos ? word : "'" + word + "'";
 }
 
-// What gives this run again from the command line, all of it said, so that nothing of the scene's own stays beside it.
-std::string command_line(const Words& w, const WorkPrecisionRun& run) {
-  std::string text = "lockstep run " + in_quotes(w.scene);
-  for (const std::string& plugin : w.plugins) text += " --plugin " + in_quotes(plugin);
+// The command that repeats this run; it gives every setting, so that none is taken from the scene.
+std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
+  std::string text = "lockstep run " + in_quotes(args.scene);
+  for (const std::string& plugin : args.plugins) text += " --plugin " + in_quotes(plugin);
   text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
           text::number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
           to_string(run.stabilization) + " --solver " + in_quotes(run.solver);
-  if (!w.until.empty()) text += " --until " + in_quotes(w.until);
-  if (!w.planar.empty()) text += " --planar " + w.planar;
-  if (w.full) text += " --full";
+  if (!args.until.empty()) text += " --until " + in_quotes(args.until);
+  if (!args.planar.empty()) text += " --planar " + args.planar;
+  if (args.full) text += " --full";
   return text;
 }
 
-// The same as members of the scene's "run".
+// The same as keys of the scene's "run".
 std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double largest_step) {
-  Value::Object members{{"integrator", as_value(run.integrator), {}}};
+  Value::Object members{{"integrator", to_value(run.integrator), {}}};
   if (r.adaptive) members.push_back({"tolerance", Value(r.setting), {}});
   if (!r.adaptive || largest_step > 0) members.push_back({"step", Value(r.adaptive ? largest_step : r.setting), {}});
   members.push_back({"formulation", Value(to_string(r.formulation)), {}});
@@ -63,16 +54,14 @@ std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double 
                                            {"beta", Value(s.beta), {}},
                                            {"tolerance", Value(s.tolerance), {}}}),
                        {}});
-  members.push_back({"solver", as_value(run.solver), {}});
+  members.push_back({"solver", to_value(run.solver), {}});
   return write_json(Value(std::move(members)));
 }
 
-std::string indented(const std::string& text, const std::string& by) {
-  std::string out = by;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    out += text[i];
-    if (text[i] == '\n' && i + 1 < text.size()) out += by;
-  }
+std::string indented(const std::string& text) {
+  std::istringstream lines(text);
+  std::string out;
+  for (std::string line; std::getline(lines, line);) out += "  " + line + "\n";
   return out;
 }
 
@@ -86,7 +75,7 @@ void print_choice(const char* what, const CostAtError& c, ErrorKind kind) {
 // "dopri5" of "dopri5:stages=manifold".
 std::string type_of(const std::string& integrator) { return integrator.substr(0, integrator.find(':')); }
 
-// How near the best came, when none met it.
+// How close the best run came, if none met the error.
 void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
   const WorkPrecisionRun* best = nullptr;
   for (const WorkPrecisionRun& run : result.runs)
@@ -104,42 +93,43 @@ void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
 
 }  // namespace
 
-int advise_command(const Words& w) {
-  const Loaded loaded = load(w);
-  const double error = error_of(w);
-  const ErrorKind kind = kind_of(w);
+int advise_command(const Arguments& args) {
+  const Loaded loaded = load(args);
+  const double error = args.error.empty() ? kError : positive_number("--error", args.error, Unit::none);
+  const ErrorKind kind = kind_of(args);
   const Interrupt interrupt;
-  SceneSurvey survey = survey_of(loaded, w, interrupt);
-  survey.options.target = error, survey.options.target_kind = kind;
-  fmt::print("{}\n", survey.title);
-  const std::unique_ptr<WorkPrecision> result = measure(survey, w, interrupt);
+  SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
+  benchmark.options.target = error, benchmark.options.target_kind = kind;
+  fmt::print("{}\n", benchmark.title);
+  const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
   fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result->runs.size(),
-             survey.trajectory.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));
+             benchmark.trajectory.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));
   if (all.empty()) {
     print_nearest(*result, kind, error);
     return interrupt.asked() ? kExitInterrupted : kExitFailure;
   }
-  // A run that no finer one confirmed may be a lucky hit.
+  // A run that no finer one confirmed may be accurate by chance.
   const auto sure = std::find_if(all.begin(), all.end(), [](const CostAtError& c) { return c.confirmed; });
   const CostAtError& best = sure != all.end() ? *sure : all.front();
   print_choice("cheapest", best, kind);
-  const auto other = std::find_if(all.begin(), all.end(), [&](const CostAtError& c) {
-    return type_of(c.run->integrator) != type_of(best.run->integrator) && c.confirmed;
-  });
-  const auto form = std::find_if(all.begin(), all.end(), [&](const CostAtError& c) { return c.run != best.run; });
-  if (other != all.end())
-    print_choice("runner-up", *other, kind);
-  else if (form != all.end())
-    print_choice("runner-up", *form, kind);
+  const auto runner_up = [&](auto&& is_other) {
+    const auto found = std::find_if(all.begin(), all.end(), is_other);
+    return found == all.end() ? nullptr : &*found;
+  };
+  const CostAtError* second = runner_up(
+      [&](const CostAtError& c) { return type_of(c.run->integrator) != type_of(best.run->integrator) && c.confirmed; });
+  if (second == nullptr) second = runner_up([&](const CostAtError& c) { return c.run != best.run; });
+  if (second != nullptr)
+    print_choice("runner-up", *second, kind);
   else
     fmt::print("runner-up  none: no other combination met it in the time\n");
   if (sure == all.end()) fmt::print("not confirmed by a finer run; give more time with --budget\n");
-  fmt::print("\n  {}\n\nor in the scene's \"run\" (without any other of these keys):\n{}", command_line(w, *best.run),
+  fmt::print("\n  {}\n\nor in the scene's \"run\" (without any other of these keys):\n{}",
+             command_line(args, *best.run),
              indented(run_block(settings_of(loaded.scene.run, *best.run, loaded.registry), *best.run,
-                                survey.options.largest_step),
-                      "  "));
+                                benchmark.options.largest_step)));
   return interrupt.asked() ? kExitInterrupted : kExitOk;
 }
 

@@ -1,4 +1,4 @@
-// The certificate of a run: it is made again by other means, and the columns are compared.
+// The certificate of a run: the run is repeated by other means, and the columns are compared.
 #pragma once
 
 #include <lockstep/recorder.h>
@@ -6,8 +6,8 @@
 
 namespace lockstep {
 
-/// Repeats the run with a tighter tolerance (or shorter steps) and with a second method, prints how many digits of each
-/// column agree. `run`: as it was made; `table`: what it recorded. Repeats that fail or outlast --budget are said.
-void print_certificate(const Loaded&, const Words&, const RunSettings& run, const Table& table);
+/// Repeats the run with a tighter tolerance (or shorter steps) and with a second method, and prints how many digits of
+/// each column agree. `run`: its settings; `table`: what it recorded. Reports repeats that fail or exceed --budget.
+void print_certificate(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
 
 }  // namespace lockstep

@@ -6,8 +6,8 @@
 
 #include "framework/tools/analysis/work_precision_chart.h"
 #include "framework/tools/charts/gnuplot.h"
+#include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/files.h"
-#include "framework/tools/program/survey.h"
 
 namespace lockstep {
 namespace {
@@ -46,11 +46,11 @@ void print_winners(const WorkPrecision& result, ChartBy by) {
   }
 }
 
-void print_failures(const WorkPrecision& result, const SceneSurvey& survey) {
+void print_failures(const WorkPrecision& result, const SceneBenchmark& benchmark) {
   std::size_t n = 0;
   for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
   if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
-  for (const std::string& remark : survey.remarks) fmt::print("left out: {}\n", remark);
+  for (const std::string& remark : benchmark.remarks) fmt::print("left out: {}\n", remark);
   for (const std::string& line : unsuited_lines(result)) fmt::print("left out: {}\n", line);
   if (!result.left_out.empty())
     fmt::print("{} combinations were still climbing when the time was up; give more with --budget\n",
@@ -72,45 +72,47 @@ std::vector<std::string> shown_integrators(const WorkPrecision& result, const Wo
   return names;
 }
 
-std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result, const SceneSurvey& survey) {
+std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result,
+                                  const SceneBenchmark& benchmark) {
   std::vector<std::string> files;
   const auto write = [&](const std::string& name, const GridSpec& chart) {
     if (chart.panels.empty()) return;
     write_grid(base + name, chart);
     files.push_back(base + name + ".png");
   };
-  const std::string title = survey.title;
-  write("", integrators_chart(result, title, survey.base, CostKind::cpu));
-  write("_evaluations", integrators_chart(result, title, survey.base, CostKind::evaluations));
+  const std::string title = benchmark.title;
+  write("", integrators_chart(result, title, benchmark.base, CostKind::cpu));
+  write("_evaluations", integrators_chart(result, title, benchmark.base, CostKind::evaluations));
   for (const ChartBy by : {ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
     if (values_of(result, by).size() > 1)
       write("_" + to_string(by) + "s",
-            forms_chart(result, title, survey.base, by, shown_integrators(result, survey.base)));
+            forms_chart(result, title, benchmark.base, by, shown_integrators(result, benchmark.base)));
   return files;
 }
 
 }  // namespace
 
-int chart_command(const Words& w) {
-  const Loaded loaded = load(w);
+int chart_command(const Arguments& args) {
+  const Loaded loaded = load(args);
   const std::string csv = csv_path(
-      w.out.empty() ? "" : (std::filesystem::path(w.out) / std::filesystem::path(w.scene).stem()).string() + ".csv",
-      w.scene);
+      args.out.empty() ? ""
+                       : (std::filesystem::path(args.out) / std::filesystem::path(args.scene).stem()).string() + ".csv",
+      args.scene);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
 
   const Interrupt interrupt;
-  SceneSurvey survey = survey_of(loaded, w, interrupt);
-  fmt::print("{}\n", survey.title);
-  const std::unique_ptr<WorkPrecision> result = measure(survey, w, interrupt);
+  SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
+  fmt::print("{}\n", benchmark.title);
+  const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
   write_runs(base + ".csv", *result);
   fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
-             result->runs.size(), survey.trajectory.length, result->reference, result->second,
+             result->runs.size(), benchmark.trajectory.length, result->reference, result->second,
              result->agreement.position, result->agreement.velocity, result->agreement.energy,
              result->agreement.reaction);
-  if (survey.imposed)
+  if (benchmark.imposed)
     fmt::print(
         "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
         "step;\n"
@@ -118,14 +120,14 @@ int chart_command(const Words& w) {
   print_cheapest(*result);
   for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
     print_winners(*result, by);
-  print_failures(*result, survey);
+  print_failures(*result, benchmark);
   fmt::print("files: {}.csv\n", base);
   if (result->runs.empty())
     fmt::print("       no pictures: no run was measured\n");
   else if (find_gnuplot().empty())
     fmt::print("       no pictures: gnuplot is not installed (apt install gnuplot-nox)\n");
   else
-    for (const std::string& file : draw_all(base, *result, survey)) fmt::print("       {}, and as .svg\n", file);
+    for (const std::string& file : draw_all(base, *result, benchmark)) fmt::print("       {}, and as .svg\n", file);
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
   return interrupt.asked() ? kExitInterrupted : kExitOk;
 }

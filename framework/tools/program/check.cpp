@@ -1,4 +1,4 @@
-// The verb check: a scene in numbers, and what is left out because it does not need it.
+// The verb check: the size of a scene, and which parts of the computation it does not need.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -7,90 +7,88 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/lock.h>
-#include "framework/tools/program/commands.h"
-#include <lockstep/sweep.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/commands.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
 
 using Names = std::vector<std::string>;
 
-/// Parts of the computation that this scene does without: what, and the things that it concerns.
+/// A part of the computation that this scene does not need, and the objects concerned.
 struct LeftOut {
   std::string what;
   Names names;
 };
 
-bool laws_of(const Marker& m) { return m.translation_law != nullptr || m.rotation_law != nullptr; }
-
-/// Joints of which `is_so` holds; both halves of the same link.
-Names where(const Mechanism& m, const std::function<bool(const Lock&, const Jointed&)>& is_so) {
+/// The names of those that satisfy a condition.
+template <class Objects, class Condition>
+Names names_of(const Objects& objects, Condition&& holds) {
   Names names;
-  for (const auto& link : m.system.links())
-    if (const Jointed* joint = std::as_const(*link).jointed(); joint != nullptr && is_so(*link, *joint))
-      names.push_back(link->name());
+  for (const auto& object : objects)
+    if (holds(*object)) names.push_back(object->name());
+  return names;
+}
+template <class Condition>
+Names names_of(const std::deque<Body>& bodies, Condition&& holds) {
+  Names names;
+  for (const Body& body : bodies)
+    if (holds(body)) names.push_back(body.name);
   return names;
 }
 
-bool markers_still(const Lock& link) {
-  const auto [p, s] = link.pairs().front();
-  return !laws_of(*p) && !laws_of(*s);
-}
-
 std::vector<LeftOut> left_out(const Mechanism& m) {
-  Names fixed, particles, inactive;
-  for (const Body& body : m.system.bodies()) {
-    if (body.fixed && body.name != "ground") fixed.push_back(body.name);
-    if (body.freedoms == Freedoms::particle) particles.push_back(body.name);
-  }
-  for (const auto& link : m.system.links())
-    if (!link->active_at_start()) inactive.push_back(link->name());
-  const bool dense = std::any_of(m.run.record.begin(), m.run.record.end(),
-                                 [](const ChannelRequest& r) { return r.channel.find("energy.") == 0; });
-  std::vector<LeftOut> all = {{"motion of fixed bodies: no unknowns", fixed},
-                              {"rotation of particles: 3 unknowns instead of 6", particles},
-                              {"rows of links that are not active at the start", inactive},
-                              {"rotational half of the lock: never evaluated",
-                               where(m, [](const Lock&, const Jointed& j) { return !overlaps(j.rows(), Mask::e123); })},
-                              {"translational half of the lock: never evaluated",
-                               where(m, [](const Lock&, const Jointed& j) { return !overlaps(j.rows(), Mask::xyz); })},
-                              {"motion of markers: they stand still on their bodies",
-                               where(m, [](const Lock& l, const Jointed&) { return markers_still(l); })}};
-  Names merged;
-  for (const auto& link : m.system.links())
-    if (m.system.merged(*link)) merged.push_back(link->name());
-  all.push_back({"rows of fixed links: their bodies move as one", merged});
-  if (const Plane plane = m.system.plane())
+  const System& system = m.system;
+  const auto joints = [&](auto&& holds) {
+    return names_of(system.links(), [&](const Lock& link) { return link.jointed() != nullptr && holds(link); });
+  };
+  const auto lacks = [&](Mask rows) {
+    return joints([=](const Lock& link) { return !any(link.jointed()->rows(), rows); });
+  };
+  const auto still = [](const Marker* marker) { return marker->translation_law == nullptr && marker->rotation_law == nullptr; };
+  std::vector<LeftOut> all = {
+      {"motion of fixed bodies: no unknowns",
+       names_of(system.bodies(), [](const Body& b) { return b.fixed && b.name != "ground"; })},
+      {"rotation of particles: 3 unknowns instead of 6",
+       names_of(system.bodies(), [](const Body& b) { return b.freedoms == Freedoms::particle; })},
+      {"rows of links that are not active at the start",
+       names_of(system.links(), [](const Lock& link) { return !link.active_at_start(); })},
+      {"rotational half of the lock: never evaluated", lacks(Mask::e123)},
+      {"translational half of the lock: never evaluated", lacks(Mask::xyz)},
+      {"motion of markers: they stand still on their bodies", joints([&](const Lock& link) {
+         return still(link.pairs().front().first) && still(link.pairs().front().second);
+       })},
+      {"rows of fixed links: their bodies move as one",
+       names_of(system.links(), [&](const Lock& link) { return system.merged(link); })}};
+  if (const Plane plane = system.plane())
     all.push_back({"motion out of the plane: three velocities a body", {std::string("normal ") + "xyz"[plane.n]}});
-  if (!dense) all.push_back({"energies: integrated for the summary only, with --quiet not at all", {"energy"}});
-  if (m.system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
+  if (std::none_of(m.run.record.begin(), m.run.record.end(),
+                   [](const ChannelRequest& r) { return r.channel.starts_with("energy."); }))
+    all.push_back({"energies: integrated for the summary only, with --quiet not at all", {"energy"}});
+  if (system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
   std::erase_if(all, [](const LeftOut& l) { return l.names.empty(); });
   return all;
 }
 
-/// What a channel belongs to: "body 'crank'".
-std::vector<std::pair<std::string, std::string>> owners(const System& system) {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (const Body& b : system.bodies()) all.emplace_back(b.name, "body");
-  for (const Marker& m : system.markers()) all.emplace_back(m.name, "marker");
-  for (const auto& l : system.links()) all.emplace_back(l->name(), "link");
-  for (const auto& f : system.forces()) all.emplace_back(f->name(), "force");
-  return all;
-}
-
-/// The longest name of an object that the channel begins with; "" for those of the whole mechanism.
+/// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
 std::string owner_of(const ChannelHelp& channel, const System& system) {
-  std::string best, text;
-  for (const auto& [name, kind] : owners(system))
-    if (name.size() > best.size() && channel.name.rfind(name + ".", 0) == 0)
-      best = name, text = kind + " '" + name + "'";
-  return text.empty() ? "the whole mechanism" : text;
+  std::string owner;
+  std::size_t longest = 0;
+  const auto take = [&](const char* kind, const std::string& name) {
+    if (name.size() <= longest || !channel.name.starts_with(name + ".")) return;
+    longest = name.size(), owner = fmt::format("{} '{}'", kind, name);
+  };
+  for (const Body& b : system.bodies()) take("body", b.name);
+  for (const Marker& m : system.markers()) take("marker", m.name);
+  for (const auto& l : system.links()) take("link", l->name());
+  for (const auto& f : system.forces()) take("force", f->name());
+  return owner.empty() ? "the whole mechanism" : owner;
 }
 
 int list_channels(const System& system, bool as_json) {
   std::vector<ChannelHelp> all = channel_help(system);
-  std::erase_if(all, [](const ChannelHelp& c) { return c.name.rfind("ground.", 0) == 0; });  // it never moves
+  std::erase_if(all, [](const ChannelHelp& c) { return c.name.starts_with("ground."); });  // it never moves
   std::size_t name = 0, unit = 0;
   auto j = nlohmann::ordered_json::array();
   for (const ChannelHelp& c : all) {
@@ -113,7 +111,7 @@ int list_channels(const System& system, bool as_json) {
   return kExitOk;
 }
 
-/// What the scene could leave out besides, exactly.
+/// What the scene could also leave out without an approximation.
 std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
   std::vector<std::string> all;
   Mechanism other = build(loaded.scene, loaded.registry);
@@ -134,27 +132,27 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
     if (n > 0)
       all.push_back(
           fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed link{} as one", n, n > 1 ? "s" : ""));
-  } catch (const Error&) {  // then there is nothing to propose
+  } catch (const Error&) {  // nothing to propose
   }
   return all;
 }
 
 }  // namespace
 
-int check_command(const Words& w) {
-  const Loaded loaded = load(w);
+int check_command(const Arguments& args) {
+  const Loaded loaded = load(args);
   Mechanism m = build(loaded.scene, loaded.registry);
-  if (w.channels) return list_channels(m.system, w.json);
+  if (args.channels) return list_channels(m.system, args.json);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);
-  Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
-  const std::vector<std::string> more = w.full ? std::vector<std::string>{} : proposals(loaded, m);
+  const std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
 
-  if (w.json) {
+  if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
                                 {"title", loaded.scene.title},
                                 {"bodies", r.bodies},
@@ -173,7 +171,7 @@ int check_command(const Words& w) {
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
-  fmt::print("{}\n", loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title);
+  fmt::print("{}\n", loaded.title());
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, text::join(r.redundant_links));

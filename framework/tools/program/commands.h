@@ -9,10 +9,10 @@
 
 namespace lockstep {
 
-/// What the program ends with.
+/// The exit codes of the program.
 enum Exit {
   kExitOk = 0,
-  kExitFailure = 1,  ///< something that has no number of its own
+  kExitFailure = 1,  ///< anything without a code of its own
   kExitUsage = 2,
   kExitScene = 3,
   kExitPlugin = 4,
@@ -23,57 +23,59 @@ enum Exit {
   kExitInterrupted = 130
 };
 
-/// Words on the command line that cannot be.
+/// An invalid command line.
 class UsageError : public Error {
  public:
   using Error::Error;
   Kind kind() const noexcept override { return Kind::usage; }
 };
 
-/// What the command line says about a scene and how to run it. Empty: not said.
-struct Words {
+/// The options of the command line, as text; "" if not given.
+struct Arguments {
   std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out, error,
       of = "position", tolerances, steps;
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
-  bool full = false;              ///< every economy off
+  bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
   std::string lanes;              ///< "off": one run at a time
-  std::string kind, name, into;   ///< of a new plugin
+  std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
 };
 
 /// A scene with the plugins that it and the command line ask for.
 struct Loaded {
   Registry registry;
   Scene scene;
+
+  /// The scene's title, or its file if it has none.
+  const std::string& title() const { return scene.title.empty() ? scene.file : scene.title; }
 };
 
-/// Built-in things and those of the plugins: of the command line, by name or path; then those that a scene requires, by
-/// name, but for names that the command line gave a file already.
+/// Built-in types and those of plugins: first of those that the command line gives by name or path, then of those that
+/// a scene requires by name, unless the command line gave a file of that name.
 Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required = {});
 /// Reads the scene and loads plugins; the run settings are the scene's own.
-Loaded read_with_plugins(const Words&);
-/// What the command line says of the run, over what the scene says. Throws UsageError.
-void put_over(RunSettings&, const Words&, const Registry&);
-/// Both: reads the scene, loads plugins, puts what the command line says over the scene's run settings. Throws
-/// UsageError too.
-Loaded load(const Words&);
+Loaded read_with_plugins(const Arguments&);
+/// Replaces run settings of the scene by those of the command line. Throws UsageError.
+void override_settings(RunSettings&, const Arguments&, const Registry&);
+/// Reads the scene, loads plugins and overrides the run settings.
+Loaded load(const Arguments&);
 
-int run_command(const Words&);
-int check_command(const Words&);
-int chart_command(const Words&);
-int advise_command(const Words&);
-int sweep_command(const Words&);
-int assemble_command(const Words&);
-int list_command(const std::string& shelf, const Words&);
-int describe_command(const std::string& name, const Words&);
-int schema_command(const Words&);
-int new_plugin_command(const Words&);
-int plugins_list_command(const Words&);
+int run_command(const Arguments&);
+int check_command(const Arguments&);
+int chart_command(const Arguments&);
+int advise_command(const Arguments&);
+int sweep_command(const Arguments&);
+int assemble_command(const Arguments&);
+int list_command(const Arguments&);
+int describe_command(const Arguments&);
+int schema_command(const Arguments&);
+int new_plugin_command(const Arguments&);
+int plugins_list_command(const Arguments&);
 
-/// Reads the command line, calls a verb, says errors on standard error. Returns an Exit.
+/// Reads the command line, runs a verb, prints errors on standard error. Returns an Exit.
 int run_program(int argc, const char* const* argv);
 
 }  // namespace lockstep

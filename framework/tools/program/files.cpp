@@ -1,14 +1,15 @@
 #include "framework/tools/program/files.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
 #include <lockstep/charts.h>
-#include "framework/tools/charts/gnuplot.h"
 #include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/charts/gnuplot.h"
 
 namespace lockstep {
 
@@ -39,22 +40,20 @@ void check_writable(const std::string& file) {
 
 namespace {
 
-// The columns by unit, as far as a picture holds them.
+// One panel per unit, as many columns as a picture can hold.
 std::vector<Panel> panels_by_unit(const Table& table) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
   std::vector<Panel> panels;
-  const std::string& time = table.columns().front().name;
-  for (const Column& column : table.columns()) {
-    if (&column == &table.columns().front()) continue;
-    const std::string label = column.unit.empty() ? "1" : column.unit;
-    Panel* panel = nullptr;
-    for (Panel& p : panels)
-      if (p.y_label == label) panel = &p;
-    if (panel == nullptr) {
+  const std::vector<Column>& columns = table.columns();
+  for (std::size_t k = 1; k < columns.size(); ++k) {
+    const std::string label = columns[k].unit.empty() ? "1" : columns[k].unit;
+    auto panel = std::find_if(panels.begin(), panels.end(), [&](const Panel& p) { return p.y_label == label; });
+    if (panel == panels.end()) {
       if (panels.size() == kMostPanels) continue;
-      panel = &panels.emplace_back(Panel{label, {}});
+      panel = panels.insert(panel, {label, {}});
     }
-    if (panel->series.size() < kMostCurves) panel->series.push_back(curve(table, time, column.name, column.name));
+    if (panel->series.size() < kMostCurves)
+      panel->series.push_back(curve(table, columns.front().name, columns[k].name, columns[k].name));
   }
   return panels;
 }

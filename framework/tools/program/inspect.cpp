@@ -1,13 +1,13 @@
-// The verbs that only look: list, describe, schema.
+// The verbs list, describe and schema.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "framework/tools/program/commands.h"
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/schema.h"
 #include "framework/description/scene/write.h"
+#include "framework/tools/program/commands.h"
 
 namespace lockstep {
 namespace {
@@ -17,8 +17,7 @@ using Json = nlohmann::ordered_json;
 Json json_of(const Description& d) {
   Json keys = Json::array();
   for (const Key& key : d.info.keys) {
-    Json k = {
-        {"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.required()}, {"help", key.help}};
+    Json k = {{"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.required()}, {"help", key.help}};
     if (const Value* v = key.default_value()) k["default"] = Json::parse(write_json(*v));
     keys.push_back(std::move(k));
   }
@@ -29,7 +28,7 @@ Json json_of(const Description& d) {
           {"keys", std::move(keys)}};
 }
 
-// What a scene gets that does not say.
+// What a scene gets if it names none.
 bool is_default(const Description& d) {
   const RunSettings run;
   return (d.shelf == "integrators" && d.info.name == run.integrator.type) ||
@@ -55,25 +54,25 @@ void print_shelf(const std::string& shelf, const std::vector<Description>& all) 
 
 }  // namespace
 
-int list_command(const std::string& shelf, const Words& w) {
-  const Registry registry = make_registry(w.plugins);
+int list_command(const Arguments& args) {
+  const Registry registry = make_registry(args.plugins);
   std::vector<std::string> shelves = {"links", "laws", "forces", "integrators", "solvers"};
-  if (!shelf.empty()) shelves = {shelf};
+  if (!args.name.empty()) shelves = {args.name};
   Json all = Json::object();
   for (const std::string& name : shelves) {
     const std::vector<Description> contents = shelf_contents(registry, name);
-    if (!w.json) print_shelf(name, contents);
+    if (!args.json) print_shelf(name, contents);
     all[name] = Json::array();
     for (const Description& d : contents) all[name].push_back(json_of(d));
   }
-  if (w.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+  if (args.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 
-int describe_command(const std::string& name, const Words& w) {
-  const Registry registry = make_registry(w.plugins);
+int describe_command(const Arguments& args) {
+  const Registry registry = make_registry(args.plugins);
   try {
-    for (const Description& d : find_descriptions(registry, name)) {
+    for (const Description& d : find_descriptions(registry, args.name)) {
       fmt::print("{}", describe(d));
       if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
     }
@@ -83,8 +82,8 @@ int describe_command(const std::string& name, const Words& w) {
   return kExitOk;
 }
 
-int schema_command(const Words& w) {
-  fmt::print("{}", scene_schema(make_registry(w.plugins)));
+int schema_command(const Arguments& args) {
+  fmt::print("{}", scene_schema(make_registry(args.plugins)));
   return kExitOk;
 }
 

@@ -1,35 +1,17 @@
-// From the words of the command line to a scene and a registry.
+// From the command line to a scene and a registry.
 #include <cctype>
-#include <charconv>
 #include <filesystem>
 #include <set>
 
-#include <lockstep/registry.h>
-#include "framework/mechanism/params/units.h"
 #include <lockstep/loader.h>
-#include "framework/tools/program/ways.h"
+#include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
 namespace {
 
-// A number of the command line, in SI or with a unit; greater than zero.
-double positive_number(const std::string& option, const std::string& text, Unit unit) {
-  double x = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    const Measured measured = read_quantity(text, unit);
-    if (!measured.problem.empty() || unit == Unit::none)
-      throw UsageError(option + ": \"" + text + "\" is no " + name_of(unit) + "; write it as in " + option + " " +
-                       (unit == Unit::none ? "1e-6" : "0.001"));
-    x = measured.value;
-  }
-  if (!(x > 0) || x > 1e300)
-    throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
-  return x;
-}
-
-// The picture stands beside the table under the table's name: it would take its place.
+// The picture gets the name of the table, with its own ending: a table of that name would be overwritten.
 void refuse_picture(const std::string& record) {
   const std::filesystem::path file = record;
   std::string ending = file.extension().string();
@@ -45,46 +27,43 @@ bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
   return !make_integrator(with_step, registry)->info().adaptive;
 }
 
-void refuse_missing_step(const RunSettings& run, const Words& w, const Registry& registry) {
-  if (w.integrator.empty() || run.step > 0) return;
+void refuse_missing_step(const RunSettings& run, const Arguments& args, const Registry& registry) {
+  if (args.integrator.empty() || run.step > 0) return;
   if (takes_fixed_steps(run, registry))
-    throw UsageError("--integrator: \"" + w.integrator +
+    throw UsageError("--integrator: \"" + args.integrator +
                      "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
 }
 
-// A step that the scene gives to a method of fixed steps is no limit for an adaptive one that the command line names.
-void put_integrator(RunSettings& run, const Words& w, const Registry& registry) {
-  if (w.integrator.empty()) return;
+// The step of the scene's fixed-step method does not limit an adaptive one that the command line names.
+void put_integrator(RunSettings& run, const Arguments& args, const Registry& registry) {
+  if (args.integrator.empty()) return;
   const bool was_fixed =
       run.step > 0 && registry.integrators.find(run.integrator.type) != nullptr && takes_fixed_steps(run, registry);
-  run.integrator = read_way("--integrator", w.integrator, types_of(registry.integrators));
+  run.integrator = read_spec("--integrator", args.integrator, types_of(registry.integrators));
   if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
 }
 
-void put_settings(RunSettings& run, const Words& w, const Registry& registry) {
-  put_integrator(run, w, registry);
-  if (!w.solver.empty()) run.solver = read_way("--solver", w.solver, types_of(registry.solvers));
-  if (!w.step.empty()) run.step = positive_number("--step", w.step, Unit::time);
-  if (!w.until.empty()) run.until = positive_number("--until", w.until, Unit::time);
-  if (!w.tolerance.empty()) {
-    run.tolerance.relative = positive_number("--tolerance", w.tolerance, Unit::none);
+void put_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
+  put_integrator(run, args, registry);
+  if (!args.solver.empty()) run.solver = read_spec("--solver", args.solver, types_of(registry.solvers));
+  if (!args.step.empty()) run.step = positive_number("--step", args.step, Unit::time);
+  if (!args.until.empty()) run.until = positive_number("--until", args.until, Unit::time);
+  if (!args.tolerance.empty()) {
+    run.tolerance.relative = positive_number("--tolerance", args.tolerance, Unit::none);
     run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   }
-  if (!w.formulation.empty())
-    run.formulation = w.formulation == "quaternion" ? Formulation::quaternion : Formulation::omega;
-  if (w.formulation == "quaternion" && w.solver.empty() && run.solver.type == "schur")
-    run.solver.type = "sparse";  // the default reads six velocities
-  if (w.stabilization == "project") run.stabilization.kind = Stabilization::Kind::project;
-  if (w.stabilization == "baumgarte") run.stabilization.kind = Stabilization::Kind::baumgarte;
-  if (w.stabilization == "none") run.stabilization.kind = Stabilization::Kind::none;
+  if (!args.formulation.empty()) run.formulation = read_formulation(args.formulation);
+  if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
+    run.solver.type = "sparse";  // the default needs six velocities per body
+  if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
 }
 
-// Planar motion and merged bodies, as the command line wants them.
-void put_economies(Scene& scene, const Words& w) {
-  if (w.full) scene.root = scene.root.without({"planar", "merge"});
-  if (w.planar.empty()) return;
+// Planar motion and merged bodies.
+void put_shortcuts(Scene& scene, const Arguments& args) {
+  if (args.full) scene.root = scene.root.without({"planar", "merge"});
+  if (args.planar.empty()) return;
   scene.root = scene.root.without({"planar"});
-  scene.root.object()->push_back({"planar", Value(w.planar), scene.root.where});
+  scene.root.object()->push_back({"planar", Value(args.planar), scene.root.where});
 }
 
 }  // namespace
@@ -92,7 +71,7 @@ void put_economies(Scene& scene, const Words& w) {
 Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required) {
   Registry registry = builtin_registry();
   std::set<std::string> files, names;
-  const auto load_once = [&](const std::string& plugin) {  // one file may be named by its name and by its path
+  const auto load_once = [&](const std::string& plugin) {  // a plugin may be given by its name and by its path
     if (files.insert(find_plugin(plugin, {})).second) load_plugin(registry, plugin);
     names.insert(plugin_name(plugin));
   };
@@ -102,22 +81,22 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
   return registry;
 }
 
-Loaded read_with_plugins(const Words& w) {
-  refuse_picture(w.record);
-  Scene scene = read_scene(w.scene);
-  Registry registry = make_registry(w.plugins, scene.plugins);
-  put_economies(scene, w);
+Loaded read_with_plugins(const Arguments& args) {
+  refuse_picture(args.record);
+  Scene scene = read_scene(args.scene);
+  Registry registry = make_registry(args.plugins, scene.plugins);
+  put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};
 }
 
-void put_over(RunSettings& run, const Words& w, const Registry& registry) {
-  put_settings(run, w, registry);
-  refuse_missing_step(run, w, registry);
+void override_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
+  put_settings(run, args, registry);
+  refuse_missing_step(run, args, registry);
 }
 
-Loaded load(const Words& w) {
-  Loaded loaded = read_with_plugins(w);
-  put_over(loaded.scene.run, w, loaded.registry);
+Loaded load(const Arguments& args) {
+  Loaded loaded = read_with_plugins(args);
+  override_settings(loaded.scene.run, args, loaded.registry);
   return loaded;
 }
 

@@ -58,8 +58,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
   if (by != nullptr)
     throw UsageError(fmt::format(
         "new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name", name, by, name));
-  // classes that the source would not tell from lockstep's own, and targets that CMake has
-  constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw", "MarkerForce",
+  // Names of lockstep's own classes, and of CMake's own targets.
+  constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw",  "MarkerForce",
                                    "AppliedForce", "FunctionForce",  "FormulaForce", "PhiCoupling"};
   const std::string made = class_name(kind, name);
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
@@ -137,8 +137,8 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
   return files;
 }
 
-int new_plugin_command(const Words& w) {
-  const std::vector<std::string> files = write_plugin(w.kind, w.name, w.into, builtin_registry());
+int new_plugin_command(const Arguments& args) {
+  const std::vector<std::string> files = write_plugin(args.kind, args.name, args.into, builtin_registry());
   const std::string folder = fs::path(files.front()).parent_path().string();
   for (const std::string& file : files) fmt::print("{}\n", file);
   fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",

@@ -1,4 +1,4 @@
-// Writes the folder of a new plugin: source, CMake file, test, scene, README, from the templates in runner/templates.
+// Writes the folder of a new plugin from the templates: source, CMake file, test, scene, README.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace lockstep {
 
-/// A file of a template; its name and text contain template_<kind> and Template<Kind>, which become the plugin's names.
+/// A file of a template. template_<kind> and Template<Kind> in its name and text become the plugin's names.
 struct TemplateFile {
   const char* kind;  ///< "link", "coupling", "law", "force", "integrator"
   const char* name;
@@ -17,12 +17,12 @@ struct TemplateFile {
 };
 std::span<const TemplateFile> template_files();
 
-/// The name of the class: "wavy_rail", a link, is WavyRailLink; "my_link" is MyLink.
+/// The name of the class: WavyRailLink of the link "wavy_rail", MyLink of "my_link".
 std::string class_name(const std::string& kind, const std::string& name);
 
-/// Makes the folder `into`/`name` and fills it; returns the files written. Nothing that exists is touched. Throws
-/// UsageError for a name that cannot be one (in words: which letters, taken by which type), FileError where a folder or
-/// file stands in the way or cannot be written; then none of its files is left behind.
+/// Makes the folder `into`/`name` and fills it; returns the files written. Existing files are never touched. Throws
+/// UsageError for an invalid or taken name, FileError if the folder exists or cannot be written; then it leaves no file
+/// behind.
 std::vector<std::string> write_plugin(const std::string& kind, const std::string& name, const std::string& into,
                                       const Registry& taken);
 

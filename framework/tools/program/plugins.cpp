@@ -1,12 +1,12 @@
-// The verbs about plugins as files: which there are and why one is refused.
+// The verb plugins list: the plugins of the search path, and why one is refused.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include <lockstep/registry.h>
 #include <lockstep/loader.h>
+#include <lockstep/registry.h>
 #include "framework/description/registry/survey.h"
 #include "framework/tools/program/commands.h"
 
@@ -15,15 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string state_words(const PluginCandidate& c) {
-  switch (c.state) {
-    case PluginCandidate::State::loaded:
-      return "loads";
-    case PluginCandidate::State::hidden:
-      return "hidden";
-    default:
-      return "refused";
-  }
+const char* state_of(const PluginCandidate& c) {
+  if (c.state == PluginCandidate::State::loaded) return "loads";
+  return c.state == PluginCandidate::State::hidden ? "hidden" : "refused";
 }
 
 // "link cam_follower, law bump"
@@ -36,12 +30,12 @@ std::string brought(const PluginCandidate& c) {
 Json json_of(const PluginCandidate& c) {
   Json brings = Json::array();
   for (const auto& [kind, name] : c.brings) brings.push_back({{"kind", kind}, {"name", name}});
-  return {{"name", c.name}, {"state", state_words(c)}, {"why", c.why},     {"path", c.path},
-          {"file", c.file}, {"folder", c.folder},      {"build", c.build}, {"brings", brings}};
+  return {{"name", c.name}, {"state", state_of(c)}, {"why", c.why},     {"path", c.path},
+          {"file", c.file}, {"folder", c.folder},   {"build", c.build}, {"brings", brings}};
 }
 
 void print_all(const PluginCandidate& c) {
-  fmt::print("{}: {}\n", c.name, state_words(c));
+  fmt::print("{}: {}\n", c.name, state_of(c));
   fmt::print("  file    {}{}\n", c.path, c.file == c.path ? "" : " -> " + c.file);
   if (!c.build.empty()) fmt::print("  build   {}\n", c.build);
   if (!c.brings.empty()) fmt::print("  brings  {}\n", brought(c));
@@ -58,28 +52,28 @@ void print_folders(const std::vector<std::string>& folders) {
 
 }  // namespace
 
-int plugins_list_command(const Words& w) {
+int plugins_list_command(const Arguments& args) {
   const std::vector<std::string> folders = plugin_folders();
   const std::vector<PluginCandidate> all = survey_plugins(builtin_registry(), folders);
-  if (w.json) {
+  if (args.json) {
     Json found = Json::array();
     for (const PluginCandidate& c : all) found.push_back(json_of(c));
     const Json all_words = {{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}};
-    fmt::print("{}\n", all_words.dump(1, ' ', false, Json::error_handler_t::replace));  // a path may be no UTF-8
+    fmt::print("{}\n", all_words.dump(1, ' ', false, Json::error_handler_t::replace));  // a path need not be UTF-8
     return kExitOk;
   }
-  if (w.why) {
+  if (args.why) {
     fmt::print("this host: {}\n", abi_words(abi_of_this_build()));
     print_folders(folders);
     for (const PluginCandidate& c : all) print_all(c);
+    return kExitOk;
   }
   std::size_t width = 0;
   for (const PluginCandidate& c : all) width = std::max(width, c.name.size());
-  if (!w.why)
-    for (const PluginCandidate& c : all)
-      fmt::print("{:<{}}  {:<7}  {}\n", c.name, width, state_words(c),
-                 c.state == PluginCandidate::State::loaded ? brought(c) : c.why);
-  if (all.empty() && !w.why) fmt::print("no plugin in {} folders; --why names them\n", folders.size());
+  for (const PluginCandidate& c : all)
+    fmt::print("{:<{}}  {:<7}  {}\n", c.name, width, state_of(c),
+               c.state == PluginCandidate::State::loaded ? brought(c) : c.why);
+  if (all.empty()) fmt::print("no plugin in {} folders; --why names them\n", folders.size());
   return kExitOk;
 }
 

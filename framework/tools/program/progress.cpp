@@ -11,7 +11,7 @@
 namespace lockstep {
 namespace {
 
-// A signal reaches nothing but a variable of the whole program.
+// A signal handler can only reach a global variable.
 volatile std::sig_atomic_t interrupted = 0;
 
 extern "C" void note_interrupt(int) {
@@ -20,7 +20,7 @@ extern "C" void note_interrupt(int) {
   std::signal(SIGTERM, SIG_DFL);
 }
 
-// One column is left free: a full line would wrap on some terminals.
+// One column stays free: a full line would wrap on some terminals.
 std::size_t line_width() {
   winsize size{};
   const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
@@ -44,16 +44,12 @@ bool Interrupt::asked() const { return interrupted != 0; }
 
 std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {
   constexpr int kWidth = 30;
-  const double part = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
-  std::string line;
-  if (bar) {
-    const int n = static_cast<int>(part * kWidth);
-    line = "[" + std::string(static_cast<std::size_t>(n), '#') +
-           std::string(static_cast<std::size_t>(kWidth - n), '.') + "] ";
-  }
+  const double share = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
+  const int n = static_cast<int>(share * kWidth);
+  std::string line = bar ? fmt::format("[{:#<{}}{:.<{}}] ", "", n, "", kWidth - n) : "";
   const bool runs = counts == Counts::runs;
-  line += runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * part, std::floor(t), until)
-               : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * part, t, until);
+  line += runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * share, std::floor(t), until)
+               : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * share, t, until);
   if (seconds > 0 && t > 0)
     line += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
   return line;

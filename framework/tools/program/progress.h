@@ -1,4 +1,4 @@
-// Progress of a run: a bar on a terminal, plain lines otherwise; and whether somebody pressed Ctrl-C.
+// The progress of a run: a bar on a terminal, plain lines otherwise; and Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -6,7 +6,7 @@
 
 namespace lockstep {
 
-/// From its making on, Ctrl-C (or SIGTERM) no longer ends the program but is noted; a second one does end it.
+/// While it exists, Ctrl-C (or SIGTERM) is recorded instead of ending the program; a second one does end it.
 class Interrupt {
  public:
   Interrupt();
@@ -16,19 +16,19 @@ class Interrupt {
   bool asked() const;
 };
 
-/// What a Progress counts.
+/// What is counted.
 enum class Counts { seconds, runs };
 
-/// Written to standard error, at most ten times a second on a terminal and cut to its width, else a line every ten
+/// Prints to standard error: on a terminal up to ten times a second, cut to its width; otherwise a line every ten
 /// seconds.
 class Progress {
  public:
   Progress(double until, bool quiet, Counts counts = Counts::seconds);
-  /// The run has come to time t, s; or t of all runs are done.
+  /// The run has reached time t, s; or t runs are done.
   void at(double t);
   /// Clears the bar.
   void finish();
-  double seconds() const;  ///< since its making, by the clock
+  double seconds() const;  ///< since its construction, by the clock
 
  private:
   using Clock = std::chrono::steady_clock;

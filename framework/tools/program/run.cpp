@@ -1,4 +1,4 @@
-// The verbs that move something: run and assemble.
+// The verbs run and assemble.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -8,48 +8,27 @@
 #include <optional>
 
 #include <lockstep/assembly.h>
+#include <lockstep/log.h>
 #include <lockstep/step_loop.h>
+#include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/summary.h"
-#include <lockstep/sweep.h>
-#include <lockstep/log.h>
-#include "framework/foundation/support/thrown.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
 
-std::string heading(const Loaded& loaded) {
-  return loaded.scene.title.empty() ? loaded.scene.file : loaded.scene.title;
-}
-
-StepLoopOptions options_of(const RunSettings& run) {
-  StepLoopOptions options;
-  options.step = run.step;
-  options.tolerance = run.tolerance;
-  options.output = run.output;
-  options.output_times = run.times;
-  return options;
-}
-
-// In every case: what was computed is not lost. What went wrong is handed back, so that it hides nothing else.
+// Writes what was computed, however the run ended. An error is returned: it must not hide that of the run.
 std::exception_ptr write_table(const std::string& csv, const Table& table) {
   try {
     write_csv(csv, table);
     return nullptr;
   } catch (const std::exception&) {
     return std::current_exception();
-  }
-}
-
-std::string words_of(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const std::exception& e) {
-    return lockstep::what_of(e);
   }
 }
 
@@ -96,7 +75,7 @@ void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, do
         r.stiff_since);
   const auto& links = sim.system().links();
   const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
-    return link->unilateral() && sim.state().modes[static_cast<std::size_t>(link->number())];
+    return link->unilateral() && sim.state().modes[link->number()];
   });
   if (r.impacts > 0 || resting > 0)
     fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
@@ -107,7 +86,7 @@ void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, do
     fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
 }
 
-// The table first: what was computed is there, whatever becomes of the picture.
+// The table first: it is reported even if the picture fails.
 void print_files(const std::string& csv, const std::string& title, const Table& table, const RunSettings& run,
                  bool quiet) {
   if (!quiet) {
@@ -126,8 +105,8 @@ void print_files(const std::string& csv, const std::string& title, const Table& 
     fmt::print("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
 }
 
-// One line each for what is said and has no effect.
-void warn(const Scene& scene, const Mechanism& m, const Words& w, StepLoop& sim) {
+// One line for each setting that has no effect.
+void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
   const RunSettings& run = m.run;
   const auto say = [&](const std::string& text) { sim.warn(text); };
   if (!run.times.empty() && run.times.back() > run.until)
@@ -138,74 +117,74 @@ void warn(const Scene& scene, const Mechanism& m, const Words& w, StepLoop& sim)
       say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
                       e.event.at, run.until));
   const Value* settings = scene.root.find("run");
-  const bool in_scene = w.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
-  if ((in_scene || !w.tolerance.empty()) && !sim.integrator().info().adaptive)
+  const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
+  if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
 }  // namespace
 
-int run_command(const Words& w) {
-  if (w.quiet) set_logger(nullptr);
-  Loaded loaded = load(w);
+int run_command(const Arguments& args) {
+  if (args.quiet) set_logger(nullptr);
+  Loaded loaded = load(args);
   Mechanism m = build(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
-  const std::string csv = csv_path(w.record, w.scene);
+  const std::string csv = csv_path(args.record, args.scene);
   check_writable(csv);
 
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
-  std::optional<Summary> summary;  // only who reads it pays for its energies
-  if (!w.quiet) summary.emplace(m.system);
-  Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
+  std::optional<Summary> summary;  // its energies are integrated only if it is printed
+  if (!args.quiet) summary.emplace(m.system);
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = m.system.start();
-  if (!w.quiet) fmt::print("{}\n", heading(loaded));
+  if (!args.quiet) fmt::print("{}\n", loaded.title());
   if (m.run.assemble) {
     const AssemblyReport report = assemble(dynamics, start, m.start_speeds);
-    if (!w.quiet && report.is_notable()) fmt::print("  assembled  {}\n", report.text());
+    if (!args.quiet && report.is_notable()) fmt::print("  assembled  {}\n", report.text());
   }
 
-  StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), options_of(m.run));
+  StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
   sim.add_observer(*recorder);
   if (summary) sim.add_observer(*summary);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
-  warn(loaded.scene, m, w, sim);
+  warn(loaded.scene, m, args, sim);
 
   double seconds = 0;
-  const Ended ended = go(sim, m.run.until, w.quiet, seconds);
+  const Ended ended = go(sim, m.run.until, args.quiet, seconds);
   const std::exception_ptr unwritten = write_table(csv, recorder->table());
   if (ended.error) {
-    const std::string rows = unwritten ? "the rows up to there could not be written: " + words_of(unwritten)
+    const std::string rows = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
                                        : rows_of(recorder->table()) + " up to there are in " + csv;
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, rows);
     std::rethrow_exception(ended.error);
   }
   if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
   if (unwritten) std::rethrow_exception(unwritten);
-  print_files(csv, heading(loaded), recorder->table(), m.run, w.quiet);
-  if (w.certify && !ended.interrupted) print_certificate(loaded, w, m.run, recorder->table());
+  print_files(csv, loaded.title(), recorder->table(), m.run, args.quiet);
+  if (args.certify && !ended.interrupted) print_certificate(loaded, args, m.run, recorder->table());
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   return ended.interrupted ? kExitInterrupted : kExitOk;
 }
 
-int assemble_command(const Words& w) {
-  const Loaded loaded = load(w);
+int assemble_command(const Arguments& args) {
+  const Loaded loaded = load(args);
   Mechanism m = build(loaded.scene, loaded.registry);
-  Dynamics dynamics(m.system, make_solver(m.run, loaded.registry), {m.run.formulation, m.run.stabilization});
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
   const AssemblyReport r = assemble(dynamics, state, m.start_speeds);
   nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-  if (!w.json) fmt::print("{}\n  assembled  {}\n", heading(loaded), r.text());
+  if (!args.json) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
   for (const Body& body : m.system.bodies()) {
     if (body.fixed) continue;
     const Pose at = pose(body, state);
     bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
-    if (!w.json)
+    if (!args.json)
       fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
                  at.q.w, at.q.x, at.q.y, at.q.z);
   }
@@ -214,7 +193,7 @@ int assemble_command(const Words& w) {
                                          {"iterations", r.iterations},   {"largest_move", r.largest_move},
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (w.json) fmt::print("{}\n", report.dump(1, ' '));
+  if (args.json) fmt::print("{}\n", report.dump(1, ' '));
   return kExitOk;
 }
 

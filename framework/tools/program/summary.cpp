@@ -8,7 +8,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kStill = 1e-9;  // of the system's length, and rad: rounding moves no further
+constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rounding
 
 enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated };
 
@@ -18,15 +18,14 @@ Pose center_pose(const Body& body, const State& state) { return pose(body, state
 }  // namespace
 
 Summary::Summary(System& system) {
-  // What the system has not is not integrated.
   const bool links = !system.links().empty(), forces = !system.forces().empty();
-  for (const char* name : {"energy.total", "energy.kinetic", "energy.balance"})
-    channels_.push_back(make_channel(system, name));
-  channels_.push_back(links ? make_channel(system, "energy.drives") : Channel{});
-  const bool hits = std::any_of(system.links().begin(), system.links().end(),
-                                [](const auto& link) { return link->unilateral() != nullptr; });
-  channels_.push_back(forces ? make_channel(system, "energy.supplied") : Channel{});
-  channels_.push_back(forces || hits ? make_channel(system, "energy.dissipated") : Channel{});
+  const bool impacts = std::any_of(system.links().begin(), system.links().end(),
+                                   [](const auto& link) { return link->unilateral() != nullptr; });
+  const auto add = [&](const char* name, bool present) {  // nothing is integrated in vain
+    channels_.push_back(present ? make_channel(system, name) : Channel{});
+  };
+  add("energy.total", true), add("energy.kinetic", true), add("energy.balance", true);
+  add("energy.drives", links), add("energy.supplied", forces), add("energy.dissipated", forces || impacts);
 }
 
 void Summary::start(const Sample& s) {
@@ -44,7 +43,7 @@ void Summary::start(const Sample& s) {
   balance_ = scale_ = 0;
 }
 
-// Ways and turns by the steps, so that they are not shortened by coarse outputs.
+// Paths and turns are summed over the steps, so that coarse outputs do not shorten them.
 void Summary::step(const Sample& s) {
   for (const Channel& c : channels_)
     if (c.track) c.track(s);

@@ -1,4 +1,4 @@
-// Summary: what moved and what was conserved, for the table at the end of a run.
+// Summary: what moved and what was conserved, for the report at the end of a run.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace lockstep {
 
-/// Looks at the outputs of a run. Its channels integrate the works of drives and dampers with the motion.
+/// Its channels integrate the work of drives and dampers along with the motion.
 class Summary final : public Observer {
  public:
-  /// Before the run.
+  /// Make it before the run: its channels add states to the system.
   explicit Summary(System& system);
 
   void start(const Sample&) override;
@@ -28,7 +28,7 @@ class Summary final : public Observer {
     Quat last_q;
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
-  /// 0 for what the system has not.
+  /// 0 if the system has no such channel.
   double value(std::size_t channel, const Sample& s) const {
     return channels_[channel].value ? channels_[channel].value(s) : 0.0;
   }

@@ -10,22 +10,22 @@
 #include <optional>
 
 #include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/sweep/sweep_lanes.h"
-#include <lockstep/error.h>
-#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
 
-constexpr long kMostTries = 100;  // runs that are built to find the columns
-constexpr long kMostReasons = 5;  // failures that are said at once
+constexpr long kMostBuilt = 100;  // runs that are built to find the columns
+constexpr long kMostReasons = 5;  // failures that are printed
 constexpr long kLanes = 8;        // runs at once
-constexpr long kFewest = 3;       // runs for which lanes are worth it
+constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
 
-// Bad words of an option, whoever found them.
+// Errors in the value of an option become usage errors.
 template <class F>
 auto usage(const std::string& option, F&& read) {
   try {
@@ -37,25 +37,25 @@ auto usage(const std::string& option, F&& read) {
   }
 }
 
-void refuse_twofold(const Words& w, const std::vector<Variable>& variables) {
+void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
   const std::pair<const char*, const std::string*> options[] = {
-      {"integrator", &w.integrator},      {"solver", &w.solver}, {"step", &w.step},
-      {"tolerance", &w.tolerance},        {"until", &w.until},   {"formulation", &w.formulation},
-      {"stabilization", &w.stabilization}};
+      {"integrator", &args.integrator},      {"solver", &args.solver}, {"step", &args.step},
+      {"tolerance", &args.tolerance},        {"until", &args.until},   {"formulation", &args.formulation},
+      {"stabilization", &args.stabilization}};
   for (const Variable& v : variables) {
     for (const auto& [name, word] : options) {
       const std::string place = std::string("run.") + name;
       if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
         throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
     }
-    if ((!w.planar.empty() || w.full) && v.place == "planar")
+    if ((!args.planar.empty() || args.full) && v.place == "planar")
       throw UsageError("--planar: \"planar\" varies; leave one of the two out");
   }
 }
 
 /// What all runs share.
 struct Plan {
-  const Words& words;
+  const Arguments& arguments;
   Loaded loaded;
   std::vector<Variable> variables;
   Grid grid;
@@ -64,13 +64,13 @@ struct Plan {
 
   Scene scene(long run) const {
     Scene s = varied(loaded.scene, variables, grid.at(run), loaded.registry);
-    put_over(s.run, words, loaded.registry);
+    override_settings(s.run, arguments, loaded.registry);
     return s;
   }
   std::string setting(long run) const { return setting_text(variables, grid.at(run)); }
 };
 
-// A key that the scene leaves out may not fit beside those that it has.
+// Refuses a variable that the scene does not have, if no run can be built with it.
 void refuse_misplaced(const Plan& plan, const std::string& reason) {
   for (const Variable& v : plan.variables)
     if (!v.near.empty())
@@ -79,13 +79,13 @@ void refuse_misplaced(const Plan& plan, const std::string& reason) {
                       v.path, reason, v.near));
 }
 
-// The columns of the first run that can be built, the same for all shards. When none can, the scene is to blame.
+// The columns of the first run that can be built, which are the same for all shards.
 Table columns_of(const Plan& plan) {
   std::optional<SceneError> first;
-  const long n = plan.grid.n_runs(), tries = std::min(n, kMostTries);
-  for (long k = 0; k < tries; ++k) {
+  const long n = plan.grid.n_runs(), n_built = std::min(n, kMostBuilt);
+  for (long k = 0; k < n_built; ++k) {
     try {
-      return recorded_columns(plan.scene(1 + k * (n - 1) / std::max(tries - 1, 1l)), plan.loaded.registry);
+      return recorded_columns(plan.scene(1 + k * (n - 1) / std::max(n_built - 1, 1l)), plan.loaded.registry);
     } catch (const SceneError& error) {
       if (!first) first = error;
     } catch (const ModelError& error) {
@@ -96,24 +96,24 @@ Table columns_of(const Plan& plan) {
   throw *first;
 }
 
-Plan make_plan(const Words& w) {
-  Loaded loaded = read_with_plugins(w);
-  const Shard shard = w.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(w.shard); });
+Plan make_plan(const Arguments& args) {
+  Loaded loaded = read_with_plugins(args);
+  const Shard shard = args.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(args.shard); });
   std::vector<Variable> variables =
-      usage("--vary", [&] { return read_variables(w.vary, loaded.scene, loaded.registry); });
-  refuse_twofold(w, variables);
+      usage("--vary", [&] { return read_variables(args.vary, loaded.scene, loaded.registry); });
+  refuse_varied_options(args, variables);
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   Grid grid = usage("--vary", [&] { return Grid(sizes); });
-  Plan plan{w, std::move(loaded), std::move(variables), std::move(grid), shard, {}};
+  Plan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}};
   plan.columns = columns_of(plan);
   return plan;
 }
 
-std::string table_path(const Words& w, Shard shard) {
-  const std::string stem = std::filesystem::path(w.scene).stem().string();
-  const std::string share = w.shard.empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
-  return csv_path(w.record, stem + "_sweep" + share + ".json");
+std::string table_path(const Arguments& args, Shard shard) {
+  const std::string stem = std::filesystem::path(args.scene).stem().string();
+  const std::string share = args.shard.empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
+  return csv_path(args.record, stem + "_sweep" + share + ".json");
 }
 
 void make_folder(const std::string& folder) {
@@ -123,10 +123,10 @@ void make_folder(const std::string& folder) {
   if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; check --histories");
 }
 
-/// The table, every row on the disk as soon as it is there.
-class Rows {
+/// The table of results; every row is flushed.
+class ResultFile {
  public:
-  explicit Rows(std::string file) : file_(std::move(file)), out_(file_, std::ios::binary | std::ios::trunc) {}
+  explicit ResultFile(std::string file) : file_(std::move(file)), out_(file_, std::ios::binary | std::ios::trunc) {}
   void put(const std::string& line) {
     errno = 0;
     out_ << line << std::flush;
@@ -142,39 +142,38 @@ class Rows {
 
 struct Tally {
   long done = 0, failed = 0, histories = 0, in_lanes = 0;
-  std::string alone{};  // why no run can be in lanes
+  std::string alone{};  // why the mechanism does not run in lanes
 };
 
-/// The runs of one shard in their order, eight at a time where the mechanism is suited.
+/// The runs of one shard in their order, eight at a time if the mechanism is suited.
 class Sweep {
  public:
-  Sweep(const Plan& plan, Rows& rows, const Interrupt& interrupt)
+  Sweep(const Plan& plan, ResultFile& rows, const Interrupt& interrupt)
       : plan_(plan),
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
         interrupt_(interrupt),
-        progress_(static_cast<double>(n_runs_), plan.words.quiet, Counts::runs) {
-    if (plan.words.lanes == "off") tally_.alone = "as asked for";
+        progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs) {
+    if (plan.arguments.lanes == "off") tally_.alone = "as asked for";
   }
 
   Tally go() {
     rows_.put(sweep_header(plan_.variables, plan_.columns));
     while (tally_.done < n_runs_ && !interrupt_.asked())
-      if (!together() && !one()) break;
+      if (!run_lanes() && !run_one()) break;
     progress_.finish();
     return tally_;
   }
   long n_runs() const { return n_runs_; }
 
  private:
-  // The next eight in lanes. False when they cannot be: the next one goes alone, and seven more before lanes are tried
-  // again.
-  bool together() {
+  // The next eight in lanes. False if they cannot be: then they run one by one before lanes are tried again.
+  bool run_lanes() {
     const long n = std::min<long>(kLanes, n_runs_ - tally_.done);
-    if (!tally_.alone.empty() || n < kFewest || tally_.done < next_try_) return false;
+    if (!tally_.alone.empty() || n < kFewestLanes || tally_.done < next_try_) return false;
     next_try_ = tally_.done + n;
     std::vector<Scene> scenes;
-    std::vector<Table> histories(static_cast<std::size_t>(n));
+    std::vector<Table> histories(n);
     try {
       for (long k = 0; k < n; ++k) scenes.push_back(plan_.scene(number(tally_.done + k)));
     } catch (const std::exception&) {
@@ -189,8 +188,8 @@ class Sweep {
     return true;
   }
 
-  // False when it was broken off; then it leaves no row.
-  bool one() {
+  // False if it was interrupted; then there is no row.
+  bool run_one() {
     Table history;
     const SweepRun run = compute(number(tally_.done), history);
     if (!run.broken_off) take(run, history);
@@ -211,9 +210,9 @@ class Sweep {
 
   void take(const SweepRun& run, const Table& history) {
     const long n = number(tally_.done);
-    if (!plan_.words.histories.empty() && history.n_columns() > 0) keep(n, history);
+    if (!plan_.arguments.histories.empty() && history.n_columns() > 0) keep(n, history);
     rows_.put(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, run));
-    if (run.failed) say(n, run.status);
+    if (run.failed) report(n, run.status);
     progress_.at(static_cast<double>(++tally_.done));
   }
 
@@ -227,12 +226,12 @@ class Sweep {
 
   void keep(long number, const Table& history) {
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
-    write_csv((std::filesystem::path(plan_.words.histories) / fmt::format("{:0{}}.csv", number, width)).string(),
+    write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number, width)).string(),
               history);
     ++tally_.histories;
   }
 
-  void say(long number, const std::string& reason) {
+  void report(long number, const std::string& reason) {
     if (++tally_.failed > kMostReasons) return;
     progress_.finish();
     fmt::print(stderr, "lockstep: run {} ({}) failed: {}\n", number, plan_.setting(number), reason);
@@ -241,16 +240,15 @@ class Sweep {
 
   const Plan& plan_;
   const long n_runs_;
-  Rows& rows_;
+  ResultFile& rows_;
   const Interrupt& interrupt_;
   Progress progress_;
   Tally tally_;
-  long next_try_ = 0;  // at lanes
+  long next_try_ = 0;  // number of the run at which lanes are tried again
 };
 
 void print_heading(const Plan& plan, long n) {
-  const Scene& scene = plan.loaded.scene;
-  fmt::print("{}\n", scene.title.empty() ? scene.file : scene.title);
+  fmt::print("{}\n", plan.loaded.title());
   const std::string share =
       plan.shard.count > 1 ? fmt::format(" of {}, share {}/{}", plan.grid.n_runs(), plan.shard.index, plan.shard.count)
                            : "";
@@ -263,22 +261,22 @@ void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
   if (tally.in_lanes > 0) fmt::print("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
   if (tally.in_lanes == 0 && !tally.alone.empty()) fmt::print("             one by one: {}\n", tally.alone);
   fmt::print("  files      {} ({} rows)\n", csv, tally.done);
-  if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.words.histories, tally.histories);
+  if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
 }
 
 }  // namespace
 
-int sweep_command(const Words& w) {
-  const Plan plan = make_plan(w);
-  const std::string csv = table_path(w, plan.shard);
+int sweep_command(const Arguments& args) {
+  const Plan plan = make_plan(args);
+  const std::string csv = table_path(args, plan.shard);
   check_writable(csv);
-  make_folder(w.histories);
-  Rows rows(csv);
+  make_folder(args.histories);
+  ResultFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
-  if (!w.quiet) print_heading(plan, sweep.n_runs());
+  if (!args.quiet) print_heading(plan, sweep.n_runs());
   const Tally tally = sweep.go();
-  if (!w.quiet) print_end(plan, tally, csv);
+  if (!args.quiet) print_end(plan, tally, csv);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);
     return kExitInterrupted;

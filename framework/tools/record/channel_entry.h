@@ -1,7 +1,8 @@
-// What the channel_*.cpp files offer to the lookup by name; internal to framework/record.
+// What the channel_*.cpp files provide for the lookup by name. Private to the room.
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,30 +14,30 @@ namespace lockstep::channels {
 
 inline constexpr const char* kAxisName[3] = {"x", "y", "z"};
 
-/// A quantity of one object: its name without the object's, and how the channel is made.
+/// A quantity of one object: its name without the object's, and how its channel is made.
 struct Entry {
   std::string name, unit, help;
-  std::function<void(System&, Channel&)> make;  ///< fills value, track, restart
+  std::function<void(System&, Channel&)> make;  ///< sets value, track, restart
 };
 using Entries = std::vector<Entry>;
 using Value = std::function<double(const Sample&)>;
 
 void add(Entries&, std::string name, std::string unit, std::string help, Value value);
-/// Three of them: name + "x", "y", "z"; value(sample, k).
+/// Three channels: name + "x", "y", "z".
 void add_vector(Entries&, const std::string& name, const std::string& unit, const std::string& help,
                 std::function<Vec3(const Sample&)> value);
 
-/// An angle on any branch and its rate.
+/// An angle known up to full turns, and its rate.
 struct RawAngle {
   double angle = 0, rate = 0;
 };
 /// An angle counted past full turns.
 void add_angle(Entries&, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw);
-/// Integral over time of `rate` along the motion; one quadrature of the system, called `id`, for all who ask.
+/// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, bool of_reactions = false);
 
-/// Offers of one subject each.
+/// The quantities of one object each.
 void of_frame(const Frame&, Entries&);
 void of_body(const Body&, Entries&);
 void of_pair(const Frame& m, const Frame& n, Entries&);
@@ -46,11 +47,22 @@ void of_force(const Force&, Entries&);
 void of_totals(Entries&);
 void of_run(Entries&);
 
-/// Work of all drives and moving laws, power taken by the dampers and the friction of one force: rates that totals
-/// integrate.
+/// The rows of a link in the table; null while it is not active.
+const RowEntry* entry_of(const Lock&, const RowTable&);
+/// Quantities that an object reports itself: value(k, sample). `owner`: "spring force".
+template <class F>
+void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& owner, F value) {
+  for (int k = 0; k < static_cast<int>(own.size()); ++k)
+    add(out, own[k].name, own[k].unit, "quantity of a " + owner, [value, k](const Sample& s) { return value(k, s); });
+}
+/// Residuals C of the rows of some entries, in the system's norm, m.
+double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
+
+/// Power of all drives and moving laws, W.
 double power_of_laws(const Evaluated&);
+/// Power taken out by the damping and friction of a force, W.
 double loss(const Force&, const Evaluated&);
-/// Lost in the impacts of all one-sided links up to this state, J.
+/// Energy lost in the impacts of all unilateral links up to this state, J.
 double lost_in_impacts(const System&, const State&);
 
 }  // namespace lockstep::channels

@@ -1,4 +1,4 @@
-// Channels of forces: their own quantities, power, what they store and what they take out.
+// Channels of forces: their own quantities, power, stored and dissipated energy.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -23,15 +23,13 @@ void of_force(const Force& force, Entries& out) {
   const std::vector<Quantity> own = reacting     ? reacting->quantities()
                                     : observable ? observable->quantities()
                                                  : std::vector<Quantity>{};
-  for (int k = 0; k < static_cast<int>(own.size()); ++k)
-    add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} force", force.type()), [f, reacting, observable, k](const Sample& s) {
-          const Evaluated& v = s.values();
-          return named(*f, v.in.t, [&] {
-            return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
-          });
-        });
-  const auto free = [&out](const char* name) {  // a force's own words win
+  add_own(out, own, fmt::format("{} force", force.type()), [f, reacting, observable](int k, const Sample& s) {
+    const Evaluated& v = s.values();
+    return named(*f, v.in.t, [&] {
+      return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
+    });
+  });
+  const auto free = [&out](const char* name) {  // a force's own quantity of that name takes precedence
     return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
   };
   const auto scratch = std::make_shared<VecX>();

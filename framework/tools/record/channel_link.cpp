@@ -1,15 +1,15 @@
-// Channels of links: coordinates of P seen from S (no imposed law taken off), rows, a link's own quantities.
+// Channels of links: coordinates of P relative to S (imposed motion included), rows, a link's own quantities.
 #include <spdlog/fmt/fmt.h>
 
 #include <memory>
 
-#include "framework/tools/record/channel_entry.h"
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
 namespace {
 
-// theta = 2 atan2(e_k, e0) with its rates; not finite where both are 0, where the angle has no meaning.
+// theta = 2 atan2(e_k, e0) with its rates; not finite where both are 0, where the angle is undefined.
 struct Turn {
   double angle, d, dd;
 };
@@ -43,16 +43,15 @@ void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
   }
 }
 
-const RowEntry* entry_of(const Lock& link, const RowTable& rows) {
-  const int k = rows.entry_of_link[static_cast<std::size_t>(link.number())];
-  return k < 0 ? nullptr : &rows.entries[static_cast<std::size_t>(k)];
-}
-
-// Which of the entry's rows is the link's own row k; -1: it is not in force, or out of the plane.
-int row_of(const RowEntry* e, int k) {
-  for (int i = 0; e && i < e->m; ++i)
-    if (e->own[static_cast<std::size_t>(i)] == k) return i;
-  return -1;
+// value(entry, i) of the link's own row k, which is row i of its entry; 0 while it is inactive, or out of the plane.
+template <class F>
+Value of_row(const Lock* link, int k, F value) {
+  return [=](const Sample& s) {
+    const RowEntry* e = entry_of(*link, s.values().rows);
+    for (int i = 0; e && i < e->m; ++i)
+      if (e->own[i] == k) return value(s.values(), *e, i);
+    return 0.0;
+  };
 }
 
 void add_rows(const Lock& link, Entries& out) {
@@ -60,27 +59,19 @@ void add_rows(const Lock& link, Entries& out) {
   for (int k = 0; k < link.row_count(); ++k) {
     const RowKind kind = link.row_kind(k);
     const std::string row = link.row_name(k);
-    add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
-        "residual of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
-          const Evaluated& v = s.values();
-          const RowEntry* e = entry_of(*l, v.rows);
-          const int i = row_of(e, k);
-          return i >= 0 ? v.rows.block(*e).C(i) : 0.0;
-        });
+    const bool translation = kind == RowKind::translation, rotation = kind == RowKind::rotation;
+    add(out, "C_" + row, translation ? "m" : "", "residual of row " + row + "; 0 while the link is not active",
+        of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.rows.block(e).C(i); }));
     add(out, "lambda_" + row,
-        kind == RowKind::translation ? "N"
-        : kind == RowKind::rotation  ? "N m"
-                                     : "",
-        "multiplier of row " + row + "; 0 while the link is not active", [l, k](const Sample& s) {
-          const Evaluated& v = s.values();
-          const RowEntry* e = entry_of(*l, v.rows);
-          const int i = row_of(e, k);
-          return i >= 0 ? v.lambda[e->first_row + i] : 0.0;
-        });
+        translation ? "N"
+        : rotation  ? "N m"
+                    : "",
+        "multiplier of row " + row + "; 0 while the link is not active",
+        of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.lambda[e.first_row + i]; }));
   }
 }
 
-// The row's own value, whether or not it is in force.
+// C of the first row, whether or not the link is active.
 double row_value(const Lock& link, const Inputs& in, RowTable& room) {
   const RowShape shape = link.shape();
   const Lock* const one = &link;
@@ -96,12 +87,24 @@ void add_contact(const Lock& link, Entries& out) {
         return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
       });
   add(out, "in_contact", "", "1 while the one-sided link holds, 0 while it is free",
-      [l](const Sample& s) { return s.state.modes[static_cast<std::size_t>(l->number())] ? 1.0 : 0.0; });
+      [l](const Sample& s) { return s.state.modes[l->number()] ? 1.0 : 0.0; });
   add(out, "impact_loss", "J", "energy lost in its impacts since the start",
       [l](const Sample& s) { return s.state.z[l->impact_memory()]; });
 }
 
 }  // namespace
+
+const RowEntry* entry_of(const Lock& link, const RowTable& rows) {
+  const int k = rows.entry_of_link[link.number()];
+  return k < 0 ? nullptr : &rows.entries[k];
+}
+
+double violation(const Evaluation& at, std::span<const RowEntry> entries, VecX& scratch) {
+  scratch.setZero(at.rows().n_rows);
+  for (const RowEntry& e : entries)
+    for (int k = 0; k < e.m; ++k) scratch[e.first_row + k] = at.rows().block(e).C(k);
+  return at.norm(scratch);
+}
 
 void of_link(const System& system, const Lock& link, Entries& out) {
   const Lock* const l = &link;
@@ -114,22 +117,14 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   add(out, "violation", "m", "largest residual of the link, turns as lengths; 0 while it is not active",
       [l, scratch](const Sample& s) {
         const Evaluation& at = s.values().evaluation;
-        const RowTable& rows = at.rows();
-        const RowEntry* e = entry_of(*l, rows);
-        if (!e) return 0.0;
-        scratch->setZero(rows.n_rows);
-        for (int k = 0; k < e->m; ++k) (*scratch)[e->first_row + k] = rows.block(*e).C(k);
-        return at.norm(*scratch);
+        const RowEntry* e = entry_of(*l, at.rows());
+        return e ? violation(at, {e, 1}, *scratch) : 0.0;
       });
   if (link.unilateral()) add_contact(link, out);
-  const Observable* const observable = link.observable();
-  if (observable == nullptr) return;
-  const std::vector<Quantity> own = observable->quantities();
-  for (int k = 0; k < static_cast<int>(own.size()); ++k)
-    add(out, own[static_cast<std::size_t>(k)].name, own[static_cast<std::size_t>(k)].unit,
-        fmt::format("quantity of a {} link", link.type()), [l, observable, k](const Sample& s) {
-          return named(*l, s.state.t, [&] { return observable->quantity(k, s.values().in); });
-        });
+  if (const Observable* const own = link.observable())
+    add_own(out, own->quantities(), fmt::format("{} link", link.type()), [l, own](int k, const Sample& s) {
+      return named(*l, s.state.t, [&] { return own->quantity(k, s.values().in); });
+    });
 }
 
 }  // namespace lockstep::channels

@@ -1,4 +1,4 @@
-// Reactions of links and what drives add, from the multipliers and the rows alone: no formula a link.
+// Reactions of links and the share of their drives, from multipliers and rows alone, for every type of link.
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/lock.h>
@@ -13,34 +13,31 @@ void add_wrench(const Lock& link, const std::string& prefix, int part, const std
   const Lock* const l = &link;
   const auto [p, s] = link.pairs().front();
   const Marker *const P = p, *const S = s;
-  add_vector(out, prefix + "force_on_p_world_", "N", fmt::format("force on p's body at P by {}, world axes", by),
-             [=](const Sample& x) { return x.wrench(*l, *P, part).force; });
-  add_vector(out, prefix + "force_on_p_link_", "N", fmt::format("force on p's body at P by {}, S axes", by),
-             [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).force);
-             });
-  add_vector(out, prefix + "torque_on_p_world_", "N m", fmt::format("torque on p's body about P by {}, world axes", by),
-             [=](const Sample& x) { return x.wrench(*l, *P, part).moment; });
-  add_vector(out, prefix + "torque_on_p_link_", "N m", fmt::format("torque on p's body about P by {}, S axes", by),
-             [=](const Sample& x) {
-               return Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * x.wrench(*l, *P, part).moment);
-             });
-  add_vector(out, prefix + "force_on_s_world_", "N", fmt::format("force on s's body at S by {}, world axes", by),
-             [=](const Sample& x) { return x.wrench(*l, *S, part).force; });
-  add_vector(out, prefix + "torque_on_s_world_", "N m", fmt::format("torque on s's body about S by {}, world axes", by),
-             [=](const Sample& x) { return x.wrench(*l, *S, part).moment; });
+  struct Vector {
+    const char *name, *unit, *help;
+    bool on_p, force, world;  // else: on s, the moment, S axes
+  };
+  constexpr Vector kVectors[] = {
+      {"force_on_p_world_", "N", "force on p's body at P by {}, world axes", true, true, true},
+      {"force_on_p_link_", "N", "force on p's body at P by {}, S axes", true, true, false},
+      {"torque_on_p_world_", "N m", "torque on p's body about P by {}, world axes", true, false, true},
+      {"torque_on_p_link_", "N m", "torque on p's body about P by {}, S axes", true, false, false},
+      {"force_on_s_world_", "N", "force on s's body at S by {}, world axes", false, true, true},
+      {"torque_on_s_world_", "N m", "torque on s's body about S by {}, world axes", false, false, true}};
+  for (const Vector& v : kVectors)
+    add_vector(out, prefix + v.name, v.unit, fmt::format(fmt::runtime(v.help), by), [=](const Sample& x) -> Vec3 {
+      const LinkWrench wrench = x.wrench(*l, v.on_p ? *P : *S, part);
+      const Vec3 f = v.force ? wrench.force : wrench.moment;
+      return v.world ? f : Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * f);
+    });
 }
 
 // (8.8) lambda . Ct over the rows of the drive
 double power_of_drive(const Lock& link, const Evaluated& v, int part) {
-  const int entry = v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
-  if (entry < 0) return 0;
-  const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
-  const RowView block = v.rows.block(e);
+  const RowEntry* e = entry_of(link, v.rows);
   double power = 0;
-  for (int k = 0; k < e.m; ++k)
-    if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
-      power += v.lambda[e.first_row + k] * block.Ct(k);
+  for (int k = 0; e && k < e->m; ++k)
+    if (Reactions::belongs(link.row(e->own[k]), part)) power += v.lambda[e->first_row + k] * v.rows.block(*e).Ct(k);
   return power;
 }
 

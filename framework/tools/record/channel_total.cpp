@@ -1,9 +1,9 @@
 // Channels of the whole mechanism: energies, momenta; and of the run.
 #include <memory>
 
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
-#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::channels {
 namespace {
@@ -43,7 +43,7 @@ Vec3 angular_momentum(const Sample& s) {
   return sum;
 }
 
-// All of them at the evaluation, so that forces added later count.
+// Over all forces at the time of the evaluation, so that forces added later count.
 double dissipation(const System& system, const Evaluated& v) {
   double sum = 0;
   for (const auto& f : system.forces()) sum += loss(*f, v);
@@ -65,7 +65,7 @@ const Quadrature& supplied(System& system) {
   return quadrature(system, "energy.supplied", [&system](const Evaluated& v) { return supply(system, v); });
 }
 
-// total - drives - supplied + dissipated, minus its value at the start. What the system has not (links, forces) is not
+// total - drives - supplied + dissipated, minus its value at the start. Without links or forces their work is not
 // integrated.
 void make_balance(System& system, Channel& c) {
   const Quadrature* const led = system.links().empty() ? nullptr : &drives(system);
@@ -111,21 +111,18 @@ void of_totals(Entries& out) {
   add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy", potential);
   add(out, "energy.total", "J", "kinetic and potential energy",
       [](const Sample& s) { return kinetic(s) + potential(s); });
-  out.push_back(
-      {"energy.drives", "J", "work of all drives and moving laws since the start", [](System& system, Channel& c) {
-         const Quadrature& q = drives(system);
-         c.value = [&q](const Sample& s) { return q.value(s.state); };
-       }});
-  out.push_back({"energy.supplied", "J", "work of the laws and motors of all forces since the start",
-                 [](System& system, Channel& c) {
-                   const Quadrature& q = supplied(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state); };
-                 }});
-  out.push_back({"energy.dissipated", "J", "energy taken out by all dampers, friction and impacts since the start",
-                 [](System& system, Channel& c) {
-                   const Quadrature& q = dissipated(system);
-                   c.value = [&q](const Sample& s) { return q.value(s.state) + lost_in_impacts(s.system(), s.state); };
-                 }});
+  const auto add_work = [&](const char* name, const char* help, const Quadrature& (*work)(System&), bool impacts) {
+    out.push_back({name, "J", help, [=](System& system, Channel& c) {
+                     const Quadrature& q = work(system);
+                     c.value = [&q, impacts](const Sample& s) {
+                       return q.value(s.state) + (impacts ? lost_in_impacts(s.system(), s.state) : 0.0);
+                     };
+                   }});
+  };
+  add_work("energy.drives", "work of all drives and moving laws since the start", drives, false);
+  add_work("energy.supplied", "work of the laws and motors of all forces since the start", supplied, false);
+  add_work("energy.dissipated", "energy taken out by all dampers, friction and impacts since the start", dissipated,
+           true);
   out.push_back({"energy.balance", "J",
                  "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
                  make_balance});
@@ -137,26 +134,18 @@ void of_run(Entries& out) {
   add(out, "step", "s", "the step that led here", [](const Sample& s) { return s.report.h; });
   out.push_back({"rejected", "", "tries thrown away since the start", make_rejected});
   const auto scratch = std::make_shared<VecX>();
-  add(out, "violation", "m", "largest residual of all rows, turns as lengths", [scratch](const Sample& s) {
-    const RowTable& rows = s.values().rows;
-    scratch->setZero(rows.n_rows);
-    for (const RowEntry& e : rows.entries)
-      for (int k = 0; k < e.m; ++k) (*scratch)[e.first_row + k] = rows.block(e).C(k);
-    return s.values().evaluation.norm(*scratch);
-  });
+  add(out, "violation", "m", "largest residual of all rows, turns as lengths",
+      [scratch](const Sample& s) { return violation(s.values().evaluation, s.values().rows.entries, *scratch); });
   add(out, "evaluations", "", "evaluations of the equations of motion so far, those for the record included",
       [](const Sample& s) { return static_cast<double>(s.dynamics().work().evaluations); });
-  add(out, "solver.residual", "", "largest residual of the rows' equations, relative", [](const Sample& s) {
-    return s.values().full_report().residual;
-  });
-  add(out, "solver.corrections", "", "proximal corrections of this solution", [](const Sample& s) {
-    return static_cast<double>(s.values().report.corrections);
-  });
+  add(out, "solver.residual", "", "largest residual of the rows' equations, relative",
+      [](const Sample& s) { return s.values().full_report().residual; });
+  add(out, "solver.corrections", "", "proximal corrections of this solution",
+      [](const Sample& s) { return static_cast<double>(s.values().report.corrections); });
   add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
       [](const Sample& s) { return s.values().full_report().detector; });
-  add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution", [](const Sample& s) {
-    return s.values().full_report().smallest_pivot;
-  });
+  add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution",
+      [](const Sample& s) { return s.values().full_report().smallest_pivot; });
 }
 
 }  // namespace lockstep::channels

@@ -1,4 +1,4 @@
-// Tables as CSV files: written and read without ever asking the locale.
+// Tables as CSV files, independent of the locale.
 #include <spdlog/fmt/fmt.h>
 
 #include <cerrno>

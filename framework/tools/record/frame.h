@@ -1,4 +1,4 @@
-// Frame: a body's frame or a marker, and its motion in the world or seen from another one.
+// Frame: a body's frame or a marker, and its motion in the world or relative to another one.
 #pragma once
 
 #include <lockstep/step_loop.h>
@@ -6,10 +6,10 @@
 
 namespace lockstep::channels {
 
-/// One of the two; stays valid through a new set-up of the system, since it folds into the slot at each call.
+/// Stays valid through a new set-up of the system: it is folded into its slot at each call.
 struct Frame {
   const Body* body = nullptr;
-  const Marker* marker = nullptr;  ///< nullptr: the body's own frame
+  const Marker* marker = nullptr;  ///< null: the body's own frame
   MarkerFrame folded() const;
 };
 
@@ -26,10 +26,10 @@ struct FrameAcceleration {
 FrameMotion motion_of(const Frame&, const State&);
 FrameAcceleration acceleration_of(const Frame&, const Sample&);
 
-/// Frame m seen from frame n, in n's axes: the seven coordinates of (7.1), their rates and second rates.
+/// Frame m relative to frame n, in n's axes: the seven coordinates of (7.1), their rates and second rates.
 struct Relative {
   Vec7T<double> y, yd, ydd;
-  Vec3 w;  ///< angular velocity of m against n
+  Vec3 w;  ///< angular velocity of m relative to n
 };
 Relative relative(const Frame& m, const Frame& n, const State&);
 /// With ydd, which needs the accelerations.

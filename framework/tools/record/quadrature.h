@@ -1,4 +1,4 @@
-// Quadrature: one number that is integrated with the motion, such as the work of a drive.
+// Quadrature: a number that is integrated along with the motion, such as the work of a drive.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@ namespace lockstep {
 
 class LOCKSTEP_API Quadrature final : public Auxiliary {
  public:
-  /// `of_reactions`: the rate goes with the multipliers, so that impulses add to it as forces do.
+  /// `of_reactions`: the rate is proportional to the multipliers, so that impulses add to it as forces do.
   Quadrature(std::string name, std::function<double(const Evaluated&)> rate, bool of_reactions = false)
       : Auxiliary(std::move(name)), rate_(std::move(rate)), of_reactions_(of_reactions) {}
   int size() const override { return 1; }
-  bool controls_error() const override { return false; }  // what is only looked at must not change the run
+  bool controls_error() const override { return false; }  // what is only recorded must not change the run
   void rates(const Evaluated& values, std::span<double> sd) const override { sd[0] = rate_(values); }
   void impact(const Evaluated& impulses, std::span<double> s) const override {
     if (of_reactions_) s[0] += rate_(impulses);
@@ -26,8 +26,7 @@ class LOCKSTEP_API Quadrature final : public Auxiliary {
   bool of_reactions_;
 };
 
-/// The system's quadrature of that name, added when it is not there. Throws ModelError when something else has the
-/// name.
+/// The system's quadrature of that name, added if it does not exist. Throws ModelError if another state has the name.
 LOCKSTEP_API const Quadrature& quadrature(System&, const std::string& name,
                                           const std::function<double(const Evaluated&)>& rate,
                                           bool of_reactions = false);

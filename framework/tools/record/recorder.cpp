@@ -30,25 +30,27 @@ void Recorder::add(Channel channel) {
 
 void Recorder::follow(Channel channel) { followed_.push_back(std::move(channel)); }
 
+namespace {
+
+// Calls one hook of all channels that have it.
+template <class Hook, class... Args>
+void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::vector<Channel>& followed,
+          const Args&... args) {
+  for (const auto* all : {&columns, &followed})
+    for (const Channel& c : *all)
+      if (c.*hook) (c.*hook)(args...);
+}
+
+}  // namespace
+
 void Recorder::start(const Sample& sample) {
   table_.clear_rows();
-  for (const std::vector<Channel>* all : {&channels_, &followed_})
-    for (const Channel& c : *all)
-      if (c.restart) c.restart();
+  call(&Channel::restart, channels_, followed_);
   step(sample);
 }
 
-void Recorder::step(const Sample& sample) {
-  for (const std::vector<Channel>* all : {&channels_, &followed_})
-    for (const Channel& c : *all)
-      if (c.track) c.track(sample);
-}
-
-void Recorder::jumped(const Sample& sample) {
-  for (const std::vector<Channel>* all : {&channels_, &followed_})
-    for (const Channel& c : *all)
-      if (c.jumped) c.jumped(sample);
-}
+void Recorder::step(const Sample& sample) { call(&Channel::track, channels_, followed_, sample); }
+void Recorder::jumped(const Sample& sample) { call(&Channel::jumped, channels_, followed_, sample); }
 
 void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;

@@ -48,17 +48,18 @@ const Column& Table::column(const std::string& name) const {
   throw ModelError(fmt::format("the table has no column \"{}\"{}", name, text::suggestion(name, names())));
 }
 
-double Table::first(const std::string& name) const {
-  const Column& c = column(name);
-  if (c.values.empty()) throw ModelError(fmt::format("column \"{}\" has no rows yet; run before you ask for it", name));
-  return c.values.front();
+namespace {
+
+const std::vector<double>& filled(const Column& c) {
+  if (c.values.empty())
+    throw ModelError(fmt::format("column \"{}\" has no rows yet; run before you ask for it", c.name));
+  return c.values;
 }
 
-double Table::last(const std::string& name) const {
-  const Column& c = column(name);
-  if (c.values.empty()) throw ModelError(fmt::format("column \"{}\" has no rows yet; run before you ask for it", name));
-  return c.values.back();
-}
+}  // namespace
+
+double Table::first(const std::string& name) const { return filled(column(name)).front(); }
+double Table::last(const std::string& name) const { return filled(column(name)).back(); }
 
 std::string title(const Column& c) { return c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit); }
 

@@ -7,9 +7,8 @@
 
 namespace lockstep {
 
-/// Angles are known up to full turns. The counter keeps the last accepted angle and takes the branch nearest to where
-/// the rates lead from there, so that a step may make several turns as long as its rates change by less than half a
-/// turn.
+/// Angles are known up to full turns. The counter keeps the last accepted angle and takes the branch nearest to its
+/// extrapolation by the rates. A step may make several turns; the extrapolation must be within half a turn.
 class TurnCounter {
  public:
   /// The angle at time t, from any branch `raw` (rad) and its rate (rad/s). Before the first accept: in (-pi, pi].

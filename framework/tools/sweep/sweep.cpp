@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/tools/analysis/work_precision.h"
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
 
-StepLoopOptions options_of(const RunSettings& run) {
-  return {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times};
-}
-
 ColumnRange range_of(const std::vector<double>& values) {
   ColumnRange range{values.back(), values.front(), values.front()};
   for (const double x : values) {
-    if (!(x >= range.least)) range.least = x;  // a NaN is not passed over
+    if (!(x >= range.least)) range.least = x;  // true for a NaN too
     if (!(x <= range.most)) range.most = x;
   }
   return range;
@@ -27,10 +24,9 @@ ColumnRange range_of(const std::vector<double>& values) {
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on) {
   std::vector<Event> events = make_events(m, recorder);
-  Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
-  State start = m.system.start();
-  if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
-  StepLoop sim(dynamics, make_integrator(m.run, registry), options_of(m.run));
+  Dynamics dynamics = make_dynamics(m, registry);
+  State start = assembled_start(dynamics, m);
+  StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));

@@ -2,17 +2,17 @@
 
 #include <cmath>
 
-#include "framework/tools/analysis/work_precision.h"
 #include <lockstep/batch.h>
-#include <lockstep/sweep.h>
 #include <lockstep/error.h>
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
 
 struct BrokenOff {};  // thrown by the output, to leave Copies::run
 
-/// One run: its mechanism stays where it is in memory.
+/// One run, at a fixed address.
 struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
@@ -22,7 +22,7 @@ struct Lane {
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
 
-// Of the settings that all runs of a sweep share, mostly.
+// Why a run with these settings cannot be in a lane; "" if it can.
 std::string unsuited(const RunSettings& run) {
   const std::string& method = run.integrator.type;
   if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
@@ -37,7 +37,7 @@ std::string unsuited(const RunSettings& run) {
 std::string unsuited(Mechanism& m) {
   if (!m.events.empty()) return "the scene has events";
   for (const ChannelRequest& request : m.run.record) {
-    if (request.channel == "step" || request.channel.rfind("solver.", 0) == 0 ||
+    if (request.channel == "step" || request.channel.starts_with("solver.") ||
         make_channel(m.system, request.channel).track)
       return "column \"" + request.channel + "\" looks at every step";
   }
@@ -76,8 +76,7 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.recorder = make_recorder(m);
   lane.dynamics = std::make_unique<Dynamics>(m.system, make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
-  lane.start = m.system.start();
-  if (m.run.assemble) assemble(*lane.dynamics, lane.start, m.start_speeds);
+  lane.start = assembled_start(*lane.dynamics, m);
   lane.recorder->start(Sample(*lane.dynamics, lane.start, {}));
 }
 
@@ -96,7 +95,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
   Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
   return copies.run(starts, times, [&](int copy, std::size_t, const State& state) {
-    Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+    Lane& lane = *lanes[copy];
     lane.recorder->output(Sample(*lane.dynamics, state, {}));
     if (go_on && !go_on(state)) throw BrokenOff();
   });
@@ -128,7 +127,7 @@ LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry& registry, co
     result.runs.assign(scenes.size(), broken);
     return result;
   } catch (const Error&) {
-    return result;  // one of them cannot be: one by one, each gets its own reason
+    return result;  // a run fails: run one by one, each gets its own reason
   }
   const double cpu = (thread_seconds() - begin) / static_cast<double>(lanes.size());
   for (std::size_t i = 0; i < lanes.size(); ++i) {

@@ -1,4 +1,4 @@
-// Runs of a sweep eight at a time, a run a vector lane.
+// Runs of a sweep, eight at a time: one run per vector lane.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,13 @@
 namespace lockstep {
 
 struct LaneRuns {
-  std::vector<SweepRun> runs;  ///< none: take them one by one
-  std::string unsuited;        ///< why none of this sweep can be, in words; "" where only this group could not
+  std::vector<SweepRun> runs;  ///< empty: run them one by one
+  std::string unsuited;        ///< why no run of this sweep can be in a lane; "" if only this group cannot
 };
 
-/// As sweep_run for each of the scenes, which differ in numbers alone. Not suited: events, columns that look at every
-/// step (angles count turns), output at every step, integrators but dop853 and dopri5, and what Copies cannot. A run
-/// that fails is run again by itself, for its reason.
+/// sweep_run for each of the scenes, which differ only in numbers. Not suited: events, columns that need every step
+/// (angles count turns), output at every step, integrators other than dop853 and dopri5, and what Copies refuses. A run
+/// that fails is repeated by itself, for its reason.
 LOCKSTEP_API LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry&, const Table& like,
                                   const std::function<bool(const State&)>& go_on = {},
                                   std::vector<Table>* histories = nullptr);

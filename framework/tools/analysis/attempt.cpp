@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/trial.h"
+#include "framework/tools/analysis/attempt.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -7,14 +7,14 @@
 namespace lockstep {
 namespace {
 
-std::vector<double> output_times(const Trajectory& trajectory, TrialKind kind) {
+std::vector<double> output_times(const Trajectory& trajectory, RunKind kind) {
   std::vector<double> times;
-  if (kind == TrialKind::bare) return {trajectory.length};
+  if (kind == RunKind::plain) return {trajectory.length};
   for (int k = 0; k <= trajectory.outputs; ++k) times.push_back(trajectory.length * k / trajectory.outputs);
   return times;
 }
 
-// A ModelError or SceneError before the first step says that method and mechanism do not go together.
+// A ModelError or SceneError before the first step: method and mechanism do not go together.
 void note_failure(const Error& error, Outcome& out) {
   out.failure = error.what();
   const Error::Kind kind = error.kind();
@@ -24,10 +24,10 @@ void note_failure(const Error& error, Outcome& out) {
 
 }  // namespace
 
-Outcome try_run(const Trajectory& trajectory, const Recipe& recipe, double limit, const Clocks& clocks,
-                TrialKind kind) {
+Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double limit, const Clocks& clocks,
+                    RunKind kind) {
   Outcome out;
-  const Subject subject = kind == TrialKind::truth && trajectory.truth ? trajectory.truth() : trajectory.make();
+  const Subject subject = kind == RunKind::reference && trajectory.truth ? trajectory.truth() : trajectory.make();
   HistoryObserver observer(*subject.system, clocks.cpu, out.history);
   const double begin = clocks.cpu(), clock_begin = clocks.clock();
   try {
@@ -36,7 +36,7 @@ Outcome try_run(const Trajectory& trajectory, const Recipe& recipe, double limit
                  {.step = recipe.step, .tolerance = recipe.tolerance, .output_times = output_times(trajectory, kind)});
     sim.set_state(subject.start);
     for (Observer* o : subject.observers) sim.add_observer(*o);
-    if (kind != TrialKind::bare) sim.add_observer(observer);
+    if (kind != RunKind::plain) sim.add_observer(observer);
     for (const Event& event : subject.events) sim.add_event(event);
     sim.progress = [&](const State&) { return !(out.given_up = clocks.clock() - clock_begin > limit); };
     try {

@@ -1,0 +1,45 @@
+// SceneBenchmark: what `chart` and `advise` measure: the work-precision data of a scene.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/progress.h"
+
+namespace lockstep {
+
+struct SceneBenchmark {
+  std::string title;
+  Trajectory trajectory;
+  WorkPrecisionOptions options;
+  WorkPrecisionRun base;               ///< the scene's own combination
+  bool imposed = false;                ///< laws prescribe the whole motion: nothing is left to integrate
+  std::vector<std::string> remarks{};  ///< what is left out from the beginning, and why
+};
+
+/// The scene's own integrator, formulation, stabilisation and solver come first and are the base; what --integrators,
+/// --formulations, --stabilisations and --solvers name replaces the full lists. `loaded` and `interrupt` must outlive
+/// it. Throws UsageError for invalid options, SceneError for a scene without an end.
+SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments&, const Interrupt& interrupt);
+
+/// Adaptive methods of the registry. Those with the keys of the settings' own integrator that they know come before
+/// other choices of keys; then implicit or explicit ones as asked, then the higher order. `registry` must outlive them.
+std::vector<MethodChoice> references_of(const RunSettings&, const Registry& registry, bool implicit);
+
+/// --budget, s.
+double budget_of(const Arguments&);
+
+/// work_precision with each run printed as it ends; runs that Ctrl-C cut short count as not begun. Null if it was
+/// interrupted before there was a reference.
+std::unique_ptr<WorkPrecision> measure(SceneBenchmark&, const Arguments&, const Interrupt&);
+
+/// "<= 0.0021 s".
+std::string cost_text(double seconds, bool upper_bound);
+
+/// The run settings of a scene with the method and the setting of this run.
+RunSettings settings_of(const RunSettings&, const WorkPrecisionRun&, const Registry&);
+
+}  // namespace lockstep

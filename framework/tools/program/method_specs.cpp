@@ -1,0 +1,99 @@
+#include "framework/tools/program/method_specs.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <lockstep/error.h>
+#include "framework/description/scene/write.h"
+
+namespace lockstep {
+namespace {
+
+std::string one_word(const Value& v) {
+  if (v.text() != nullptr) return *v.text();
+  std::string text = write_json(v);
+  std::erase_if(text, [](char c) { return c == '\n' || c == ' '; });
+  return text;
+}
+
+std::vector<Value> other_values(const Key& key) {
+  std::vector<Value> values;
+  const std::string* fallback = key.default_value() != nullptr ? key.default_value()->text() : nullptr;
+  if (key.form == Form::choice)
+    for (const std::string& choice : key.choices)
+      if (fallback == nullptr || *fallback != choice) values.emplace_back(choice);
+  return values;
+}
+
+}  // namespace
+
+MethodSpec read_spec(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
+  try {
+    return read_method_spec(text, types);
+  } catch (const ModelError& error) {
+    throw UsageError(option + ": " + error.what());
+  }
+}
+
+std::string to_word(const MethodSpec& spec) {
+  std::string text = spec.type;
+  if (spec.keys.object() != nullptr)
+    for (const Value::Member& m : *spec.keys.object()) text += ":" + m.key + "=" + one_word(m.value);
+  return text;
+}
+
+Value to_value(const MethodSpec& spec) {
+  if (spec.keys.object() == nullptr || spec.keys.object()->empty()) return Value(spec.type);
+  Value::Object members{{"type", Value(spec.type), {}}};
+  for (const Value::Member& m : *spec.keys.object()) members.push_back(m);
+  return Value(std::move(members));
+}
+
+std::vector<MethodSpec> all_specs(const MethodSpec& own, const std::vector<TypeInfo>& types) {
+  std::vector<MethodSpec> all{own};
+  const auto add = [&](MethodSpec spec) {
+    const auto same = [&](const MethodSpec& other) { return to_word(other) == to_word(spec); };
+    if (std::none_of(all.begin(), all.end(), same)) all.push_back(std::move(spec));
+  };
+  for (const TypeInfo& type : types) {
+    add({type.name, Value(Value::Object{}), {}});
+    for (const Key& key : type.keys)
+      for (const Value& value : other_values(key)) add({type.name, Value(Value::Object{{key.name, value, {}}}), {}});
+  }
+  return all;
+}
+
+MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
+  Value::Object members;
+  if (keys.object() != nullptr)
+    for (const Value::Member& m : *keys.object())
+      if (std::any_of(type.keys.begin(), type.keys.end(), [&](const Key& k) { return k.name == m.key; }))
+        members.push_back(m);
+  return {type.name, Value(std::move(members)), {}};
+}
+
+double positive_number(const std::string& option, const std::string& text, Unit unit) {
+  double x = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    const Measured measured = read_quantity(text, unit);
+    if (!measured.problem.empty() || unit == Unit::none)
+      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
+                       (unit == Unit::none ? "1e-6" : "0.001"));
+    x = measured.value;
+  }
+  if (!(x > 0) || x > 1e300)
+    throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
+  return x;
+}
+
+Formulation read_formulation(const std::string& word) {
+  return word == "quaternion" ? Formulation::quaternion : Formulation::omega;
+}
+
+Stabilization::Kind read_stabilization(const std::string& word) {
+  if (word == "baumgarte") return Stabilization::Kind::baumgarte;
+  return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,34 @@
+// Integrators and solvers with their options: from the command line, from the registry, and back to text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/mechanism/params/units.h"
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// "dopri5", or "dopri5:fixed=true": a name and values of its keys, as JSON or as a bare word. Throws UsageError naming
+/// `option` for an unknown name or key.
+MethodSpec read_spec(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types);
+
+/// The same as one word, which read_spec reads back.
+std::string to_word(const MethodSpec&);
+/// The same as in a scene: "rk4" in quotes, or {"type": "dopri5", "fixed": true}.
+Value to_value(const MethodSpec&);
+
+/// `own` first, then every type with its defaults and with each other value of a key that is a choice, one key at a
+/// time. Switches and numbers are varied only if the user names them.
+std::vector<MethodSpec> all_specs(const MethodSpec& own, const std::vector<TypeInfo>& types);
+
+/// `type` with those of `keys` that it knows.
+MethodSpec with_known_keys(const TypeInfo& type, const Value& keys);
+
+/// A positive number of the command line, in SI or with a unit. Throws UsageError naming `option`.
+double positive_number(const std::string& option, const std::string& text, Unit unit);
+
+Formulation read_formulation(const std::string&);
+Stabilization::Kind read_stabilization(const std::string&);
+
+}  // namespace lockstep
