@@ -50,8 +50,9 @@ std::size_t column_of(const std::string& wanted, const std::vector<std::string>&
   std::size_t k = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), k);
   if (error == std::errc{} && end == wanted.data() + wanted.size() && k >= 1 && k <= n_columns) return k - 1;
-  throw FileError(place + ": no column '" + wanted + "' among " + std::to_string(n_columns) +
-                  (names.empty() ? "; the file has no header, name columns by number" : text::suggestion(wanted, names)));
+  throw FileError(
+      place + ": no column '" + wanted + "' among " + std::to_string(n_columns) +
+      (names.empty() ? "; the file has no header, name columns by number" : text::suggestion(wanted, names)));
 }
 
 }  // namespace
@@ -87,8 +88,8 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
       row.push_back(value);
     }
     if (!rows.empty() && row[0] <= rows.back()[0])
-      throw FileError(place + ": time " + text::number(row[0]) + " does not come after " + text::number(rows.back()[0]) +
-                      "; sort the rows by time");
+      throw FileError(place + ": time " + text::number(row[0]) + " does not come after " +
+                      text::number(rows.back()[0]) + "; sort the rows by time");
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw FileError(path + ": has no rows of numbers");

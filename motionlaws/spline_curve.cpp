@@ -25,7 +25,8 @@ void SplineCurve::check(const MatX& y) const {
   const std::size_t least =
       k_.ends == SplineEnds::periodic || (k_.degree == 5 && k_.ends == SplineEnds::natural) ? 3 : 2;
   require(n >= least, law, "points",
-          "are " + text::number(static_cast<double>(n)) + "; at least " + text::number(static_cast<double>(least)) + " are needed");
+          "are " + text::number(static_cast<double>(n)) + "; at least " + text::number(static_cast<double>(least)) +
+              " are needed");
   for (std::size_t i = 0; i < n; ++i) {
     const std::string place = "number " + text::number(static_cast<double>(i + 1)) + " of points";
     require(std::isfinite(t_[i]) && y.row(static_cast<Eigen::Index>(i)).allFinite(), law, "points",
@@ -37,8 +38,9 @@ void SplineCurve::check(const MatX& y) const {
   if (k_.ends == SplineEnds::periodic) {
     const double gap = (y.bottomRows(1) - turn_ * y.topRows(1)).cwiseAbs().maxCoeff();
     const double size = y.cwiseAbs().maxCoeff();
-    require(gap <= 1e-12 * size, law, "points",
-            "end " + text::number(gap) + " away from where they start; with periodic ends the last must equal the first");
+    require(
+        gap <= 1e-12 * size, law, "points",
+        "end " + text::number(gap) + " away from where they start; with periodic ends the last must equal the first");
   }
   require(k_.outside != SplineOutside::repeat || k_.ends == SplineEnds::periodic, law, "outside",
           "is \"repeat\", which needs periodic ends; use \"hold\", or the law 'repeat' around this one");
@@ -98,8 +100,9 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     if (t < first() - kEarly * T || t >= last() - kEarly * T) go_on = 0;
     t = std::clamp(t, first(), last());
   } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
-    throw ModelError("law '" + law_ + "': t = " + text::number(t) + " s is outside of its range [" + text::number(first()) + ", " +
-                     text::number(last()) + "] s; give points up to there, or set outside to \"hold\"");
+    throw ModelError("law '" + law_ + "': t = " + text::number(t) + " s is outside of its range [" +
+                     text::number(first()) + ", " + text::number(last()) +
+                     "] s; give points up to there, or set outside to \"hold\"");
   }
   const std::size_t i = interval(t), n_powers = static_cast<std::size_t>(k_.degree) + 1;
   const double u = t - t_[i];

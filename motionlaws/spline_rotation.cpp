@@ -55,7 +55,8 @@ SplineRotation::SplineRotation(const Points& points, const SplineSettings& k) : 
       const double t0 = points[i - 1].first, t1 = points[i].first;
       curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
       require(r.norm() > 0.5, kLaw, "points",
-              "turn too far between " + text::number(t0) + " s and " + text::number(t1) + " s; give orientations between them");
+              "turn too far between " + text::number(t0) + " s and " + text::number(t1) +
+                  " s; give orientations between them");
     }
 }
 

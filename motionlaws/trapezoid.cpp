@@ -15,8 +15,9 @@ Trapezoid::Trapezoid(const TrapezoidSettings& k) : t0_(k.t0), y0_(k.y0) {
        {std::pair{"speed", k.speed}, std::pair{"acceleration", k.acceleration}, std::pair{"duration", k.duration}})
     require(std::isfinite(value) && value >= 0, law, key, "is " + text::number(value) + "; must be above 0");
   const int n_given = (k.speed > 0) + (k.acceleration > 0) + (k.duration > 0);
-  require(n_given == 2, law, "speed",
-          "is one of three, speed, acceleration and duration, of which " + text::number(n_given) + " are given; give two");
+  require(
+      n_given == 2, law, "speed",
+      "is one of three, speed, acceleration and duration, of which " + text::number(n_given) + " are given; give two");
   if (k.distance != 0) solve(k);
 }
 
@@ -29,13 +30,14 @@ void Trapezoid::solve(TrapezoidSettings k) {
     T = d / v + v / a;
   } else if (v == 0) {
     const double least = 2.0 * std::sqrt(d / a), root = T * T - least * least;
-    require(T >= least * (1.0 - kEarly), "trapezoid", "duration",
-            "is " + text::number(T) + " s; at this acceleration the distance takes at least " + text::number(least) + " s");
+    require(
+        T >= least * (1.0 - kEarly), "trapezoid", "duration",
+        "is " + text::number(T) + " s; at this acceleration the distance takes at least " + text::number(least) + " s");
     v = 2.0 * d / (T + std::sqrt(std::max(root, 0.0)));
   } else {
     require(v * T > d && v * T <= 2.0 * d * (1.0 + kEarly), "trapezoid", "speed",
-            "is " + text::number(v) + "; for this distance and duration it must be above " + text::number(d / T) + " and at most " +
-                text::number(2.0 * d / T));
+            "is " + text::number(v) + "; for this distance and duration it must be above " + text::number(d / T) +
+                " and at most " + text::number(2.0 * d / T));
     a = v * v / (v * T - d);
   }
   d_ = sign * d, v_ = sign * v, a_ = sign * a, T_ = T;

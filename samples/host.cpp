@@ -24,8 +24,8 @@ int main() {
     // By name, like a built-in one: the cam joint from one plugin, the law of the shaft's angle from the other.
     Marker& tip = sys.add_marker_at("tip", follower, {{0, 0.05, 0}, {}});
     Marker& disc = sys.add_marker_at("disc", cam, {{0, 0, 0}, axis_angle(Vec3::UnitZ(), kPi / 2)});
-    sys.add(registry.links.make("cam_follower", Attachment{"ride", {{&tip, &disc}}}, Params{{"base", 0.05}, {"lift", 0.02}},
-                                &registry, "host"));
+    sys.add(registry.links.make("cam_follower", Attachment{"ride", {{&tip, &disc}}},
+                                Params{{"base", 0.05}, {"lift", 0.02}}, &registry, "host"));
     shaft.drive(Axis::rz,
                 registry.laws.make("bump", Params{{"height", kTwoPi}, {"at", 1.0}, {"width", 1.0}}, &registry, "host"));
 

@@ -27,7 +27,8 @@ class Bump final : public MotionLaw {
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {
-    if (!(p.number("width") > 0)) p.refuse("width", "is " + text::brief(p.number("width")) + " s; it must be above zero");
+    if (!(p.number("width") > 0))
+      p.refuse("width", "is " + text::brief(p.number("width")) + " s; it must be above zero");
     return std::make_shared<Bump>(p.number("height"), p.number("at"), p.number("width"));
   }
 

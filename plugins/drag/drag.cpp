@@ -35,7 +35,8 @@ class Drag final : public FormulaForce<Drag> {
   static std::unique_ptr<Force> make(const Attachment& attachment, const Params& k) {
     if (k.has("coefficient") == k.has("area")) k.refuse("coefficient", "and area: give one of the two");
     for (const char* key : {"coefficient", "density", "area", "shape"})
-      if (k.has(key) && !(k.number(key) >= 0)) k.refuse(key, "is " + text::brief(k.number(key)) + "; must not be negative");
+      if (k.has(key) && !(k.number(key) >= 0))
+        k.refuse(key, "is " + text::brief(k.number(key)) + "; must not be negative");
     const double c =
         k.has("area") ? 0.5 * k.number("density") * k.number("area") * k.number("shape") : k.number("coefficient");
     return std::make_unique<Drag>(attachment.name, p_of(attachment, k), c);

@@ -64,8 +64,8 @@ bool cam_in_cpp(const Registry& registry) {
   sys.add<Prismatic>("guide", follower, sys.ground(), pose_at({0, 0.05, 0}, Vec3::UnitY()));
   Marker& tip = sys.add_marker_at("tip", follower, {{0, 0.05, 0}, {}});
   Marker& disc = sys.add_marker_at("disc", cam, {{0, 0, 0}, axis_angle(Vec3::UnitZ(), kPi / 2)});
-  sys.add(registry.links.make("cam_follower", Attachment{"ride", {{&tip, &disc}}}, Params{{"base", 0.05}, {"lift", 0.02}},
-                              &registry, "host_app"));
+  sys.add(registry.links.make("cam_follower", Attachment{"ride", {{&tip, &disc}}},
+                              Params{{"base", 0.05}, {"lift", 0.02}}, &registry, "host_app"));
   shaft.drive(Axis::rz, registry.laws.make("soft_start", Params{{"speed", 4.0}, {"time", 0.5}}, &registry, "host_app"));
 
   Dynamics dynamics(sys, registry.solvers.make("schur", Params{}, &registry, "host_app"));

@@ -100,8 +100,10 @@ struct Reader {
     sort_out();
     for (Block& comment : comments) complete(comment);
     for (const Code& code : codes) {
-      if (code.language.empty()) page.spans.push_back(code.piece);
-      else if (!code.used) page.blocks.push_back({code.piece.line - 1, code.language, {code.piece}});
+      if (code.language.empty())
+        page.spans.push_back(code.piece);
+      else if (!code.used)
+        page.blocks.push_back({code.piece.line - 1, code.language, {code.piece}});
     }
     std::sort(page.blocks.begin(), page.blocks.end(), [](const Block& a, const Block& b) { return a.line < b.line; });
     return page;

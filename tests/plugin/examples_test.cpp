@@ -1,15 +1,15 @@
 // The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
 #include <cmath>
 
-#include <lockstep/registry.h>
 #include <lockstep/check.h>
-#include <lockstep/step_loop.h>
-#include <lockstep/solvers.h>
-#include <lockstep/loader.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
-#include "tests/support/program.h"
 #include "tests/support/paths.h"
+#include "tests/support/program.h"
 
 namespace examples_test {
 

@@ -10,8 +10,8 @@
 
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
-#include "tests/support/program.h"
 #include "tests/support/paths.h"
+#include "tests/support/program.h"
 
 namespace loader_test {
 
@@ -33,7 +33,6 @@ std::string refusal(const std::string& plugin, const std::vector<std::string>& f
   }
   return "accepted";
 }
-
 
 // A copy of the probe whose record was changed by `change`.
 template <class F>

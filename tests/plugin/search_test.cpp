@@ -64,7 +64,7 @@ TEST_CASE("of two files of one name the first folder's is taken", "[plugin][sear
   CHECK(find(all, a + "/twin.so")->state == PluginCandidate::State::loaded);
   for (const char* hidden : {"/twin.so", "/libtwin.so"}) {
     CHECK(find(all, b + hidden)->state == PluginCandidate::State::hidden);
-    CHECK(contains(find(all, b + hidden)->why, a + "/twin.so is taken"));
+    CHECK(contains(find(all, b + hidden)->why, a + "/twin.so comes before it and is used"));
   }
 }
 

@@ -116,7 +116,7 @@ void check(const std::string& module, const std::vector<Case>& cases) {
     const std::string name = "damage" + std::to_string(k) + ".so";
     const std::string answer = answer_of(plugin_file("structure", name, library.bytes()));
     INFO(name << ": " << answer);
-    CHECK(contains(answer, name + "' is no shared library that can be loaded here: "));
+    CHECK(contains(answer, name + "' is not a shared library that can be loaded here: "));
     CHECK(contains(answer, cases[k].says));
   }
   fs::remove_all(kModules + "/structure");

@@ -70,7 +70,8 @@ struct ForceBench {
     a.home = pose(), b.home = pose();
     p = {"p", &a, pose()}, s = {"s", &b, pose()}, g = {"g", &ground, pose()};
     for (Motion& m : start)
-      m.x = draw.vector(1.0), m.e = lockstep::Quat::from(draw.quaternion()), m.v = draw.vector(2.0), m.w = draw.vector(2.0);
+      m.x = draw.vector(1.0), m.e = lockstep::Quat::from(draw.quaternion()), m.v = draw.vector(2.0),
+      m.w = draw.vector(2.0);
     at(0);
   }
 
@@ -86,7 +87,8 @@ struct ForceBench {
     }
   }
   /// Puts the marker of slot k at a pose in the world (without laws) with the twist of the slot's origin.
-  void place(const Marker& m, const Pose& world, const lockstep::Vec3& v = lockstep::Vec3::Zero(), const lockstep::Vec3& w_world = lockstep::Vec3::Zero()) {
+  void place(const Marker& m, const Pose& world, const lockstep::Vec3& v = lockstep::Vec3::Zero(),
+             const lockstep::Vec3& w_world = lockstep::Vec3::Zero()) {
     const Pose slot = world * inverse(m.body->in_slot * m.local);
     Motion& o = start[static_cast<std::size_t>(m.body->slot)];
     o.x = slot.x, o.e = slot.q, o.A = rotation(slot.q), o.w = o.A.transpose() * w_world;

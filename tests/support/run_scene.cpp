@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/registry.h>
 #include <lockstep/recorder.h>
+#include <lockstep/registry.h>
 #include <lockstep/sweep.h>
 #include "tests/support/paths.h"
 #include "tests/support/run_with_registry.h"

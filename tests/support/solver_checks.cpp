@@ -15,7 +15,7 @@ Solved solve_once(const LinearSolver& solver, const KktSystem& system) {
 }
 
 void check_against_truth(const LinearSolver& solver, bool redundant, double tolerance_a, double tolerance_lambda,
-                                int left_out) {
+                         int left_out) {
   for (int shape = 0; shape < kShapes; ++shape)
     for (unsigned seed = 1; seed <= 5; ++seed) {
       if (shape == left_out) continue;

@@ -16,7 +16,7 @@ Solved solve_once(const LinearSolver& solver, const KktSystem& system);
 
 /// Every shape against solve_exactly(), but for one that the solver is not made for.
 void check_against_truth(const LinearSolver& solver, bool redundant, double tolerance_a, double tolerance_lambda,
-                                int left_out = -1);
+                         int left_out = -1);
 
 /// Left out twins must not change a: the redundant system and the one with the twin's rows cut off have one a.
 void check_redundancy_does_not_reach_a(const LinearSolver& solver, double tolerance);

@@ -56,8 +56,12 @@ struct Arm {
       return QuatT<decltype(t)>{cos(t), 0.0 * t, 0.3 * sin(t), sin(t)};
     });
     Marker& end = system.add_marker("end", *tip, {{0.2, -0.1, 0.3}, axis_angle({1, 0, 0}, 0.5)});
-    end.translation_law = laws::translation([](auto t) { return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)}; });
-    end.rotation_law = rotation_law([](auto t) { return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t}; });
+    end.translation_law = laws::translation([](auto t) {
+      return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)};
+    });
+    end.rotation_law = rotation_law([](auto t) {
+      return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t};
+    });
     Marker& base = system.add_marker("base", system.ground(), {{-0.5, 0, 0}, {}});
     Marker& eye = system.add_marker("eye", *tip, {{0.2, -0.1, 0.3}, {}});
     system.add<SpringDamper>("F", eye, base, SpringDamper::Options{40, 3, 0.5, 0, {}});

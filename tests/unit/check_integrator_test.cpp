@@ -3,9 +3,9 @@
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
+#include <lockstep/error.h>
 #include <lockstep/registry.h>
 #include "framework/tools/check/closed_motion.h"
-#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include <lockstep/laws.h>
 #include <lockstep/registry.h>
 #include "framework/tools/check/slope.h"
-#include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"

@@ -1,10 +1,10 @@
 // check_lock: right links pass, wrong ones are named in words.
 #include <lockstep/check.h>
 
-#include <lockstep/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/phi_links.h>
-#include <lockstep/error.h>
+#include <lockstep/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"

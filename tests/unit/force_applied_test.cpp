@@ -7,8 +7,8 @@
 namespace force_applied_test {
 
 using namespace lockstep;
-using oracle::kNaN;
 using oracle::ForceBench;
+using oracle::kNaN;
 using oracle::value_law;
 
 namespace {

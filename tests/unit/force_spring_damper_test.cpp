@@ -7,8 +7,8 @@
 namespace force_spring_damper_test {
 
 using namespace lockstep;
-using oracle::kNaN;
 using oracle::ForceBench;
+using oracle::kNaN;
 
 namespace {
 SpringDamper::Options spring_options() { return {120.0, 7.0, 0.3, 11.0, {}}; }

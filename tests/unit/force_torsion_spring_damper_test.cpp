@@ -7,8 +7,8 @@
 namespace force_torsion_spring_damper_test {
 
 using namespace lockstep;
-using oracle::kNaN;
 using oracle::ForceBench;
+using oracle::kNaN;
 
 namespace {
 TorsionSpringDamper::Options torsion_options() { return {3.0, 0.4, 0.7, 0.2, {}}; }

@@ -198,10 +198,10 @@ TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words
               }),
               {"link 'link'", "radius_2 is -2", "above zero"});
   check_words(error([&](const CoupledPairs& s) { RackAndPinion(of_two(s), 0); }),
-              {"link 'link'", "radius is 0 m", "not zero"});
+              {"link 'link'", "radius is 0 m", "must not be zero"});
   LinkBench bench;
   check_words(message_of<ModelError>([&] { RollingRack("link", bench.p(), bench.s(), 0); }),
-              {"link 'link'", "radius is 0 m", "not zero"});
+              {"link 'link'", "radius is 0 m", "must not be zero"});
 }
 
 }  // namespace gears_test

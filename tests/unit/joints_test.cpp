@@ -488,7 +488,7 @@ TEST_CASE("a distance of zero is refused", "[unit][links]") {
   CHECK(says(refused([&](System& s, Body& b) {
                s.add<Distance>("rod", s.add_marker("P", b), s.add_marker("S", s.ground(), pose_at(Vec3(1, 0, 0))), 0.5);
              }),
-             {"'rod'", "'P'", "'S'", "one point", "move one"}));
+             {"'rod'", "'P'", "'S'", "same point", "move one"}));
 }
 
 }  // namespace joints_test

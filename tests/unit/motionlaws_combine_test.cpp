@@ -120,12 +120,12 @@ TEST_CASE("at its breakpoint every law has the value that holds afterwards, what
 }
 
 TEST_CASE("combinations refuse what cannot be", "[unit][motionlaws]") {
-  CHECK_THROWS_WITH(laws::sum({}), says("sum") && says("laws are none"));
+  CHECK_THROWS_WITH(laws::sum({}), says("sum") && says("laws are missing"));
   CHECK_THROWS_WITH(laws::product({nullptr}), says("product") && says("null"));
   CHECK_THROWS_WITH(laws::scale(nullptr, 1), says("scale") && says("null"));
   CHECK_THROWS_AS(laws::shift(nullptr, 1), ModelError);
   CHECK_THROWS_WITH(laws::repeat(laws::ramp(1), 0), says("repeat") && says("period is 0; must be above 0"));
-  CHECK_THROWS_WITH(laws::sequence({}), says("sequence") && says("none"));
+  CHECK_THROWS_WITH(laws::sequence({}), says("sequence") && says("laws are missing"));
   CHECK_THROWS_WITH(laws::sequence({{-1, laws::ramp(1)}}), says("durations is -1; must be above 0"));
 }
 

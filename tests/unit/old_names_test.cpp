@@ -19,10 +19,13 @@ namespace {
 std::string bounce(const std::string& translation, const std::string& rotation, const std::string& unilateral) {
   return R"({"lockstep": 1, "bodies": [{"name": "ball", "particle": 1, "position": [0, 0, 2]}],
 "markers": [{"name": "floor", "body": "ground", "world_at": [0, 0, 0],
-")" + rotation + R"(": {"type": "axis_rotation", "axis": "z", "law": 0.5},
-")" + translation + R"(": [0, 0, 1]}],
+")" + rotation +
+         R"(": {"type": "axis_rotation", "axis": "z", "law": 0.5},
+")" + translation +
+         R"(": [0, 0, 1]}],
 "links": [{"name": "fall", "type": "lock", "mask": "z", "p": "ball", "s": "floor",
-")" + unilateral + R"(": {"restitution": 0.5}}]})";
+")" + unilateral +
+         R"(": {"restitution": 0.5}}]})";
 }
 
 struct Read {
@@ -45,15 +48,17 @@ Read read(const std::string& text) {
 }  // namespace
 
 TEST_CASE("scene: renamed keys are read by their old names, with a warning", "[unit][scene]") {
-  const Read now = read(bounce("translation", "rotation", "unilateral")), old = read(bounce("slide", "spin", "one_sided"));
+  const Read now = read(bounce("translation", "rotation", "unilateral")),
+             old = read(bounce("slide", "spin", "one_sided"));
   CHECK(now.said.empty());
   for (const Read* r : {&now, &old}) {
     CHECK(r->height == 1.0);
     CHECK(r->turn == Approx(0.5));
     CHECK(r->restitution == 0.5);
   }
-  check_words(old.said, {"warning: ball.json:4:1: \"slide\" is now called \"translation\"", "ball.json:3:1: \"spin\"",
-                         "\"rotation\"", "ball.json:6:1:", "\"one_sided\" is now called \"unilateral\"", "next release"});
+  check_words(old.said,
+              {"warning: ball.json:4:1: \"slide\" is now called \"translation\"", "ball.json:3:1: \"spin\"",
+               "\"rotation\"", "ball.json:6:1:", "\"one_sided\" is now called \"unilateral\"", "next release"});
 }
 
 TEST_CASE("scene: the old and the new name of a key together are refused", "[unit][scene]") {

@@ -200,7 +200,7 @@ TEST_CASE("a missing key is refused with what it would hold", "[unit][model]") {
 
 TEST_CASE("a parameter in a unit of another dimension is refused by both names", "[unit][model]") {
   check_words(ramp_problem(R"({"slope": "30 deg"})"),
-              {"four_bar.json:1:11: link 'A', drive.law.slope: \"30 deg\" is an angle", "a speed is wanted"});
+              {"four_bar.json:1:11: link 'A', drive.law.slope: \"30 deg\" is an angle", "a speed is expected"});
 }
 
 TEST_CASE("a wrong form is refused with what was expected and what was given", "[unit][model]") {

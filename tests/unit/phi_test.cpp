@@ -189,10 +189,10 @@ TEST_CASE("Functions of several pairs and several rows pass the check of links",
   for (const int grounded : {-1, 0, 1, 3}) {
     CAPTURE(grounded);
     Bodies b(7, grounded);
-    const Lock& all = b.system.add(
-        std::make_unique<TangleLink>(Attachment{"all", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
-    const Lock& common = b.system.add(
-        std::make_unique<TangleLink>(Attachment{"common", {{b.m[0], b.m[3]}, {b.m[1], b.n[3]}, {b.n[1], b.n[3]}}}, Tangle{}));
+    const Lock& all = b.system.add(std::make_unique<TangleLink>(
+        Attachment{"all", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
+    const Lock& common = b.system.add(std::make_unique<TangleLink>(
+        Attachment{"common", {{b.m[0], b.m[3]}, {b.m[1], b.n[3]}, {b.n[1], b.n[3]}}}, Tangle{}));
     const Lock& several = b.system.add<SeveralLink>("several", *b.m[0], *b.m[2]);
     for (const Lock* link : {&all, &common, &several}) {
       const CheckReport report = check_lock(b.system, *link);
@@ -213,8 +213,8 @@ TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
   std::vector<Add> links;
   for (const Twin& twin : twins()) links.push_back(twin.phi);
   links.push_back([](Bodies& b) -> Lock& {
-    return b.system.add(
-        std::make_unique<TangleLink>(Attachment{"l", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
+    return b.system.add(std::make_unique<TangleLink>(
+        Attachment{"l", {{b.m[0], b.m[1]}, {b.n[1], b.n[2]}, {b.m[2], b.m[3]}}}, Tangle{}));
   });
   links.push_back([](Bodies& b) -> Lock& { return b.system.add<SeveralLink>("l", *b.m[0], *b.m[2]); });
   for (const Add& add : links)
@@ -338,11 +338,11 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], nullptr}}}, 2.0));
               }),
               {"'mesh'", "\"s\"", "add it"});
-  check_words(
-      error([](Bodies& b) {
-        b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}, {b.m[3], b.n[1]}}}, 2.0));
-      }),
-      {"link 'mesh'", "takes 2 pairs", "3 are given", "remove"});
+  check_words(error([](Bodies& b) {
+                b.system.add(std::make_unique<Gear>(
+                    Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}, {b.m[3], b.n[1]}}}, 2.0));
+              }),
+              {"link 'mesh'", "takes 2 pairs", "3 are given", "remove"});
   check_words(error([](Bodies& b) {
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[2]}}}, 2.0));
               }),

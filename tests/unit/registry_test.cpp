@@ -92,8 +92,9 @@ TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
   };
   CHECK(problem("scal") == "link 'A': unknown law \"scal\"; did you mean \"scale\"?");
   CHECK(problem("polynomial") == "link 'A': unknown law \"polynomial\"; known: constant, scale");
-  check_words(message_of<SceneError>([&] { registry.links.make("gear", Attachment{}, Params{}, &registry, "link 'A'"); }),
-              {"unknown link \"gear\""});
+  check_words(
+      message_of<SceneError>([&] { registry.links.make("gear", Attachment{}, Params{}, &registry, "link 'A'"); }),
+      {"unknown link \"gear\""});
 }
 
 TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin]") {
@@ -147,8 +148,9 @@ TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
   Registry registry;
   registry.forces.add({"wind", "", {}}, &no_force);
   registry.forces.set_origin("storm");
-  check_words(message_of<PluginError>([&] { registry.forces.make("wind", Attachment{}, Params{}, nullptr, "force 'w'"); }),
-              {"force 'w'", "'wind' (plugin storm)", "returned nothing"});
+  check_words(
+      message_of<PluginError>([&] { registry.forces.make("wind", Attachment{}, Params{}, nullptr, "force 'w'"); }),
+      {"force 'w'", "'wind' (plugin storm)", "returned nothing"});
 }
 
 TEST_CASE("entries keep their origin", "[unit][plugin]") {

@@ -86,7 +86,7 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
 }
 
 TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]") {
-  check_words(read_quantity("30 deg", Unit::length).problem, {"\"30 deg\" is an angle", "a length is wanted", "12 mm"});
+  check_words(read_quantity("30 deg", Unit::length).problem, {"\"30 deg\" is an angle", "a length is expected", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
   check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem,
               {"is a torque", "torsional stiffness", "N m/rad"});

@@ -62,7 +62,7 @@ TEST_CASE("a list takes numbers, units, words, true and false", "[unit][scene]")
 
 TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]") {
   const Read read;
-  check_words(read.refusal("bodies.bob.particle=1 mm"), {"bodies.bob.particle", "is a length; here a mass is wanted"});
+  check_words(read.refusal("bodies.bob.particle=1 mm"), {"bodies.bob.particle", "is a length; here a mass is expected"});
   check_words(read.refusal("bodies.bob.particle=heavy"), {"bodies.bob.particle", "heavy"});
   check_words(read.refusal("bodies.bob.particle=nan"), {"finite"});
   check_words(read.refusal("bodies.bob.particle=1,,2"), {"a value is missing"});

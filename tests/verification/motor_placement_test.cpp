@@ -75,9 +75,11 @@ struct Machine {
     Marker& P = system.add_marker_at("P", *arm, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
     Marker& S = system.add_marker_at("S", *base, pose_at(hinge, Vec3(0.5, 0.6, -0.7)));
     if (place == Place::on_S)
-      turns ? void(S.rotation_law = std::make_shared<AboutZ>(1)) : void(S.translation_law = std::make_shared<AlongZ>(1));
+      turns ? void(S.rotation_law = std::make_shared<AboutZ>(1))
+            : void(S.translation_law = std::make_shared<AlongZ>(1));
     if (place == Place::on_P)
-      turns ? void(P.rotation_law = std::make_shared<AboutZ>(-1)) : void(P.translation_law = std::make_shared<AlongZ>(-1));
+      turns ? void(P.rotation_law = std::make_shared<AboutZ>(-1))
+            : void(P.translation_law = std::make_shared<AlongZ>(-1));
     const Mask free = turns ? Mask::e3 : Mask::z;
     const Mask mask = place == Place::drive ? Mask(std::uint8_t(Mask::all) & ~std::uint8_t(free)) : Mask::all;
     motor = &system.add<GenericLock>("motor", P, S, mask);

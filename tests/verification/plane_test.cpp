@@ -19,7 +19,6 @@ using lockstep::testing::message_of;
 
 namespace {
 
-
 void in_plane(Scene& scene) { scene.root.object()->push_back({"planar", Value("auto"), {}}); }
 
 /// A rod on a revolute joint at the origin, axis z, that hangs along x.

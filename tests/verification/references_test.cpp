@@ -19,7 +19,6 @@ struct Reference {
   std::vector<std::string> unrecorded;  // columns of the csv that the scene does not record, and why (below)
 };
 
-
 /// Every column of the csv is recorded, but for those named; then the errors.
 std::vector<ColumnError> errors_of(const Reference& r, const std::function<void(RunSettings&)>& change = {}) {
   const SceneRun run = run_scene(scene_path(r.scene), change);

@@ -23,7 +23,6 @@ SceneRun run_flyball(const std::string& method, double step, double tolerance) {
   });
 }
 
-
 }  // namespace
 
 TEST_CASE("the flyball governor holds to 1e-6 m with radau5", "[verification][stiff]") {

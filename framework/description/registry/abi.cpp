@@ -67,7 +67,8 @@ std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi
     return its == ours ? std::string() : sentence(what + " " + its, what + " " + ours);
   };
   const auto library = [](const lockstep_abi_record& r) {
-    return field_text(r.library) + " " + std::to_string(r.library_version) + (r.library_abi != 0 ? "" : " (old strings)");
+    return field_text(r.library) + " " + std::to_string(r.library_version) +
+           (r.library_abi != 0 ? "" : " (old strings)");
   };
   const auto alignment = [](const lockstep_abi_record& r) {
     return std::to_string(r.alignment) +

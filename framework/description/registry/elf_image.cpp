@@ -48,7 +48,7 @@ std::vector<char> bytes_of(const std::string& path) {
   const std::string who = "plugin file '" + path + "' ";
   std::error_code error;
   if (const auto kind = kOthers.find(fs::status(path, error).type()); kind != kOthers.end())
-    throw PluginError(who + "is " + kind->second + ", no plain file");
+    throw PluginError(who + "is " + kind->second + ", not a regular file");
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file)
     throw PluginError(who + "cannot be opened (" + std::strerror(errno) + "); check the path and that you may read it");
@@ -184,7 +184,7 @@ void ElfImage::need_at_most(std::string_view what, std::uint64_t value, std::uin
 }
 
 void ElfImage::refuse(std::string_view why) const {
-  throw PluginError(fmt::format("plugin file '{}' is no shared library that can be loaded here: {}; ", path_, why) +
+  throw PluginError(fmt::format("plugin file '{}' is not a shared library that can be loaded here: {}; ", path_, why) +
                     "rebuild it with lockstep_add_plugin");
 }
 

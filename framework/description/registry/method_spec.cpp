@@ -48,7 +48,8 @@ MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>
     names.push_back(t.name);
     if (t.name == parts.front()) type = &t;
   }
-  if (type == nullptr) throw ModelError("unknown name \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
+  if (type == nullptr)
+    throw ModelError("unknown name \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
   for (const Key& key : type->keys) keys.push_back(key.name);
   Value::Object members;
   for (std::size_t i = 1; i < parts.size(); ++i) {

@@ -138,7 +138,8 @@ std::string find_plugin(const std::string& name, std::vector<std::string> folder
       if (problem.empty()) return fs::canonical(spelled, error).string();
       throw PluginError("plugin '" + name + "' (" + spelled.string() + ") is refused: " + problem);
     }
-  throw PluginError("plugin '" + name + "' not found; looked in " + (folders.empty() ? "no folder" : text::join(folders)) +
+  throw PluginError("plugin '" + name + "' not found; looked in " +
+                    (folders.empty() ? "no folder" : text::join(folders)) +
                     "; give its path, or name its folder in LOCKSTEP_PLUGIN_PATH");
 }
 

@@ -113,8 +113,9 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
       std::vector<std::string> known = names("link");
       std::erase(known, name);  // its own name is taken, but the link does not exist yet
       if (!contains(known, *word))
-        refuse(item.where, place,
-               "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
+        refuse(
+            item.where, place,
+            "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
       const auto its = out_.system.link(*word).pairs();
       if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();

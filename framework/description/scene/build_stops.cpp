@@ -13,9 +13,11 @@ Unilateral unilateral_from(const Params& p) {
   o.restitution = p.number("restitution");
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))
-    p.refuse("restitution", "it is " + text::number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
+    p.refuse("restitution",
+             "it is " + text::number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
   if (!(o.rest_speed > 0))
-    p.refuse("rest_speed", "it is " + text::number(o.rest_speed) + "; it must be above zero, or bounces would never end");
+    p.refuse("rest_speed",
+             "it is " + text::number(o.rest_speed) + "; it must be above zero, or bounces would never end");
   return o;
 }
 
@@ -62,7 +64,8 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
-  if (const Jointed* joint = out_.system.link(of.name).jointed(); joint != nullptr && includes(joint->mask(), row_of(axis)))
+  if (const Jointed* joint = out_.system.link(of.name).jointed();
+      joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))

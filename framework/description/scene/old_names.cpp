@@ -14,14 +14,14 @@ struct Renamed {
   const char* old_name;
   const char* name;
 };
-constexpr Renamed kRenamed[] = {{"markers", "slide", "translation"},
-                                {"markers", "spin", "rotation"},
-                                {"links", "one_sided", "unilateral"}};
+constexpr Renamed kRenamed[] = {
+    {"markers", "slide", "translation"}, {"markers", "spin", "rotation"}, {"links", "one_sided", "unilateral"}};
 
 void rename(Value::Member& member, const Value& owner, const Renamed& key) {
   if (owner.find(key.name) != nullptr)
     refuse(member.where, key.list,
-           fmt::format("\"{}\" is the old name of \"{}\", which is given too; remove one of them", key.old_name, key.name));
+           fmt::format("\"{}\" is the old name of \"{}\", which is given too; remove one of them", key.old_name,
+                       key.name));
   const Where& at = member.where;
   log_warning(fmt::format("{}{}\"{}\" is now called \"{}\"; the next release reads only the new name", at.text(),
                           at.text().empty() ? "" : ": ", key.old_name, key.name));

@@ -51,9 +51,11 @@ std::vector<double> read_times(const Params& run) {
     run.refuse("times", "\"output\" and \"times\" both define when to record; remove one of the two");
   const std::vector<double> times = run.numbers("times");
   for (std::size_t i = 0; i < times.size(); ++i) {
-    if (times[i] < 0) run.refuse("times", "instant " + text::number(times[i]) + " s lies before the start at 0 s; remove it");
+    if (times[i] < 0)
+      run.refuse("times", "instant " + text::number(times[i]) + " s lies before the start at 0 s; remove it");
     if (i > 0 && times[i] <= times[i - 1])
-      run.refuse("times", "instants must rise, but " + text::number(times[i]) + " s follows " + text::number(times[i - 1]) + " s");
+      run.refuse("times", "instants must rise, but " + text::number(times[i]) + " s follows " +
+                              text::number(times[i - 1]) + " s");
   }
   return times;
 }

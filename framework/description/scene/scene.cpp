@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "framework/description/scene/json.h"
 #include <lockstep/loader.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/run_settings.h"

@@ -39,7 +39,8 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
   const Value* type = object.find("type");
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
   if (type != nullptr && type->text() != nullptr && entry == nullptr)
-    refuse(type->where, owner, "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()));
+    refuse(type->where, owner,
+           "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()));
   const Keys own_keys = entry != nullptr ? entry->info.keys : Keys{};
   const TypeInfo both{table.info.name, table.info.help, keys_together(table.info.keys, own_keys)};
   // refuses a missing type, unknown keys and wrong forms

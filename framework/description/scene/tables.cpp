@@ -210,11 +210,11 @@ Keys bounce_keys() {
 std::vector<SceneTable> unilateral_parts() {
   SceneTable unilateral{{"unilateral", "impacts of a link that may push but not pull", bounce_keys()}};
   unilateral.info.keys.push_back({"side",
-                                 Form::choice,
-                                 Unit::none,
-                                 "above",
-                                 "where its row is free: C >= 0, or C <= 0 as for a rope",
-                                 {"above", "below"}});
+                                  Form::choice,
+                                  Unit::none,
+                                  "above",
+                                  "where its row is free: C >= 0, or C <= 0 as for a rope",
+                                  {"above", "below"}});
   SceneTable travel{
       {"travel",
        "where the travel of one coordinate of a link ends",

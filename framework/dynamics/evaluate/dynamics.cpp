@@ -16,7 +16,8 @@ std::unique_ptr<LinearSolver> checked(std::unique_ptr<LinearSolver> solver) {
 void check(const Stabilization& s) {
   if (!(s.alpha >= 0) || !(s.beta >= 0) || !(s.tolerance > 0))
     throw ModelError("stabilisation: alpha " + text::brief(s.alpha) + ", beta " + text::brief(s.beta) + ", tolerance " +
-                     text::brief(s.tolerance) + "; the rates must not be negative and the tolerance must be above zero");
+                     text::brief(s.tolerance) +
+                     "; the rates must not be negative and the tolerance must be above zero");
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostSolutions = 50;
-constexpr double kSettled = 1e-12;   // relative to the friction: the change that ends the iteration
+constexpr double kSettled = 1e-12;        // relative to the friction: the change that ends the iteration
 constexpr double kForceRoundOff = 1e-15;  // relative to all other forces: changes below it do not count
-constexpr double kStalled = 1e-9;    // relative to the friction: a change below it that no longer shrinks is round-off
+constexpr double kStalled = 1e-9;  // relative to the friction: a change below it that no longer shrinks is round-off
 
 // The largest force on a slot, N; moments are divided by the length.
 double largest_force(const VecX& f, double length) {

@@ -128,8 +128,8 @@ class Assembler {
   }
 
   [[noreturn]] void stop(double now, int iterations) {
-    throw AssemblyError("assembly stopped after " + std::to_string(iterations) + " iterations at |C| = " + text::brief(now) +
-                        " m; worst: " + worst_rows(*now_, C_) +
+    throw AssemblyError("assembly stopped after " + std::to_string(iterations) +
+                        " iterations at |C| = " + text::brief(now) + " m; worst: " + worst_rows(*now_, C_) +
                         ". Check the start poses of these links' bodies, their markers and masks");
   }
 

@@ -12,7 +12,6 @@ namespace lockstep {
 
 // Grid: all combinations of several lists of values, numbered, and shared among programs that run side by side.
 
-
 /// A share of a grid: every count-th run, beginning with run `index`.
 struct Shard {
   long index = 1,  ///< number of the share, from 1
@@ -47,7 +46,6 @@ class LOCKSTEP_API Grid {
 
 
 // Mobility: rank, freedoms and redundant rows of a mechanism in one pose, by name.
-
 
 /// Degrees of freedom of a mechanism in one pose, and the redundancy of its rows.
 struct MobilityReport {

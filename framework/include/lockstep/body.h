@@ -13,7 +13,6 @@ namespace lockstep {
 
 // Mass, mass centre and inertia of a body, and the shapes that give them.
 
-
 /// Mass properties in the body's frame. J is the full matrix about the mass centre, with products as matrix entries:
 /// J_xy = -integral of x y dm.
 struct MassProperties {
@@ -66,9 +65,7 @@ LOCKSTEP_API double box_volume(const Vec3& size);                   ///< of a bo
 LOCKSTEP_API double cylinder_volume(double radius, double length);  ///< of a solid cylinder, m^3
 LOCKSTEP_API double sphere_volume(double radius);                   ///< of a solid sphere, m^3
 
-
 // Body: the description of a rigid body. Its motion is that of its slot, in the State.
-
 
 /// Which velocities a body has.
 enum class Freedoms {
@@ -92,9 +89,7 @@ struct Body {
   Pose in_slot;        ///< pose of the body's frame in its slot, whose origin is its mass centre; set by System::setup
 };
 
-
 // Plane: of a planar mechanism. Its bodies have three velocities: along i, along j, and about n.
-
 
 /// The plane of a planar mechanism, by its normal n. (i, j, n) is right-handed.
 struct Plane {
@@ -108,9 +103,7 @@ struct Plane {
   friend bool operator==(const Plane&, const Plane&) = default;  ///< the same normal
 };
 
-
 // Slot: bodies that move as one: a single body, or several that are welded together. Its origin is their mass centre.
-
 
 /// Bodies that move as one. Origin: the common mass centre; axes: those of the first body, in a planar mechanism the
 /// world's at the start.
@@ -122,10 +115,8 @@ struct Slot {
   Freedoms freedoms = Freedoms::spatial;  ///< particle only when it is a single particle
 };
 
-
 // BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v of a particle; in a
 // plane, the two or three of them that lie in it.
-
 
 /// The mass matrix of one slot: of a body, a particle, or either in a plane.
 class LOCKSTEP_API BodyMass {
@@ -167,9 +158,7 @@ inline std::array<int, 6> unknown_velocities(Plane plane) {
   return {0, 1, 2, 3, 4, 5};
 }
 
-
 // Marker: a frame on a body, at rest there or moved by laws.
-
 
 /// A frame on a body, at rest there or moved by laws.
 struct Marker {
@@ -177,13 +166,11 @@ struct Marker {
   Body* body = nullptr;  ///< the body that carries it
   Pose local;            ///< home pose in the body's frame
   LawPtr<TranslationLaw>
-      translation_law{};                 ///< translation from `local`, m, along the axes of `local`; absent: it does not slide
+      translation_law{};  ///< translation from `local`, m, along the axes of `local`; absent: it does not slide
   LawPtr<RotationLaw> rotation_law{};  ///< rotation against `local`; absent: it does not turn
 };
 
-
 // What is wrong with a law at an instant; for messages, after something went wrong.
-
 
 /// What is wrong with a law at time t, s: "the law of drive rz ('bump' of plugin bump) gives nan, 0, 0" or "... threw:
 /// its words", where `what` is "the law of drive rz"; "" when the law is finite there or absent.

@@ -19,7 +19,6 @@ namespace lockstep {
 
 // The report of a check. Each finding says in words what is wrong and where to look for the cause.
 
-
 /// Where the checks look. States are drawn about the start of the system; equal seeds draw equal states.
 struct CheckOptions {
   std::uint64_t seed = 1;  ///< of the random numbers
@@ -82,9 +81,7 @@ class LOCKSTEP_API CheckReport {
 /// 2 is missing"; "" where it suggests nothing.
 LOCKSTEP_API std::string likeness(double is, double should_be);
 
-
 // check_force: compares what a force says about itself - power, energies, tangent - with what it does to the bodies.
-
 
 /// Checks a force of a system, at random states about the start:
 ///
@@ -104,9 +101,7 @@ LOCKSTEP_API CheckReport check_force(System&, const Force&, const CheckOptions& 
 LOCKSTEP_API CheckReport check_force(const Registry&, const std::string& type, const Params& params = {},
                                      const CheckOptions& options = {});
 
-
 // check_integrator: measures a method's order on motions with closed forms, and tests what the step loop relies on.
-
 
 using IntegratorMaker = std::function<std::unique_ptr<Integrator>()>;  ///< makes an integrator; must not return null
 
@@ -129,9 +124,7 @@ LOCKSTEP_API CheckReport check_integrator(const IntegratorMaker&, const CheckOpt
 LOCKSTEP_API CheckReport check_integrator(const Registry&, const std::string& type, const Params& params = {},
                                           const CheckOptions& options = {});
 
-
 // check_law: compares a law's derivatives with differences of its values, and looks for jumps that it does not report.
-
 
 /// Checks a scalar law between options.from and options.to; give the time over which it does something. At 8 times
 /// options.states random instants away from its breakpoints each derivative is compared with differences of order 8 of
@@ -145,9 +138,7 @@ LOCKSTEP_API CheckReport check_law(const TranslationLaw&, const CheckOptions& op
 /// The same for a rotation law, with w = 2 q' qd and a = wd in the axes of the moved frame; q must have length one.
 LOCKSTEP_API CheckReport check_law(const RotationLaw&, const CheckOptions& options = {}, const std::string& name = {});
 
-
 // check_lock: compares what a link says about itself with differences of its own constraint.
-
 
 /// Checks a link of a system, at random states about the start, also off the constraints:
 ///

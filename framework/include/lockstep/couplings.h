@@ -11,7 +11,6 @@ namespace lockstep {
 
 // Links 'cam_roller' and 'cam_flat': a disc cam about z of S, its profile a law r(psi), and a follower on it.
 
-
 /// The profile of a disc cam: the closed curve c(u) = r(u) (cos u, sin u) in the xy plane of S, of a law r given from 0
 /// to 2 pi.
 class LOCKSTEP_API CamProfile {
@@ -111,7 +110,7 @@ class LOCKSTEP_API CamRoller final : public PhiLock<RollerOnCam> {
   /// law, a roller that is negative or infinite; and at setup as CamProfile::check.
   CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller);
   std::string_view type() const override { return "cam_roller"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
@@ -122,13 +121,12 @@ class LOCKSTEP_API CamFlat final : public PhiLock<FaceOnCam> {
   /// `radius`: r(psi), m, used from 0 to 2 pi. Throws ModelError: no law; and at setup as CamProfile::check.
   CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius);
   std::string_view type() const override { return "cam_flat"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
 // Links 'point_on_curve' and 'path_follower': P stays on a space curve c(s), fixed to S.
-
 
 /// A curve c(s) in S axes, seen during a step from a fixed frame: the tangent t and two normals n1, n2 at the last
 /// accepted s. The s of a position rho is that where t . c(s) = t . rho. Its first and second derivatives follow from
@@ -262,7 +260,7 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observab
   const Observable* observable() const override { return this; }
   std::vector<Quantity> quantities() const override;  ///< "s", in its own unit, and "rate", ds/dt
   double quantity(int k, const Inputs&) const override;
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
@@ -282,15 +280,13 @@ class LOCKSTEP_API PathFollower final : public PhiLock<OnPath>, public Observabl
   const Observable* observable() const override { return this; }
   std::vector<Quantity> quantities() const override;  ///< "s", in its own unit, and "rate", ds/dt
   double quantity(int k, const Inputs&) const override;
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
-
 
 // Links 'gear', 'belt' and 'differential': turns of two or three pairs, each about its own z, measured on a common
 // carrier. The carrier may move: a planet carrier. Bearings are separate links; the carrier's share of the tooth force
 // is in the reactions of the coupling, not in those of the bearings.
-
 
 /// (7.4) phi = a theta1 + b theta2 - reference, theta being the turn of a pair about z of its S, rad.
 struct TurnsOfTwo {
@@ -357,7 +353,7 @@ class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
   /// that is not above zero.
   Gear(const CoupledPairs& pairs, double ratio, Mesh mesh = Mesh::external);
   std::string_view type() const override { return "gear"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
@@ -374,7 +370,7 @@ class LOCKSTEP_API Belt final : public PhiCoupling<TurnsOfTwo> {
   /// Throws ParameterError: a radius that is not above zero.
   Belt(const CoupledPairs& pairs, Options options);
   std::string_view type() const override { return "belt"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
@@ -386,13 +382,12 @@ class LOCKSTEP_API Differential final : public PhiCoupling<TurnsOfThree> {
   /// Throws ParameterError: a ratio that is not above zero.
   explicit Differential(const CoupledPairs& pairs, double ratio = 1);
   std::string_view type() const override { return "differential"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
 // Link 'rack_and_pinion': a pinion that rolls along a rack, or the same between two joints.
-
 
 /// (7.4) phi = x + radius theta - reference, m: the pinion's centre along x of S, its turn about z. The multiplier is
 /// the force at the teeth along the rack, N.

@@ -13,7 +13,6 @@ namespace lockstep {
 
 // Evaluation: a mechanism at one state: motions of the bodies, rows of the links, applied forces.
 
-
 /// The inputs of a state, with the memory behind their motions. `s` and `z` are views of the state that was read.
 class LOCKSTEP_API StateInputs {
  public:
@@ -84,9 +83,7 @@ class LOCKSTEP_API Evaluation {
   std::vector<const Force*> reacting_;
 };
 
-
 // Stabilisation and formulation: the choices that the equations of motion leave open.
-
 
 /// How drift off the constraints is removed.
 struct Stabilization {
@@ -108,14 +105,12 @@ enum class Formulation {
   quaternion  ///< the paper's seven coordinates per body, with a unit-length row each
 };
 
-
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
 //
 // Formulation::omega       6 velocities per body, M = diag(m 1, J) constant, written once (2.9)
 // Formulation::quaternion  the paper's 7 coordinates: M = diag(m 1, G^T J G), rows Jh G with Qhat (a consistent pair,
 //                          2.13), one unit-length row per body (2.6). G^T J G is singular along q: k q q^T is added to
 //                          it, and -k |qd|^2 q to the right side; with the unit-length row the two cancel (2.7).
-
 
 /// Writes rows and masses as the saddle-point matrix of a formulation.
 class LOCKSTEP_API KktAssembler {
@@ -212,7 +207,6 @@ class LOCKSTEP_API Factor {
 
 // Projection: brings a state onto the constraints by the least move in the mass metric, positions, then velocities.
 
-
 /// Constraint violations before and after a projection.
 struct ProjectReport {
   double before = 0,      ///< |C| before, m
@@ -249,7 +243,6 @@ class LOCKSTEP_API Projection {
 
 // ReactionIteration: solutions with forces that depend on the reactions that they cause (friction).
 
-
 /// Finds the accelerations where forces depend on the reactions (friction), and holds the scratch for it: nothing is
 /// allocated when the mechanism is that of the last call.
 class LOCKSTEP_API ReactionIteration {
@@ -272,9 +265,7 @@ class LOCKSTEP_API ReactionIteration {
   VecX added_, added_before_, change_, change_before_, loaded_;  // x, g(x) - x, f + x: 6 per slot
 };
 
-
 // Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
-
 
 /// Formulation and stabilisation.
 struct DynamicsOptions {

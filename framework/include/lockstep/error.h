@@ -12,7 +12,6 @@ namespace lockstep {
 // Every error has a sentence for people and the same facts as data for programs. A sentence has three parts: what is
 // wrong and where, the value, and what to do next.
 
-
 /// What an error is about: a link, a force, a law, a body, ...
 struct LOCKSTEP_API Thing {
   std::string kind{},  ///< "link", "force", "law", ...; empty: nothing is named
@@ -185,9 +184,7 @@ LOCKSTEP_API std::string at_time(double t);
 /// " of plugin gears"; "" for what is built in and for the host's own classes.
 LOCKSTEP_API std::string of_plugin(const std::string& origin);
 
-
 // The one way in which an exception is given the name of the code that threw it.
-
 
 /// Whose code threw, and how its errors name it. Made only after something was thrown, so that the passes cost nothing.
 struct ErrorContext {

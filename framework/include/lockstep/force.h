@@ -23,7 +23,6 @@ namespace lockstep {
 
 // Formulas of forces: what a force does, written once for any scalar; its wrench, its tangent and its powers follow.
 
-
 /// The two markers of a force at one instant. Without an S, S is the ground's origin.
 template <class T>
 struct Ends {
@@ -217,7 +216,6 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
 
 // Effort: the only difference between forces and torques of motors and applied loads.
 
-
 /// What a motor or an applied load exerts between two markers.
 enum class Effort {
   force,   ///< N: on P's body at the origin of P, the opposite on S's body at the same point
@@ -245,9 +243,7 @@ Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
   return at.P.v() - at.S.v() - cross(at.S.w(), Vec3T<T>(at.P.x() - at.S.x()));
 }
 
-
 // Reacting: the facet of a force that depends on the reactions of links, as friction does.
-
 
 class Force;
 
@@ -280,9 +276,7 @@ class LOCKSTEP_API Reacting {
   const Force* self_;
 };
 
-
 // Force: exerts wrenches and constrains nothing. It adds to a sum and never changes the bodies.
-
 
 /// An applied force. A class of force has to define type(), markers(), setup() and apply(); all else has a default or
 /// belongs to a facet.
@@ -365,9 +359,7 @@ void check_force_facets() {
                   "return this");
 }
 
-
 // MarkerForce: common part of the forces between markers: P, perhaps S, their folded frames, and checks of parameters.
-
 
 /// A force on one marker P, or between two, P and S.
 class LOCKSTEP_API MarkerForce : public Force {
@@ -421,9 +413,7 @@ LOCKSTEP_API Marker& s_of(const Attachment&, const Params&);
 /// Whether the attachment has a marker S.
 LOCKSTEP_API bool has_s(const Attachment&);
 
-
 // FormulaForce: a force between markers from one formula.
-
 
 /// A force between markers from one formula: F derives from FormulaForce<F> and has act(ends, load), as namespace
 /// formula says. Wrench, tangent and energies come from it. The first of F's quantities() are those that act() shows;
@@ -459,9 +449,7 @@ class FormulaForce : public MarkerForce, public Observable {
   ForceAccount account(const Inputs& in) const { return formula::account(P_, S_, in, act()); }
 };
 
-
 // FunctionForce: a force from a function.
-
 
 /// A force from a function of time, motions and states:
 ///

@@ -13,7 +13,6 @@ namespace lockstep {
 
 // Forces 'applied_force' and 'applied_torque': a force at a marker or a torque on its body, constant or by laws.
 
-
 /// The axes in which an applied vector is given.
 enum class AppliedAxes {
   world,  ///< the world's
@@ -83,7 +82,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -109,13 +108,11 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
-
 // Force 'bushing': a soft joint, linear in six coordinates.
-
 
 class Bushing;
 extern template class LOCKSTEP_API FormulaForce<Bushing>;
@@ -154,16 +151,14 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
 };
 
-
 // Force 'joint_friction': dry and viscous friction in a joint, from the joint's reaction at the same instant.
-
 
 /// Friction where the link's mask leaves P free to slide in S or to turn about one axis of S. F and M are the reaction
 /// of the joint's own rows (without its drives) on P's body at the origin of P, in S axes; u is the sliding velocity of
@@ -214,8 +209,8 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;
   double friction_loss(const Inputs&, const Reactions&) const override;
 
-  static const TypeInfo& info();                                   ///< name and keys of its type
-  static Options options(const Params&);                           ///< from parameters checked against info()
+  static const TypeInfo& info();                                         ///< name and keys of its type
+  static Options options(const Params&);                                 ///< from parameters checked against info()
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
@@ -240,9 +235,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   MarkerFrame P_, S_;
 };
 
-
 // LinearSpring: spring, damper and actuator in one coordinate q: a length, N and m, or an angle, N m and rad.
-
 
 /// A spring, damper and actuator that pull their coordinate q back; qd is its rate.
 ///
@@ -308,7 +301,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -328,7 +321,7 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return info().name; }
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -373,16 +366,14 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Options options_;
 };
 
-
 // Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, full turns counted.
-
 
 class TorsionSpringDamper;
 extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
@@ -428,7 +419,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   /// z[0] becomes the angle of the accepted state.
   void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
 
-  static const TypeInfo& info();                                   ///< name and keys of its type
+  static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:

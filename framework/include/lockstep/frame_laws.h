@@ -12,7 +12,6 @@ namespace lockstep {
 // Rotation laws 'constant', 'axis_rotation' and 'product'. Angular velocity w and acceleration a are in the axes of the
 // moved frame.
 
-
 /// A fixed orientation, q = orientation.
 class LOCKSTEP_API ConstantRotation final : public RotationLaw {
  public:
@@ -70,9 +69,7 @@ inline LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<Ro
   return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
 }
 
-
 // Translation laws 'constant', 'components' and 'along'. Axes are those of the frame in which the law is imposed.
-
 
 /// A fixed translation, x = value, m.
 class LOCKSTEP_API ConstantTranslation final : public TranslationLaw {

@@ -25,7 +25,6 @@ namespace lockstep {
 // damped mode is faster than two steps although the accelerations hardly change over fifteen: the mode decayed long ago
 // and still limits the step. An undamped oscillation, or a mode that is decaying now, must be followed by any method.
 
-
 /// Detects that damped fast modes limit the steps of an explicit method.
 class LOCKSTEP_API StiffnessWatch {
  public:
@@ -51,10 +50,8 @@ class LOCKSTEP_API StiffnessWatch {
   VecX a_before_;  // at the beginning of the window
 };
 
-
 // Embedded explicit Runge-Kutta: two results of different order from the same stages estimate the error, which chooses
 // the step. What rk4, dopri5 and dop853 have in common; each has its own coefficients.
-
 
 /// Options of an embedded method.
 struct EmbeddedOptions {
@@ -113,7 +110,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
 // dop853: Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7. The
 // accurate choice.
 
-
 /// dop853: explicit Runge-Kutta of order 8. 12 evaluations and one projection per step; 4 evaluations more in a step in
 /// which dense output is asked for.
 class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
@@ -129,7 +125,6 @@ class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
 
 // dopri5: Dormand and Prince's pair of orders 5(4), error-controlled, with dense output of order 4. The default.
 
-
 /// dopri5: explicit Runge-Kutta of order 5. 7 evaluations and one projection per step.
 class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
  public:
@@ -141,7 +136,6 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
   IntegratorInfo info() const override;
 };
 
-
 // FreeRotation: the torque-free rotation of a rigid body, split into turns about its principal axes.
 //
 //   H = p1^2/(2 J1) + p2^2/(2 J2) + p3^2/(2 J3),   each part is an exact turn:
@@ -149,7 +143,6 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
 //
 // composed as 1(t/2) 2(t/2) 3(t) 2(t/2) 1(t/2): symmetric, symplectic, of order 2; |p| and the angular momentum in
 // space are kept exactly (Dullweber, Leimkuhler & McLachlan 1997).
-
 
 /// The torque-free rotation of a rigid body by a symplectic splitting of order 2.
 class LOCKSTEP_API FreeRotation {
@@ -175,7 +168,6 @@ class LOCKSTEP_API FreeRotation {
 // Local error h^6 in positions, h^5 in velocities, h^4 in s. Implicit methods share it: the collocation polynomial of
 // three stages has h^4 only.
 
-
 /// Dense output of a step from values and two derivatives at both of its ends.
 class LOCKSTEP_API QuinticOutput {
  public:
@@ -194,7 +186,6 @@ class LOCKSTEP_API QuinticOutput {
   double h_ = 0;  // 0: there is no step
 };
 
-
 // generalized_alpha: Chung and Hulbert's method on the Lie group, constraints at position and velocity level
 // (stabilised index 2). One numerical damping for everything that the step does not resolve.
 //
@@ -204,7 +195,6 @@ class LOCKSTEP_API QuinticOutput {
 //
 // (+) turns rotations by the exponential. u, of the size of the method's own error, brings positions onto C = 0 in the
 // metric of Newton's matrix. a is the method's own acceleration, which differs a little from v' at the same instant.
-
 
 /// generalized_alpha: implicit, order 2, with fixed steps unless it is made adaptive. Each Newton iteration gathers
 /// once and solves twice, by one factor per step where it converges fast. It starts from consistent accelerations; a
@@ -252,7 +242,6 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
   double h_ = 0, t_ = 0;  // length and end of the step before; 0: there was none
 };
 
-
 // Increments: what a step adds to the state where it begins, as one vector, for the algebra of implicit methods.
 //
 //   y = (dx, D of every slot | dv, dw of every slot | ds),   x = x0 + dx, e = e0 exp(D/2), v = v0 + dv, s = s0 + ds
@@ -261,7 +250,6 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
 // (framework/docs/solvers.md, section 8; Iserles, Munthe-Kaas, Norsett & Zanna, Acta Numerica 9 (2000) 215)
 //
 //   D' = w + (D x w)/2 + k D x (D x w),   k = (1 - (a/2) cot(a/2))/a^2,   a = |D|
-
 
 /// Number of increments of a state like this one: 12 per slot, then one per integrated state.
 inline Eigen::Index n_increments(const State& y) { return 2 * y.v.size() + y.s.size(); }
@@ -278,7 +266,6 @@ LOCKSTEP_API void count_from(Eigen::Ref<const VecX> y1, Eigen::Index n_velocitie
 /// Largest rotation |D| of the increments, rad.
 LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_velocities);
 
-
 // LinearizedMotion: y' = f(y) of the increments of a step, linearised at one state, and solved for implicit methods.
 //
 //   (g - f') dy = r:   g dq - dv = r_q,   g dv - al = r_v,   g ds = r_s,
@@ -287,7 +274,6 @@ LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_veloci
 // K, D: tangents of forces and constraints (theory, section 9). How the rows' right side depends on q and v is left out
 // (9.15), and so is how the states s act on one another and on the forces: Newton's method then takes an iteration
 // more.
-
 
 /// Tangent of the motion at a state, for implicit methods.
 class LOCKSTEP_API LinearizedMotion {
@@ -316,7 +302,6 @@ class LOCKSTEP_API LinearizedMotion {
 // Step control of implicit Runge-Kutta methods: Hairer & Wanner, Solving Ordinary Differential Equations II (1996),
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 
-
 /// Predictive step control (Gustafsson 1994) for an error estimate of the order of h^4. A step that took many
 /// iterations is followed by a more careful one; safety 0.9, factors 0.2 ... 5, no growth after a rejection.
 class LOCKSTEP_API PredictiveControl final : public StepControl {
@@ -333,7 +318,6 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
   double h_ = 0, error_ = 0;  // of the step accepted before; 0: none
 };
 
-
 // radau5: RADAU IIA with three stages, order 5, implicit: for stiff mechanisms that are to be accurate.
 //
 //   Z_i = h sum_j a_ij f(t + c_j h, y0 + Z_j),   y1 = y0 + Z_3
@@ -341,7 +325,6 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
 // y = (q, v, s) are increments since the beginning of the step, f the equations of motion solved for the accelerations
 // (index 1, stabilised as the dynamics says); the end of a step is projected like that of an explicit method. So
 // positions and velocities have order 5, and reactions too, as they are those of the equations of motion.
-
 
 /// radau5: implicit Runge-Kutta of order 5. Simplified Newton with one real and one complex factor per attempt
 /// (tangents of forces and constraints at its second stage; the curvature of the rows is left out, which costs an
@@ -446,7 +429,6 @@ class LOCKSTEP_API Rattle final : public Integrator {
 
 // rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.
 
-
 /// rk4: explicit Runge-Kutta of order 4 with fixed steps. 4 evaluations and one projection per step. No error estimate,
 /// no dense output.
 class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
@@ -461,7 +443,6 @@ class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
 // semi_implicit_euler: velocities first, then positions with the new velocities. The method of games and real time.
 //
 //   v1 = v + h a(t, q, v),  q1 = q (+) h v1 (exponential),  s1 = s + h s'(t, q, v)
-
 
 /// semi_implicit_euler: order 1, with fixed steps. 1 evaluation and one projection per step. No error estimate, no
 /// dense output.

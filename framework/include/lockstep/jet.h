@@ -16,7 +16,6 @@ namespace lockstep {
 //   g  gradient f_y, N   h  second derivative along the motion with ydd = 0: yd' f_yy yd (+ 2 f_yt yd + f_tt)
 // Jet<0> is value, first and second time derivative: the number of a law.
 
-
 /// In place of the derivatives along the motion, in a jet of which only the gradient is wanted: stores and computes
 /// nothing.
 struct NoMotion {
@@ -343,7 +342,6 @@ namespace lockstep {
 // Pack<N>: N doubles that the compiler keeps in vector registers, whatever the instruction set.
 //
 // A block of up to 8 rows has one pack per column, so that one instruction works on all rows of a link.
-
 
 /// Where the type of a pack of N numbers is defined: N is 2, 4 or 8.
 template <int N>

@@ -14,7 +14,6 @@ namespace lockstep {
 
 // Link 'distance'.
 
-
 /// (7.4) phi = |rho| - f(t), m. The multiplier is the axial force, N: positive pulls the two points together.
 struct DistanceFunction {
   LawPtr<MotionLaw> law;                                  ///< f(t), m; null: `length`
@@ -48,17 +47,15 @@ class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
   /// Of the length that the distance has at the start.
   Distance(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "distance"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 
  protected:
   RowPlan plan_rows() override;
 };
 
-
 // The joints: each is a mask and a name. P is on body 1, S on body 2; axes are those of S. "Free" lists the motions of
 // P that are left free, seen from S.
-
 
 /// A joint that is only a mask. The class Self defines kType, its type in scenes, and kHelp, a line of help.
 template <class Self, Mask kMask>
@@ -163,13 +160,12 @@ class LOCKSTEP_API GenericLock final : public MarkerLock {
  public:
   using MarkerLock::MarkerLock;
   std::string_view type() const override { return "lock"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
 // Link 'screw'.
-
 
 /// (7.4) phi = z - lead theta / 2 pi - reference - f(t), m. The multiplier is the axial force of the thread, N.
 struct LOCKSTEP_API ScrewThread {
@@ -206,13 +202,12 @@ class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable 
   const Observable* observable() const override { return this; }
   std::vector<Quantity> quantities() const override;  ///< "angle", counted, rad, and "rate", rad/s
   double quantity(int k, const Inputs&) const override;
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
 
 // Link 'stop': one end of the travel of one coordinate; a unilateral link.
-
 
 /// phi = +-(coordinate - limit), m: phi >= 0 is the free side, above a low end and below a high one.
 struct StopAlong {
@@ -271,7 +266,7 @@ class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
 
 /// The type "stop" of scenes: a SlideStop or a TurnStop.
 struct LOCKSTEP_API Stop {
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
@@ -296,7 +291,7 @@ class LOCKSTEP_API Universal final : public PhiLock<Cross> {
   /// Throws ModelError: both markers are on one body.
   Universal(std::string name, Marker& p, Marker& s);
   std::string_view type() const override { return "universal"; }
-  static TypeInfo info();                                         ///< its keys in scenes
+  static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 

@@ -256,7 +256,6 @@ namespace lockstep {
 
 // Mask: which of the six coordinates a lock holds. All 64 masks are valid joints (theory, (4.23)).
 
-
 /// A set of rows of a lock: x y z, translations of P in S axes, m; e1 e2 e3, the vector part of the error quaternion,
 /// which is half the rotation vector for small turns.
 enum class Mask : std::uint8_t {
@@ -309,14 +308,12 @@ LOCKSTEP_API std::string_view to_string(Axis);
 /// "x" "y" "z" "e1" "e2" "e3" for k = 0..5.
 LOCKSTEP_API std::string_view row_name(int k);
 
-
 // The rows of one pair of markers in space: C, Ct, Qhat and jacobian, by the equations above on numbers of any kind
 // (double, jet, complex, counting number).
 //
 // Translation and rotation are separate functions, so that a joint with rows of one kind does not pay for the other.
 // Both are templates on the laws that are present: an absent law costs nothing, and a row that is left out costs no
 // jacobian.
-
 
 /// Motion of a marker on its slot at one instant.
 template <class T>

@@ -56,9 +56,7 @@ inline Quat require_orientation(const char* law, const char* key, const Quat& q)
   return normalized(Quat::from(Vec4(c / most)));
 }
 
-
 // Laws 'sum', 'product', 'scale' and 'shift': laws made of laws. They pass on the breakpoints of the inner laws.
-
 
 /// y = y_1 + y_2 + ... of several laws.
 class LOCKSTEP_API SumLaw final : public MotionLaw {
@@ -141,7 +139,6 @@ inline LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
 
 // Law 'constant'.
 
-
 /// y = value for all t, in the unit of the coordinate that it drives.
 class LOCKSTEP_API Constant final : public MotionLaw {
  public:
@@ -162,7 +159,6 @@ inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const 
 
 
 // Law 'fourier'.
-
 
 /// Parameters of a Fourier law.
 struct FourierSettings {
@@ -194,7 +190,6 @@ inline LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<co
 
 // From a quaternion on jets of time to a RotationValue.
 
-
 /// The rotation q = r/|r| of r(t), of any length but zero, with its derivatives: by (1.6) w = G(q) qd and, because
 /// G(qd) qd = 0, a = G(q) qdd.
 inline RotationValue rotation_value(const QuatT<Time>& r) {
@@ -203,10 +198,8 @@ inline RotationValue rotation_value(const QuatT<Time>& r) {
   return {{q.w.v, q.x.v, q.y.v, q.z.v}, G * Vec4(q.w.d, q.x.d, q.y.d, q.z.d), G * Vec4(q.w.h, q.x.h, q.y.h, q.z.h)};
 }
 
-
 // Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, which has value,
 // first and second derivative. Write it for any number type: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
-
 
 /// Common part of the three laws from a function: the function, and the instants at which it jumps.
 template <class Law, class F>
@@ -334,7 +327,6 @@ inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
 
 // Law 'repeat'.
 
-
 /// Parameters of a Repeat law.
 struct RepeatSettings {
   double t0 = 0;       ///< a start of the period, s
@@ -368,7 +360,6 @@ inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const Repe
 
 
 // Laws 'poly345', 'cycloid' and 'harmonic_rise': a rise in a given time, constant before and after.
-
 
 /// Parameters of a rise.
 struct RiseSettings {
@@ -440,7 +431,6 @@ inline LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make
 
 // Law 'sequence'.
 
-
 /// A piece of a sequence: a law, and how long it runs.
 struct Piece {
   double duration;        ///< how long it runs, s
@@ -483,9 +473,7 @@ inline LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSetti
 }
 }  // namespace laws
 
-
 // On which side of a jump an instant is, and whether two pieces of law meet with one.
-
 
 /// Every law is continuous from the right: at a breakpoint it has the value that holds afterwards. Times are sums of
 /// durations and delays, so an instant that is meant to be the breakpoint may miss it by a rounding error; an instant
@@ -511,7 +499,6 @@ inline LawValue held(double y) { return {y, 0.0, 0.0}; }
 
 
 // Law 'sine'.
-
 
 /// Parameters of a Sine law.
 struct SineSettings {
@@ -541,7 +528,6 @@ inline LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<c
 
 
 // Law 'trapezoid'.
-
 
 /// Parameters of a Trapezoid: of speed, acceleration and duration two are given, the third is 0 and is computed.
 struct TrapezoidSettings {

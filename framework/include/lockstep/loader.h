@@ -12,7 +12,6 @@ namespace lockstep {
 
 // Where plugins may come from. One search path for the program and for every other host.
 
-
 /// The folders that are searched when none are given: those of LOCKSTEP_PLUGIN_PATH (separated by ':'); then
 /// ../plugins, relative to the folder of the running program and to that of the library; then lockstep/plugins in the
 /// folder of the library, as in an installation.
@@ -43,7 +42,6 @@ std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
 
 
 // Loads plugins: finds the file, reads what it was built with, opens it and takes over what it registers.
-
 
 /// Loads a plugin into the registry and returns the path of its file. "cam_follower", "plugins/cam_follower" and
 /// "plugins/cam_follower.so" are all accepted, and "lib" before the name is tried as well; the file is found as by

@@ -29,7 +29,6 @@ namespace lockstep {
 //     const Observable* observable() const override { return this; }
 //     ...
 
-
 class Lock;
 /// Links of one type, pattern, row count and slot count, gathered by one call.
 using Group = std::span<const Lock* const>;
@@ -141,7 +140,6 @@ class LOCKSTEP_API Observable {
 
 // Unilateral: what makes a link of one row push and not pull.
 
-
 /// A one-sided constraint: C >= 0 in place of C = 0. The link is not in force while C > 0. Where C falls to zero there
 /// is an impact; one that would leave a speed below rest_speed puts the link in force, until it would have to pull.
 struct Unilateral {
@@ -154,7 +152,6 @@ struct Unilateral {
 
 // Lock: a constraint between bodies, the root of all links. A link is what the user handles; a lock is the constraint
 // it is made of.
-
 
 /// One row of a link.
 struct LinkRow {
@@ -295,9 +292,7 @@ void check_facets() {
                   "TangentFormula, Observable) overrides its accessor to return this");
 }
 
-
 // MarkerLock: the paper's lock, the one constraint from which the joints are made.
-
 
 /// A drive: a law on a coordinate that the mask leaves free. It adds exactly one row.
 struct Drive {
@@ -340,8 +335,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
   void gather(Group, const Inputs&, RowSpan out) const override;
   bool is_weld() const override {
-    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->translation_law && !p_->rotation_law && !s_->translation_law &&
-           !s_->rotation_law;
+    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->translation_law && !p_->rotation_law &&
+           !s_->translation_law && !s_->rotation_law;
   }
 
   // -- facets
@@ -419,9 +414,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   } flat_;
 };
 
-
 // Reactions: the multipliers of the links in force, as forces that depend on them read them.
-
 
 /// A force and a moment about a point.
 struct LinkWrench {

@@ -13,7 +13,6 @@ namespace lockstep {
 
 // The vectors and matrices of lockstep: Eigen's, under the theory's names. T is double, a jet or another number type.
 
-
 /// Column of three numbers.
 template <class T>
 using Vec3T = Eigen::Matrix<T, 3, 1>;
@@ -53,9 +52,7 @@ inline Mat3T<typename A::Scalar> skew(const Eigen::MatrixBase<A>& a) {
   return m;
 }
 
-
 // Quaternions, scalar first (theory, section 1).
-
 
 /// A quaternion w + x i + y j + z k, by default 1. Unit quaternions are orientations: frame's axes -> parent's axes.
 template <class T>
@@ -196,9 +193,7 @@ inline Quat quaternion_of(const Mat3& A) {
   return normalized(q);
 }
 
-
 // Pose: position and orientation of a frame in its parent. Twist: its velocity and angular velocity.
-
 
 /// Position and orientation of a frame in its parent.
 struct Pose {

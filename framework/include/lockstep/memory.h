@@ -10,7 +10,6 @@ namespace lockstep {
 
 // Aligned: a vector whose data is aligned for the widest vector registers.
 
-
 /// Allocator of memory that is aligned for the widest vector registers; for std::vector.
 template <class T>
 struct AlignedAllocator {
@@ -34,9 +33,7 @@ struct AlignedAllocator {
 template <class T>
 using Aligned = std::vector<T, AlignedAllocator<T>>;
 
-
 // Snapshot: numbers saved in order and restored in the same order; what an integrator keeps outside the State.
-
 
 /// Numbers that an integrator saves, and restores in the same order.
 class Snapshot {

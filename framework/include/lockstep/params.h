@@ -20,7 +20,6 @@ namespace lockstep {
 
 // Orientation from named angle sequences, and back.
 
-
 /// Unit quaternion of three turns by `angles`, rad, about the frame's own (moving) axes, one after another: "xyz"
 /// (Cardan), "zxz" (Euler), "zxy" (HPB: heading about z, pitch about x, bank about y), or any three letters of x y z
 /// without two equal neighbours, or a name that angle_sequence() knows. Throws ModelError for any other sequence.
@@ -40,10 +39,8 @@ LOCKSTEP_API Angles to_angles(const std::string& sequence, const Quat& q);
 /// "xyz" for "cardan", "zxz" for "euler", "zxy" for "hpb"; any other text is returned as it is.
 LOCKSTEP_API std::string angle_sequence(const std::string& name);
 
-
 // A piece of a description as data: from a scene file, or from C++ in its place. Every piece knows where it was
 // written.
-
 
 /// Where a value was written.
 struct Where {
@@ -123,10 +120,8 @@ struct Value::Member {
   Where where;      ///< where the key was written
 };
 
-
 // Checked parameters of a named thing. One table of keys per registered type serves the parser, the JSON schema,
 // `list`, `describe` and the errors; there is no second list.
-
 
 /// What a key holds.
 enum class Form {
@@ -280,15 +275,13 @@ LOCKSTEP_API std::string name_of(Form);
 /// of UTF-8, a default that is not of the key's form, a choice without choices.
 LOCKSTEP_API void check(const TypeInfo&);
 
-
 // Attachment: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
-
 
 class Lock;
 
 /// The name of a new link or force and the markers it is given, P before S in each pair.
 struct LOCKSTEP_API Attachment {  // exported, because the registries are templates of it
-  std::string name;         ///< name of the link or force
+  std::string name;               ///< name of the link or force
   /// One for a lock; forces may have none, or a pair without S (nullptr).
   std::vector<std::pair<Marker*, Marker*>> pairs;
   Lock* link = nullptr;  ///< the link that a force acts in (friction); most forces have none

@@ -28,7 +28,6 @@ namespace lockstep {
 //
 // A function of several pairs takes one LockCoords for each; several rows come as std::array<T, n>.
 
-
 /// (7.9) Turn of P about the z axis of S, rad: 2 atan2(e3, e0) on the branch nearest to `near`. T is a jet.
 template <class T>
 T angle_about_z(const T& e0, const T& e3, double near) {

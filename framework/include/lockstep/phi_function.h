@@ -21,7 +21,6 @@ namespace lockstep {
 // Geometric stiffness of a lock: the derivative of its force Jh^T lambda with respect to the poses; multipliers and
 // time are fixed (theory, (9.2), (9.3)). Laws enter by their values, and cost nothing extra.
 
-
 /// (9.2) Adds the stiffness of translational rows. lt: multipliers of x, y, z (S axes), zero where there is no row.
 ///
 ///   n = A_S lt (O2 axes),  A2 n (world),  g = A1^T A2 n (O1 axes)         F = ( A2 n | uP x g | -A2 n | n x s )
@@ -68,9 +67,7 @@ inline void add_rotation_stiffness(const Inputs& in, int slot1, int slot2, const
   out.add_K(slot2, Half::turn, slot1, Half::turn, K12.transpose());
 }
 
-
 // What links of pairs of markers check and measure at setup.
-
 
 /// Throws ModelError if one of the markers is on a particle, whose turn the rows `rows` ("e1", "phi") of the link would
 /// hold.
@@ -80,10 +77,8 @@ LOCKSTEP_API void refuse_particles(const std::string& link, const std::string& r
 /// frames of their slots.
 LOCKSTEP_API Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFrame& P, const MarkerFrame& S);
 
-
 // PhiFunction: a function phi of one to three pairs of markers, with the rows and the stiffness that follow from it
 // (theory, (7.2), (7.3)). PhiLock and PhiCoupling are the links made of it.
-
 
 /// A function of the relative coordinates of its pairs, evaluated as rows of a link.
 template <class Phi>
@@ -116,7 +111,8 @@ class PhiFunction {
       if (Traits::reads(static_cast<int>(k), Reads::rotation)) refuse_particles(link, "phi", *p, *s);
       FramePair& frames = frames_[k];
       frames.P = MarkerFrame(*p), frames.S = MarkerFrame(*s);
-      moving_ = moving_ || frames.P.translation_law || frames.P.rotation_law || frames.S.translation_law || frames.S.rotation_law;
+      moving_ = moving_ || frames.P.translation_law || frames.P.rotation_law || frames.S.translation_law ||
+                frames.S.rotation_law;
     }
     const Coords<Time> y = at_start();
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);

@@ -30,7 +30,6 @@ namespace lockstep {
 //   };
 //   using Gear = PhiCoupling<Mesh>;
 
-
 /// The name of a coupling and its pairs of markers, those of a attachment or of joints (across).
 struct CoupledPairs {
   std::string name;                                            ///< of the coupling
@@ -40,7 +39,8 @@ struct CoupledPairs {
   explicit CoupledPairs(std::string of) : name(std::move(of)) {}
   /// The name and the pairs of a attachment.
   CoupledPairs(const Attachment& attachment)
-      : name(attachment.name), pairs(attachment.pairs.begin(), attachment.pairs.end()) {}  // NOLINT: a attachment is one
+      : name(attachment.name),
+        pairs(attachment.pairs.begin(), attachment.pairs.end()) {}  // NOLINT: a attachment is one
   /// P of pair k. Throws ModelError: it is not given.
   const Marker& p(std::size_t k) const {
     return Attachment::given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k);
@@ -140,21 +140,21 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
       for (const Marker* m : {pairs[k].first, pairs[k].second})
         if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
       if (pairs[k].first->body == pairs[k].second->body)
-        throw ModelError("link '" + attachment.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
-                         pairs[k].first->body->name + "'; name two bodies");
+        throw ModelError("link '" + attachment.name + "': both sides of pair " + std::to_string(k + 1) +
+                         " are on body '" + pairs[k].first->body->name + "'; name two bodies");
     }
     if (attachment.pairs.size() > pairs.size())
       throw ModelError("link '" + attachment.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
                        std::to_string(attachment.pairs.size()) + " are given; remove the others");
     if (seen.size() > kMaxSlots)
-      throw ModelError("link '" + attachment.name + "' couples " + std::to_string(seen.size()) + " bodies; a link touches " +
-                       std::to_string(kMaxSlots) + " at most: measure its pairs from a common body");
+      throw ModelError("link '" + attachment.name + "' couples " + std::to_string(seen.size()) +
+                       " bodies; a link touches " + std::to_string(kMaxSlots) +
+                       " at most: measure its pairs from a common body");
     return pairs;
   }
 
   Function function_;
 };
-
 
 // PhiLock: a joint whose rows are those of a mask and those of functions of the relative coordinates, phi(y, t) = 0
 // (theory, section 7). Jacobian, Ct, right side and geometric stiffness follow from those of the lock and the exact
@@ -162,7 +162,6 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
 //
 //   struct ScrewThread { double lead; template <class T> T operator()(const LockCoords<T>& y) const; ... };  // phi.h
 //   using Screw = PhiLock<ScrewThread>;
-
 
 /// A joint whose rows are those of a mask and its drives, as in MarkerLock, and those of a function phi. A derived
 /// class adds type() and, for scenes, info() and make(). PhiTraits lists what phi may define.

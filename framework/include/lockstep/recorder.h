@@ -103,7 +103,6 @@ LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);
 
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
 
-
 /// A column to record: a channel, under its own name or another ("Bx": "B.force_on_p_world_x").
 struct Request {
   std::string name,  ///< of the column

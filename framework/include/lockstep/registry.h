@@ -19,7 +19,6 @@ namespace lockstep {
 // Registry: shelves of named makers. It is a value, passed to those who need it and filled at run time; two registries
 // in one process are independent.
 
-
 class Registry;
 
 /// Checks parameters against a type's table of keys, and makes the laws among them by the registry `laws`. Throws
@@ -68,14 +67,14 @@ class LOCKSTEP_API Shelf {
 /// Links, laws, forces, integrators and solvers by name.
 class LOCKSTEP_API Registry {
  public:
-  Registry();                                         ///< empty; see builtin_registry()
-  Shelf<LawPtr<MotionLaw>> laws;                      ///< scalar laws
-  Shelf<LawPtr<TranslationLaw>> translation_laws;     ///< laws of a translation
-  Shelf<LawPtr<RotationLaw>> rotation_laws;           ///< laws of a rotation
+  Registry();                                               ///< empty; see builtin_registry()
+  Shelf<LawPtr<MotionLaw>> laws;                            ///< scalar laws
+  Shelf<LawPtr<TranslationLaw>> translation_laws;           ///< laws of a translation
+  Shelf<LawPtr<RotationLaw>> rotation_laws;                 ///< laws of a rotation
   Shelf<std::unique_ptr<Lock>, const Attachment&> links;    ///< joints and couplings
   Shelf<std::unique_ptr<Force>, const Attachment&> forces;  ///< applied forces
-  Shelf<std::unique_ptr<Integrator>> integrators;     ///< time-stepping methods
-  Shelf<std::unique_ptr<LinearSolver>> solvers;       ///< linear solvers
+  Shelf<std::unique_ptr<Integrator>> integrators;           ///< time-stepping methods
+  Shelf<std::unique_ptr<LinearSolver>> solvers;             ///< linear solvers
 
   /// Makes the scalar law that a Value describes: {"type": ..., its keys}. A bare number, a text with a unit or a list
   /// is the law "constant", with the value as its first key. Throws SceneError, which begins with `owner`.
@@ -99,7 +98,6 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 
 
 // The registry of everything that comes with lockstep.
-
 
 /// A new registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in". A
 /// library built with LOCKSTEP_BUILTINS=OFF loads laws and integrators from the plugins "motionlaws" and "integrators"

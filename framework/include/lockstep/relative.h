@@ -9,20 +9,21 @@ namespace lockstep {
 // MarkerFrame: a marker as a frame of its slot. Kernels see slots only, and need no special case for bodies that share
 // one or that are fixed.
 
-
 /// A marker as a frame of the slot of its body.
 struct MarkerFrame {
-  int slot = kGround;            ///< slot of its body; kGround if that is fixed
-  Vec3 u0 = Vec3::Zero();        ///< origin without laws, slot axes, m
-  Quat q0;                       ///< marker axes without laws -> slot axes
-  Mat3 A0 = Mat3::Identity();    ///< A(q0)
-  LawPtr<TranslationLaw> translation_law;  ///< moves the origin along the axes of A0; null: none. Shared with the marker
-  LawPtr<RotationLaw> rotation_law;      ///< turns the axes; null: none. Shared with the marker
-  MarkerMotion home;             ///< at(t) of a marker without laws
+  int slot = kGround;          ///< slot of its body; kGround if that is fixed
+  Vec3 u0 = Vec3::Zero();      ///< origin without laws, slot axes, m
+  Quat q0;                     ///< marker axes without laws -> slot axes
+  Mat3 A0 = Mat3::Identity();  ///< A(q0)
+  LawPtr<TranslationLaw>
+      translation_law;               ///< moves the origin along the axes of A0; null: none. Shared with the marker
+  LawPtr<RotationLaw> rotation_law;  ///< turns the axes; null: none. Shared with the marker
+  MarkerMotion home;                 ///< at(t) of a marker without laws
 
   MarkerFrame() = default;
   /// Of a marker on a body that has its slot already (System::setup).
-  explicit MarkerFrame(const Marker& m) : slot(m.body->slot), translation_law(m.translation_law), rotation_law(m.rotation_law) {
+  explicit MarkerFrame(const Marker& m)
+      : slot(m.body->slot), translation_law(m.translation_law), rotation_law(m.rotation_law) {
     const Pose pose = m.body->in_slot * m.local;
     u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
     home.u = u0, home.q = q0, home.A = A0;
@@ -30,7 +31,9 @@ struct MarkerFrame {
 
   /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
   /// e.
-  bool parallel() const { return !translation_law && !rotation_law && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15); }
+  bool parallel() const {
+    return !translation_law && !rotation_law && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15);
+  }
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
   MarkerMotion at(double t) const {
@@ -84,10 +87,8 @@ inline MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
   return {m.x(), m.v(), m.w(), m.A()};
 }
 
-
 // Relative kinematics of a pair of markers: the seven coordinates of P seen from S, with everything that a function of
 // them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
-
 
 /// One number for each of the seven relative coordinates.
 template <class T>
@@ -151,10 +152,8 @@ inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const Mo
   return L;
 }
 
-
 // RelativePair: the relative coordinates of a pair with their rates, and the row of a function with a given gradient on
 // them. The jacobians of the coordinates themselves are never formed (theory, (7.1), (7.2)).
-
 
 /// What one pair of markers contributes to the row of a function.
 struct PulledRow {

@@ -23,7 +23,6 @@ namespace lockstep {
 // on each moving slot that the link touches, column by column, each column padded to a pack. Links of one group (same
 // type, same pattern) are adjacent, so that a group is gathered by one call.
 
-
 /// What a row measures.
 enum class RowKind : unsigned char {
   translation,  ///< a length, m; the multiplier is a force
@@ -286,9 +285,7 @@ class RowTable {
   long revision_ = 0;
 };
 
-
 // Auxiliary: the user's own differential equations: controllers, actuators, quadratures.
-
 
 /// Inputs and their solution. Views, valid during the call.
 struct Evaluated {
@@ -327,9 +324,7 @@ class LOCKSTEP_API Auxiliary {
   int first_ = 0;
 };
 
-
 // WrenchSum: adds forces up by slot, as the equations of motion take them (theory, (2.5), (2.9)).
-
 
 /// Sum of the forces on each slot. What acts on the ground is ignored.
 class WrenchSum {
@@ -363,7 +358,6 @@ class WrenchSum {
   VecX& f_;
 };
 
-
 // TangentSum: derivatives of forces and constraint forces with respect to pose and velocity, summed by pairs of slots
 // (theory, section 9).
 //
@@ -372,7 +366,6 @@ class WrenchSum {
 //
 // So the tangent of an applied force enters with a minus sign, that of a constraint force Jh^T lambda with a plus sign
 // (9.4), (9.14). Neither is symmetrised.
-
 
 /// Where a half of a slot's six unknowns begins.
 enum class Half {

@@ -15,7 +15,6 @@ namespace lockstep {
 
 // Scene: a mechanism as data, and the way from a file to a System. A System is not converted back.
 
-
 /// A channel to record.
 struct ChannelRequest {
   std::string channel,  ///< name of the channel
@@ -85,9 +84,7 @@ LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const RunSettings&, con
 /// Makes the solver that the settings name. Throws SceneError.
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const Registry&);
 
-
 // Variables: one value of a scene each, and the values it takes from run to run.
-
 
 /// A plain value of a scene (a number, a word, true or false) and the values it takes from run to run.
 struct Variable {

@@ -18,7 +18,6 @@ namespace lockstep {
 //
 // Width of a slot: 6, of a particle 3; in a plane 3 and 2; 7 in the quaternion formulation.
 
-
 /// Rows of one link in the matrix.
 struct KktLink {
   int link = -1;                         ///< number in the system; -1: unit-length row of a quaternion
@@ -72,7 +71,6 @@ struct LOCKSTEP_API Kkt {
 
 // LinearSolver and Factorization: solve the saddle-point system of one evaluation, whatever the topology and however
 // redundant the rows.
-
 
 /// How a solution was reached and how good it is.
 struct SolveReport {

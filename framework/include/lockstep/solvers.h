@@ -14,7 +14,6 @@ namespace lockstep {
 //   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
 //   | J   -E' |
 
-
 class Params;
 struct TypeInfo;
 
@@ -36,13 +35,11 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
   static long multiplications(const KktPattern&);
 };
 
-
 // "dense": rank-revealing QR; the reference for small systems.
 //
 //   M = L L^T,  B = E^-1/2 J L^-T (m x n):   a = M^-1 f + L^-T y,  y = B^+ E^-1/2 (c - J M^-1 f),
 //   lambda = E^-1/2 mu,  B^T mu = -y,  |mu| minimal: of all lambda the one with the smallest sum E_j lambda_j^2.
 // Where the rows contradict one another, a minimises sum (c - J a)_j^2 / E_j, as the proximal iteration does.
-
 
 class Params;
 struct TypeInfo;
@@ -60,10 +57,8 @@ class LOCKSTEP_API DenseSolver final : public LinearSolver {
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 
-
 // SchurSolver: S = J M^-1 J^T over the graph of the links, block by block (framework/docs/solvers.md, sections 2 and
 // 5).
-
 
 /// Schur complement over the graph of the links: the default. It reads the rows where the links wrote them, in six
 /// velocities per slot, three in a plane. On a tree there is no fill, and time and memory grow linearly with the number
@@ -78,13 +73,11 @@ class LOCKSTEP_API SchurSolver final : public LinearSolver {
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 
-
 // "sparse": Eigen's LDL^T on the scalars of the quasi-definite matrix, with proximal corrections
 // (framework/docs/solvers.md, sections 4, 5).
 //
 //   K = | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
 //       | J   -E' |
-
 
 class Params;
 struct TypeInfo;

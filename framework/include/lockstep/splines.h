@@ -14,7 +14,6 @@ namespace lockstep {
 
 // Columns of a CSV file, for laws through measured or computed points.
 
-
 /// A column of times and other columns of a file, one row per line.
 struct Columns {
   std::vector<double> t;  ///< times, s
@@ -29,9 +28,7 @@ struct Columns {
 LOCKSTEP_API Columns read_columns(const std::string& path, const std::string& t_column,
                                   const std::vector<std::string>& y_columns);
 
-
 // The C2 (cubic) or C4 (quintic) spline through points of the laws 'spline', 'path' and 'spline_rotation'.
-
 
 /// What holds at the ends of a spline.
 enum class SplineEnds {
@@ -102,7 +99,6 @@ MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, Splin
 
 // Translation law 'path'.
 
-
 /// Velocities and accelerations at clamped ends; the latter for the quintic only.
 struct PathEndValues {
   Vec3 start_velocity = Vec3::Zero(),      ///< m/s
@@ -140,7 +136,6 @@ inline LawPtr<TranslationLaw> path(const PathLaw::Points& points, const SplineSe
 
 
 // Law 'spline'.
-
 
 /// Rates at clamped ends; second derivatives for the quintic only.
 struct SplineEndValues {
@@ -181,7 +176,6 @@ inline LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettin
 
 // The keys that 'spline', 'path' and 'spline_rotation' share, and how they are read.
 
-
 /// Appends the keys degree, ends and outside.
 void add_spline_keys(Keys&);
 /// Reads the keys of add_spline_keys().
@@ -200,7 +194,6 @@ Columns points_of(const Params&, std::size_t n_components, const std::string& t_
 
 
 // Rotation law 'spline_rotation'.
-
 
 /// The rotation q(t) = r(t)/|r(t)| through the orientations (t_i, q_i), r(t) a cubic or quintic spline of the four
 /// components.

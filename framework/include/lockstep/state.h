@@ -13,7 +13,6 @@ namespace lockstep {
 // Inputs: what an evaluation sees of the mechanism. It is neither State nor System, so that jets and finite differences
 // can evaluate a link too.
 
-
 /// Motion of a slot.
 template <class T>
 struct MotionT {
@@ -38,10 +37,8 @@ struct InputsT {
 };
 using Inputs = InputsT<double>;  ///< what links and forces see of a state, in numbers
 
-
 // State: a value. It can be copied, kept and restored. Whatever must be undone when a step is rejected is stored here
 // and nowhere else.
-
 
 /// Everything that changes during a run. The layout of q and v belongs to the formulation: integrators step them, the
 /// functions below convert them to and from poses and twists, and all other code uses those functions.

@@ -14,7 +14,6 @@ namespace lockstep {
 
 // Observer: is called with the accepted states of a run; never changes them.
 
-
 /// A state of a run as observers and channels see it. All are views, valid during the call; accelerations and
 /// multipliers are solved for only when they are asked for.
 class Sample {
@@ -71,9 +70,7 @@ class LOCKSTEP_API Observer {
   virtual void finish(const Sample&);
 };
 
-
 // Event: changes the links in force or the state between two steps, by time or by a condition located to tolerance.
-
 
 /// An instant at which links are switched, the state changes or the run ends.
 struct Event {

@@ -18,7 +18,6 @@ namespace lockstep {
 
 // Explicit Runge-Kutta methods as data: Integrator::scheme().
 
-
 /// Coefficients of an explicit Runge-Kutta method. The arrays live as long as the program.
 struct Tableau {
   int order = 1;              ///< order of convergence
@@ -56,13 +55,11 @@ struct EmbeddedScheme {
   const double* d = nullptr;  ///< n_dense rows of tableau.n_all
 };
 
-
 // Stages: the stages of one step of an explicit Runge-Kutta method, for any tableau.
 //
 //   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y1 = y + h sum_i b_i k_i,  y = (q, v, s)
 //
 // In the stages quaternions follow their plain rates e' = e (0, w)/2; the end of the step is normalised.
-
 
 /// Where a stage's equations of motion are evaluated.
 enum class StagesOn {
@@ -135,9 +132,7 @@ LOCKSTEP_API void copy_motion(const State& in, State& out);
 /// The same by exchange of the vectors: `in` is scratch afterwards.
 LOCKSTEP_API void take_motion(State& in, State& out);
 
-
 // Error norm and step size control (framework/docs/solvers.md, section 7), and the limits of every adaptive step.
-
 
 /// Measures the error of a step in tolerances. There is one weight per quantity, the same for all bodies:
 ///
@@ -220,7 +215,6 @@ LOCKSTEP_API double guess_first_step(Dynamics&, const State& y0, int order, doub
 
 // AdaptiveStepper: the step driver of every method that writes one attempt at a step: repeats attempts until one is
 // accepted, shortens the step, puts its end on the constraints, reports.
-
 
 /// Outcome of one attempt at a step.
 struct Attempt {
@@ -307,12 +301,10 @@ class LOCKSTEP_API SingularRate {
   std::array<StateRate, 3> mean_;
 };
 
-
 // SingularPassage: how an explicit method passes singular positions, where the rows do not determine the accelerations.
 //
 // Near one its stages are evaluated on the constraints; a step whose late stage is ill-conditioned, or whose estimate
 // is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
-
 
 /// When stages are evaluated on the constraints (see StagesOn).
 enum class StagesWhen {

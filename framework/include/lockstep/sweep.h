@@ -13,7 +13,6 @@ namespace lockstep {
 
 // The recorder and the events of a mechanism that came from a scene.
 
-
 /// Where the scene asks for no channel: adds x, y and z of every body that is not fixed to what is recorded.
 LOCKSTEP_API void record_places(Mechanism&);
 
@@ -25,9 +24,7 @@ LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
 /// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
 LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
 
-
 // Sweep: one mechanism run many times, one row of results per run.
-
 
 /// Last and extreme values of one recorded column, in its unit.
 struct ColumnRange {

@@ -21,7 +21,6 @@ namespace lockstep {
 
 // Poses and twists of bodies in a state, read and set independently of the coordinates that the state stores.
 
-
 /// Pose of a body's frame in the world: m, and a unit quaternion.
 LOCKSTEP_API Pose pose(const Body&, const State&);
 /// Twist of a body's frame: velocity of its origin, world, m/s; angular velocity, body axes, rad/s.
@@ -47,9 +46,7 @@ class LOCKSTEP_API StateEditor {
   State& state_;
 };
 
-
 // System: the description. It is const while anything is evaluated.
-
 
 /// Where both markers of a new link are at the start: a point, world, m, and axes, unit quaternion.
 inline Pose pose_at(const Vec3& x, const Quat& q = {}) { return {x, q}; }

@@ -55,10 +55,12 @@ void MarkerForce::require_finite(const char* key, double value) const {
 }
 void MarkerForce::require_finite(const char* key, const Vec3& value) const {
   require(value.allFinite(), key,
-          "is [" + text::number(value[0]) + ", " + text::number(value[1]) + ", " + text::number(value[2]) + "]; must be finite numbers");
+          "is [" + text::number(value[0]) + ", " + text::number(value[1]) + ", " + text::number(value[2]) +
+              "]; must be finite numbers");
 }
 void MarkerForce::require_not_negative(const char* key, double value) const {
-  require(std::isfinite(value) && value >= 0, key, "is " + text::number(value) + "; must be a finite number, 0 or more");
+  require(std::isfinite(value) && value >= 0, key,
+          "is " + text::number(value) + "; must be a finite number, 0 or more");
 }
 
 void MarkerForce::require_turning(const Marker& m, const char* does) const {
@@ -78,9 +80,12 @@ Marker& p_of(const Attachment& attachment, const Params& params) {
   return attachment.p();
 }
 Marker& s_of(const Attachment& attachment, const Params& params) {
-  if (!has_s(attachment)) params.refuse("s", "missing; name the marker or body that takes the reaction, such as \"ground\"");
+  if (!has_s(attachment))
+    params.refuse("s", "missing; name the marker or body that takes the reaction, such as \"ground\"");
   return attachment.s();
 }
-bool has_s(const Attachment& attachment) { return !attachment.pairs.empty() && attachment.pairs.front().second != nullptr; }
+bool has_s(const Attachment& attachment) {
+  return !attachment.pairs.empty() && attachment.pairs.front().second != nullptr;
+}
 
 }  // namespace lockstep

@@ -40,7 +40,8 @@ const TypeInfo& ForceMotor::info() {
 }
 
 std::unique_ptr<Force> ForceMotor::make(const Attachment& attachment, const Params& k) {
-  return std::make_unique<ForceMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k), Options{k.law("force")});
+  return std::make_unique<ForceMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k),
+                                      Options{k.law("force")});
 }
 
 TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
@@ -54,7 +55,8 @@ const TypeInfo& TorqueMotor::info() {
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Attachment& attachment, const Params& k) {
-  return std::make_unique<TorqueMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k), Options{k.law("torque")});
+  return std::make_unique<TorqueMotor>(attachment.name, p_of(attachment, k), s_of(attachment, k),
+                                       Options{k.law("torque")});
 }
 
 // Instantiated here for callers that inline FormulaForce's functions.

@@ -69,8 +69,9 @@ void CamProfile::check(const std::string& link, double roller) const {
     const double k = at(u).curvature;
     if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
       throw ModelError(who + "its cam has a curvature of " + text::brief(k) + " 1/m" + where +
-                       (std::isinf(roller) ? "; a flat face rides on convex profiles only: use cam_roller"
-                                           : "; a roller of " + text::brief(roller) + " m does not fit into that hollow"));
+                       (std::isinf(roller)
+                            ? "; a flat face rides on convex profiles only: use cam_roller"
+                            : "; a roller of " + text::brief(roller) + " m does not fit into that hollow"));
   }
   const LawValue first = radius_->at(0), last = radius_->at(kTwoPi);
   if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
@@ -124,7 +125,8 @@ TypeInfo CamRoller::info() {
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params& p) {
-  return std::make_unique<CamRoller>(attachment.name, attachment.p(), attachment.s(), p.law("radius"), p.number("roller"));
+  return std::make_unique<CamRoller>(attachment.name, attachment.p(), attachment.s(), p.law("radius"),
+                                     p.number("roller"));
 }
 
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)

@@ -116,7 +116,8 @@ TypeInfo PointOnCurve::info() {
 }
 
 std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Params& p) {
-  return std::make_unique<PointOnCurve>(attachment.name, attachment.p(), attachment.s(), p.translation_law("path"), p.number("near"));
+  return std::make_unique<PointOnCurve>(attachment.name, attachment.p(), attachment.s(), p.translation_law("path"),
+                                        p.number("near"));
 }
 
 PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)

@@ -65,7 +65,8 @@ TypeInfo Belt::info() {
 
 std::unique_ptr<Lock> Belt::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<Belt>(
-      attachment, Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
+      attachment,
+      Options{.radius1 = p.number("radius_1"), .radius2 = p.number("radius_2"), .crossed = p.boolean("crossed")});
 }
 
 Differential::Differential(const CoupledPairs& pairs, double ratio)

@@ -30,7 +30,8 @@ TypeInfo RackAndPinion::info() {
 }
 
 std::unique_ptr<Lock> RackAndPinion::make(const Attachment& attachment, const Params& p) {
-  if (attachment.pairs.size() < 2) return std::make_unique<RollingRack>(attachment.name, attachment.p(), attachment.s(), p.number("radius"));
+  if (attachment.pairs.size() < 2)
+    return std::make_unique<RollingRack>(attachment.name, attachment.p(), attachment.s(), p.number("radius"));
   return std::make_unique<RackAndPinion>(attachment, p.number("radius"));
 }
 

@@ -49,7 +49,8 @@ std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& par
   const double limit = params.number(low ? "low" : "high");
   const Axis axis = axis_from(params.text("coordinate"));
   if (axis == Axis::rz)
-    return std::make_unique<TurnStop>(attachment.name, attachment.p(), attachment.s(), TurnStop::Options{.limit = limit, .low = low});
+    return std::make_unique<TurnStop>(attachment.name, attachment.p(), attachment.s(),
+                                      TurnStop::Options{.limit = limit, .low = low});
   return std::make_unique<SlideStop>(attachment.name, attachment.p(), attachment.s(),
                                      SlideStop::Options{.axis = axis_index(axis), .limit = limit, .low = low});
 }

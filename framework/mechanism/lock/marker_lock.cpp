@@ -54,8 +54,9 @@ void MarkerLock::add_drive(Drive drive) {
   refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
   if (!drive.law) throw ModelError(what + " has no law; give it one");
   if (includes(mask_, bit))
-    throw ModelError(what + ": row " + std::string(lockstep::row_name(axis_index(drive.axis))) + " is held by the mask \"" +
-                     to_string(mask_) + "\"; drive a free axis, or give the link a law by move or turn");
+    throw ModelError(what + ": row " + std::string(lockstep::row_name(axis_index(drive.axis))) +
+                     " is held by the mask \"" + to_string(mask_) +
+                     "\"; drive a free axis, or give the link a law by move or turn");
   if (includes(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
   if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))
     throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +

@@ -26,7 +26,8 @@ int axis_along(const Mat3& A, int n) {
 bool MarkerLock::setup_plane(Plane plane) {
   flat_ = {};
   flat_.plane = plane;
-  if (P_.translation_law || P_.rotation_law || S_.translation_law || S_.rotation_law || row_count() != n_rows_) return false;
+  if (P_.translation_law || P_.rotation_law || S_.translation_law || S_.rotation_law || row_count() != n_rows_)
+    return false;
   const int a = axis_along(S_.A0, plane.n);
   if (a < 0) return false;
   Flat& f = flat_;

@@ -36,8 +36,7 @@ Mask mask_from(std::string_view words) {
     const int k = position(kRows, word);
     if (k < 0)
       refuse("mask", "has the unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
-    if (includes(mask, row_bit(k)))
-      refuse("mask", "names row \"" + std::string(word) + "\" twice; name each row once");
+    if (includes(mask, row_bit(k))) refuse("mask", "names row \"" + std::string(word) + "\" twice; name each row once");
     mask = mask | row_bit(k);
   }
 }

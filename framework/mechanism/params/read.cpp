@@ -103,7 +103,8 @@ void check_members(const Value& v, std::span<const std::string> known, const std
   for (const Value::Member& member : *v.object()) {
     bool found = false;
     for (const std::string& name : known) found = found || member.key == name;
-    if (!found) refuse(member.where, context, "unknown key " + quoted(member.key) + text::suggestion(member.key, known));
+    if (!found)
+      refuse(member.where, context, "unknown key " + quoted(member.key) + text::suggestion(member.key, known));
   }
 }
 
@@ -140,9 +141,9 @@ int read_integer(const Value& v, const std::string& context) {
   const double* x = v.number();
   if (x == nullptr || !(std::floor(*x) == *x)) refuse_form(v, context, "a whole number");
   if (std::abs(*x) > std::numeric_limits<int>::max())
-    refuse(
-        v.where, context,
-        "the number " + text::number(*x) + " is too large; the limit is " + std::to_string(std::numeric_limits<int>::max()));
+    refuse(v.where, context,
+           "the number " + text::number(*x) + " is too large; the limit is " +
+               std::to_string(std::numeric_limits<int>::max()));
   return static_cast<int>(*x);
 }
 

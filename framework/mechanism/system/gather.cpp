@@ -88,8 +88,8 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
     } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
-                           ": asks for a motion out of the plane (" + text::brief(x) + ") at t = " + text::number(in.t) +
-                           " s, and the scene is planar; remove \"planar\"",
+                           ": asks for a motion out of the plane (" + text::brief(x) +
+                           ") at t = " + text::number(in.t) + " s, and the scene is planar; remove \"planar\"",
                        {.thing = thing_of(*link), .t = in.t});
     }
   }

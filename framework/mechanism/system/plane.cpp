@@ -76,8 +76,8 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
     return refusal_of(
-        body, what + "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
-                  " and " + text::brief(s.J(plane.n, plane.j())) +
+        body, what + "the normal is not a principal axis of its inertia (products " +
+                  text::brief(s.J(plane.n, plane.i())) + " and " + text::brief(s.J(plane.n, plane.j())) +
                   " kg m^2), so it would not stay in the plane without moments from its links; remove \"planar\"");
   return {};
 }
@@ -133,9 +133,9 @@ Look look_in_plane(const System& system) {
 
 Refusal check_force(const Force& force, const Shares& s, Plane plane) {
   if (!s.leaves()) return {};
-  return refusal_of({.kind = "force", .name = force.name()}, in_plane_words(plane) +
-                                                                 ", and it pushes out of the plane (" + text::brief(s.out) +
-                                                                 " N); turn it into the plane, or remove \"planar\"");
+  return refusal_of({.kind = "force", .name = force.name()},
+                    in_plane_words(plane) + ", and it pushes out of the plane (" + text::brief(s.out) +
+                        " N); turn it into the plane, or remove \"planar\"");
 }
 
 // A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
@@ -184,7 +184,8 @@ std::optional<ModelError> System::setup_plane() {
     if (products > kTolerance * s.J.trace()) offsets_ = true;  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
-    return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) + " m/s^2 along it; remove \"planar\"");
+    return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) +
+                      " m/s^2 along it; remove \"planar\"");
   Look look;
   try {
     struct Borrowed {  // all but the plane is set up, so start() may be called

@@ -13,7 +13,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kNegligible = 1e-9;  // m, m/s, J, N
-constexpr double kLeast = 1e-16;   // drawn instead of zero
+constexpr double kLeast = 1e-16;      // drawn instead of zero
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;

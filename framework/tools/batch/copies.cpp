@@ -66,8 +66,8 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
                      (scheme->error == nullptr ? o.integrator + " needs a step above zero, and " : "") +
                      "none is negative");
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
-    throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " + text::brief(o.tolerance.atol_x) +
-                     "; give numbers that are not negative, one of them above zero");
+    throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " +
+                     text::brief(o.tolerance.atol_x) + "; give numbers that are not negative, one of them above zero");
   if (o.stabilization.kind == Stabilization::Kind::baumgarte)
     throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
   if (!(o.stabilization.tolerance > 0))

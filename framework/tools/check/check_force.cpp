@@ -322,7 +322,8 @@ CheckReport check_force(const Registry& registry, const std::string& type, const
                         const CheckOptions& options) {
   return check_in_samples(fmt::format("force type '{}'", type), options, [&](SampleSystem& sample) {
     Attachment attachment = sample.attachment("tried");
-    attachment.link = &sample.system.add<Revolute>("hinge", attachment.p(), attachment.s());  // for forces that act in a link
+    attachment.link =
+        &sample.system.add<Revolute>("hinge", attachment.p(), attachment.s());  // for forces that act in a link
     const Force* force = &sample.system.add(registry.forces.make(type, attachment, params, &registry, "force 'tried'"));
     return [=, &sample, &options](CheckReport& report) {
       if (sample.kind == SampleKind::p_on_ground && force->slots().empty()) return;  // it acts at P alone

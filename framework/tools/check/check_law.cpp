@@ -201,7 +201,8 @@ CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const
   for (int i = 0; i <= 200; ++i) {
     const double t = options.from + (options.to - options.from) * i / 200, n = std::sqrt(norm2(law.at(t).q));
     if (std::isfinite(n) && std::abs(n - 1) > 1e-12)
-      report.add("unit", {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
+      report.add("unit",
+                 {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
                  std::abs(n - 1));
   }
   return report;

@@ -33,7 +33,7 @@ double slope(const std::vector<double>& h, const std::vector<double>& e) {
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-double distance(const State& a, const State& b) { return (a.q - b.q).norm() + (a.v - b.v).norm(); }
+double apart(const State& a, const State& b) { return (a.q - b.q).norm() + (a.v - b.v).norm(); }
 
 /// A run at one step or tolerance.
 struct Run {
@@ -178,7 +178,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
     const State start = state;
     method->begin(dynamics, state);
     if (!method->dense(state.t, inside)) return;
-    if (distance(inside, start) > 1e-12)
+    if (apart(inside, start) > 1e-12)
       add("dense", "dense() right after begin() is not the state of begin()", "dense() before the first step");
     const double h_made = method->step(dynamics, state, wanted).h;
     if (!method->dense(start.t + 0.4 * h_made, inside)) {
@@ -191,7 +191,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
     if (error > 1e-13) h.push_back(h_made), e.push_back(error);
     for (const bool end : {false, true}) {
       if (!method->dense(end ? state.t : start.t, inside)) continue;
-      const double gap = distance(inside, end ? state : start), room = end ? 1e-6 + 10 * motion.error(state) : 1e-10;
+      const double gap = apart(inside, end ? state : start), room = end ? 1e-6 + 10 * motion.error(state) : 1e-10;
       if (gap > room)
         add("dense",
             fmt::format("dense() at the {} of a step of {:.3g} s is {:.3g} away from the state there ({})",

@@ -38,7 +38,8 @@ class Wag final : public RotationLaw {
 
 }  // namespace
 
-SampleSystem::SampleSystem(SampleKind sample_kind, const CheckOptions& options) : kind(sample_kind), seed_(options.seed) {
+SampleSystem::SampleSystem(SampleKind sample_kind, const CheckOptions& options)
+    : kind(sample_kind), seed_(options.seed) {
   Draw draw(seed_);
   const MassProperties mass{1.0, draw.vector(0.1), Vec3(0.5, 0.6, 0.7).asDiagonal()};
   const auto body = [&](const char* name, bool fixed) {
@@ -59,8 +60,10 @@ Attachment SampleSystem::attachment(const std::string& name) {
     Marker& p = system.add_marker(of + ".P", *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
     Marker& s = system.add_marker(of + ".S", *common_, {draw.vector(0.2), draw.turn(0.5)});
     if (kind == SampleKind::markers_move) {
-      p.translation_law = std::make_shared<Sway>(draw.vector(0.2)), p.rotation_law = std::make_shared<Wag>(draw.vector(1));
-      s.translation_law = std::make_shared<Sway>(draw.vector(0.2)), s.rotation_law = std::make_shared<Wag>(draw.vector(1));
+      p.translation_law = std::make_shared<Sway>(draw.vector(0.2)),
+      p.rotation_law = std::make_shared<Wag>(draw.vector(1));
+      s.translation_law = std::make_shared<Sway>(draw.vector(0.2)),
+      s.rotation_law = std::make_shared<Wag>(draw.vector(1));
     }
     attachment.pairs.emplace_back(&p, &s);
   }

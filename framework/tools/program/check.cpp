@@ -44,9 +44,11 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
     return names_of(system.links(), [&](const Lock& link) { return link.jointed() != nullptr && holds(link); });
   };
   const auto lacks = [&](Mask rows) {
-    return joints([=](const Lock& link) { return !any(link.jointed()->rows(), rows); });
+    return joints([=](const Lock& link) { return !overlaps(link.jointed()->rows(), rows); });
   };
-  const auto still = [](const Marker* marker) { return marker->translation_law == nullptr && marker->rotation_law == nullptr; };
+  const auto still = [](const Marker* marker) {
+    return marker->translation_law == nullptr && marker->rotation_law == nullptr;
+  };
   std::vector<LeftOut> all = {
       {"motion of fixed bodies: no unknowns",
        names_of(system.bodies(), [](const Body& b) { return b.fixed && b.name != "ground"; })},

@@ -137,7 +137,8 @@ std::string sweep_row(long run, const std::vector<Variable>& variables, const st
       for (const double x : {c.last, c.least, c.most}) line += "," + text::number(x);
   }
   const std::string status = result.failed ? "failed: " + result.status : result.status;
-  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + cell(one_line(status)) + "\n";
+  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + cell(one_line(status)) +
+         "\n";
 }
 
 }  // namespace lockstep

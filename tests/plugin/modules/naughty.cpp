@@ -119,7 +119,8 @@ class NaughtyLink final : public Lock, public Stateful, public Remembering, publ
 
 class NaughtyForce final : public Force {
  public:
-  NaughtyForce(const Attachment& attachment, std::string does) : Force(attachment.name), p_(&attachment.p()), does_(std::move(does)) {}
+  NaughtyForce(const Attachment& attachment, std::string does)
+      : Force(attachment.name), p_(&attachment.p()), does_(std::move(does)) {}
   static TypeInfo info() { return info_of("naughty_force"); }
   static std::unique_ptr<Force> make(const Attachment& attachment, const Params& p) {
     return std::make_unique<NaughtyForce>(attachment, p.text("does"));

@@ -41,7 +41,8 @@ class TemplateCoupling final : public PhiCoupling<TemplateCouplingFunction> {
 
   static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
     if (!(std::abs(p.number("depth")) < 1))
-      p.refuse("depth", "is " + text::brief(p.number("depth")) + "; must lie between -1 and 1, or the gearing runs back");
+      p.refuse("depth",
+               "is " + text::brief(p.number("depth")) + "; must lie between -1 and 1, or the gearing runs back");
     return std::make_unique<TemplateCoupling>(attachment, TemplateCouplingFunction{p.number("depth")});
   }
 };

@@ -36,7 +36,8 @@ class TemplateForce final : public FormulaForce<TemplateForce> {
   static std::unique_ptr<Force> make(const Attachment& attachment, const Params& p) {
     if (!(p.number("strength") >= 0))
       p.refuse("strength", "is " + text::brief(p.number("strength")) + " N m^2; must not be negative");
-    return std::make_unique<TemplateForce>(attachment.name, p_of(attachment, p), s_of(attachment, p), p.number("strength"));
+    return std::make_unique<TemplateForce>(attachment.name, p_of(attachment, p), s_of(attachment, p),
+                                           p.number("strength"));
   }
 
  private:

@@ -41,7 +41,8 @@ class TemplateLink final : public PhiLock<TemplateLinkFunction> {
   }
 
   static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {
-    if (!(p.number("length") > 0)) p.refuse("length", "is " + text::brief(p.number("length")) + " m; must be above zero");
+    if (!(p.number("length") > 0))
+      p.refuse("length", "is " + text::brief(p.number("length")) + " m; must be above zero");
     return std::make_unique<TemplateLink>(attachment.name, attachment.p(), attachment.s(),
                                           TemplateLinkFunction{p.number("height"), p.number("length")});
   }
