@@ -69,7 +69,7 @@ ElfImage::ElfImage(std::string path) : path_(std::move(path)), bytes_(bytes_of(p
 }
 
 void ElfImage::read_header() {
-  if (!std::string_view(bytes_.data(), bytes_.size()).starts_with(ELFMAG)) refuse("it does not begin like one");
+  if (!std::string_view(bytes_.data(), bytes_.size()).starts_with(ELFMAG)) refuse("it does not begin with an ELF header");
   const auto ident = in_file<unsigned char>("its header", 0, EI_NIDENT);
   constexpr unsigned kOrder = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
   need_equal("it is made for a machine of another word size: its class", ident[EI_CLASS], ELFCLASS64);
