@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "motionlaws/side.h"
+
 
 namespace lockstep {
 

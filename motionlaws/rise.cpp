@@ -4,6 +4,8 @@
 
 #include <lockstep/math.h>
 
+#include "motionlaws/side.h"
+
 namespace lockstep {
 
 Rise::Rise(const char* law, const RiseSettings& k) : k_(k) {
@@ -84,7 +86,7 @@ LawPtr<MotionLaw> Cycloid::make(const Params& p) {
 }
 
 LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {
-  return harmonic_rise(rise_settings(p));
+  return laws::harmonic_rise(rise_settings(p));
 }
 
 }  // namespace lockstep

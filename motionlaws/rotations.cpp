@@ -65,15 +65,15 @@ const TypeInfo& RotationProduct::info() {
 }
 
 LawPtr<RotationLaw> ConstantRotation::make(const Params& p) {
-  return constant_rotation(p.orientation("orientation"));
+  return laws::constant_rotation(p.orientation("orientation"));
 }
 
 LawPtr<RotationLaw> AxisRotation::make(const Params& p) {
-  return axis_rotation(p.vector3("axis"), p.law("law"));
+  return laws::axis_rotation(p.vector3("axis"), p.law("law"));
 }
 
 LawPtr<RotationLaw> RotationProduct::make(const Params& p) {
-  return rotation_product(p.rotation_law("first"), p.rotation_law("second"));
+  return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second"));
 }
 
 }  // namespace lockstep

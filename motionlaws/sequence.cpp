@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "motionlaws/side.h"
+
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include <lockstep/laws.h>
+#include "motionlaws/side.h"
 
 #include <algorithm>
 #include <cmath>

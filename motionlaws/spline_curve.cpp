@@ -7,6 +7,8 @@
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
 
+#include "motionlaws/side.h"
+
 namespace lockstep {
 
 SplineCurve::SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings& k,

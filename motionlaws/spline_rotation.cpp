@@ -94,7 +94,7 @@ LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
     const double t = read_number((*point.list())[0], Unit::time, place);
     points.emplace_back(t, read_orientation((*point.list())[1], place));
   }
-  return spline_rotation(points, spline_settings(p));
+  return laws::spline_rotation(points, spline_settings(p));
 }
 
 }  // namespace lockstep

@@ -69,7 +69,7 @@ const TypeInfo& AlongLaw::info() {
 }
 
 LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
-  return constant_translation(p.vector3("value"));
+  return laws::constant_translation(p.vector3("value"));
 }
 
 LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {

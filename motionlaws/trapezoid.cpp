@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motionlaws/side.h"
+
 
 namespace lockstep {
 

@@ -40,7 +40,7 @@ int main() {
   lead.move(laws::translation([](auto t) {
     return std::array{0.12 * sin(1.5 * t), 0.15 * (1.0 - cos(1.5 * t)), 0.08 * sin(3.0 * t) * t};
   }));
-  lead.turn(axis_rotation({1, 2, -1}, laws::law([](auto t) { return 0.3 * sin(2.0 * t); })));
+  lead.turn(laws::axis_rotation({1, 2, -1}, laws::law([](auto t) { return 0.3 * sin(2.0 * t); })));
   const Table a = run(led);
 
   // Then every joint is driven by what it did, and nobody holds the tool.

@@ -52,14 +52,14 @@ struct Arm {
     system.marker("B.S").translation_law = laws::translation([](auto t) {
       return std::array{0.1 * sin(2.0 * t), 0.05 * t, 0.2 * t * t};
     });
-    system.marker("B.S").rotation_law = rotation_law([](auto t) {
+    system.marker("B.S").rotation_law = laws::rotation([](auto t) {
       return QuatT<decltype(t)>{cos(t), 0.0 * t, 0.3 * sin(t), sin(t)};
     });
     Marker& end = system.add_marker("end", *tip, {{0.2, -0.1, 0.3}, axis_angle({1, 0, 0}, 0.5)});
     end.translation_law = laws::translation([](auto t) {
       return std::array{0.3 * cos(t), 0.0 * t, 0.1 * sin(4.0 * t)};
     });
-    end.rotation_law = rotation_law([](auto t) {
+    end.rotation_law = laws::rotation([](auto t) {
       return QuatT<decltype(t)>{cos(0.5 * t), sin(0.5 * t), 0.0 * t, 0.0 * t};
     });
     Marker& base = system.add_marker("base", system.ground(), {{-0.5, 0, 0}, {}});

@@ -29,7 +29,7 @@ LawPtr<TranslationLaw> loop() {  // a closed curve in space
   return laws::translation([](auto s) { return std::array{cos(s), 0.6 * sin(s), 0.2 * sin(2.0 * s)}; });
 }
 LawPtr<RotationLaw> turning() {
-  return rotation_law([](auto s) { return QuatT{cos(0.5 * s), 0.3 * sin(s), 0.2 * cos(s), sin(0.5 * s)}; });
+  return laws::rotation([](auto s) { return QuatT{cos(0.5 * s), 0.3 * sin(s), 0.2 * cos(s), sin(0.5 * s)}; });
 }
 
 /// The same moved.
@@ -148,7 +148,7 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   };
   CHECK(wire(helix(), 0) == "no error");
   CHECK(rail(helix(), turning()) == "no error");
-  check_words(wire(constant_translation(Vec3(1, 2, 3)), 0.5), {"link 'wire'", "near s = 0.5", "\"near\""});
+  check_words(wire(laws::constant_translation(Vec3(1, 2, 3)), 0.5), {"link 'wire'", "near s = 0.5", "\"near\""});
   check_words(wire(nullptr, 0), {"link 'wire'", "no path was given"});
   check_words(rail(nullptr, turning()), {"link 'rail'", "no path was given"});
   check_words(rail(helix(), nullptr), {"link 'rail'", "no law for the axes"});

@@ -28,7 +28,7 @@ TEST_CASE("sum, product, scale and shift follow their formulas", "[unit][motionl
 }
 
 TEST_CASE("combinations pass breakpoints on", "[unit][motionlaws]") {
-  const auto kick = harmonic_rise({.duration = 0.5, .t0 = 0.1});
+  const auto kick = laws::harmonic_rise({.duration = 0.5, .t0 = 0.1});
   check_breakpoints(*laws::sum({kStart, kick}), -1, 3, {0, 0.1, 0.2, 0.6, 1, 1.2});
   check_breakpoints(*laws::product({laws::sum({laws::constant(1), kick}), laws::ramp(1, -5)}), -1, 3, {0.1, 0.6});
   check_breakpoints(*laws::scale(kStart, 2), -1, 3, {0, 0.2, 1, 1.2});
@@ -108,7 +108,7 @@ TEST_CASE("at its breakpoint every law has the value that holds afterwards, what
   for (const double delay : {0.0, 0.1, 0.3, 1.7, 33.3}) {
     for (const auto& law :
          {laws::shift(kStart, delay), laws::sequence({{1.2, kStart}, {0.7, laws::constant(1)}, {1.2, kStart}}, {.t0 = delay}),
-          laws::repeat(laws::shift(kStart, 0.1), 1.7, {.t0 = delay}), laws::shift(harmonic_rise({}), delay)}) {
+          laws::repeat(laws::shift(kStart, 0.1), 1.7, {.t0 = delay}), laws::shift(laws::harmonic_rise({}), delay)}) {
       const auto listed = breakpoints_of(*law, -1, 40);
       REQUIRE(!listed.empty());
       for (const double t : listed) {

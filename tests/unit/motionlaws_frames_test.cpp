@@ -79,7 +79,7 @@ const SplineRotation::Points kPoses{
 }  // namespace
 
 TEST_CASE("translation laws: constant, components, along", "[unit][motionlaws]") {
-  const auto kick = harmonic_rise({.duration = 0.5});
+  const auto kick = laws::harmonic_rise({.duration = 0.5});
   const auto three = laws::components(laws::sine({}), laws::polynomial({1, 2, 3}), kick);
   const TranslationValue v = three->at(0.2);
   CHECK((v.x - Vec3(std::sin(0.2), 1.52, kick->at(0.2).y)).norm() < 1e-15);
@@ -94,7 +94,7 @@ TEST_CASE("translation laws: constant, components, along", "[unit][motionlaws]")
     law->breakpoints(-1, 1, b);
     CHECK(b == std::vector<double>{0.0, 0.5});
   }
-  const TranslationValue c = constant_translation(Vec3(1, 2, 3))->at(9);
+  const TranslationValue c = laws::constant_translation(Vec3(1, 2, 3))->at(9);
   CHECK((c.x == Vec3(1, 2, 3) && c.v.norm() == 0 && c.a.norm() == 0));
 }
 
@@ -124,36 +124,36 @@ TEST_CASE("rotation laws: constant, about an axis, product, from a function", "[
   const auto y1 = [](auto t) { return 0.4 + 1.3 * sin(2.0 * t); };
   const auto y2 = [](auto t) { return 1.0 - 2.0 * t + 0.7 * t * t; };
   const auto y3 = [](auto t) { return 5.0 * t; };
-  const auto q1 = axis_rotation(n1, laws::law(y1)), q2 = axis_rotation(n2, laws::polynomial({1, -2, 0.7})),
-             q3 = axis_rotation(n3, laws::ramp(5));
+  const auto q1 = laws::axis_rotation(n1, laws::law(y1)), q2 = laws::axis_rotation(n2, laws::polynomial({1, -2, 0.7})),
+             q3 = laws::axis_rotation(n3, laws::ramp(5));
   check_rotation(*q1, [&](auto t) { return about(n1, y1(t)); });
   check_rotation(*q2, [&](auto t) { return about(n2, y2(t)); });
-  check_rotation(*rotation_product(q1, q2), [&](auto t) { return about(n1, y1(t)) * about(n2, y2(t)); });
-  check_rotation(*rotation_product(rotation_product(q1, q2), q3),
+  check_rotation(*laws::rotation_product(q1, q2), [&](auto t) { return about(n1, y1(t)) * about(n2, y2(t)); });
+  check_rotation(*laws::rotation_product(laws::rotation_product(q1, q2), q3),
                  [&](auto t) { return about(n1, y1(t)) * about(n2, y2(t)) * about(n3, y3(t)); });
-  check_rotation(*rotation_product(q1, rotation_product(q2, q3)),
+  check_rotation(*laws::rotation_product(q1, laws::rotation_product(q2, q3)),
                  [&](auto t) { return about(n1, y1(t)) * about(n2, y2(t)) * about(n3, y3(t)); });
-  const auto fixed = constant_rotation({2, 0, 0, 2});
-  check_rotation(*rotation_product(fixed, q1),
+  const auto fixed = laws::constant_rotation({2, 0, 0, 2});
+  check_rotation(*laws::rotation_product(fixed, q1),
                  [&](auto t) { return about(Vec3(0, 0, 1), 0.0 * t + kPi / 2) * about(n1, y1(t)); });
   // Not of length 1 before it is normalised.
-  check_rotation(*rotation_law([&](auto t) {
+  check_rotation(*laws::rotation([&](auto t) {
     const auto q = about(n1, y1(t));
     const auto s = 2.0 + t * t;
     return decltype(q){s * q.w, s * q.x, s * q.y, s * q.z};
   }),
                  [&](auto t) { return about(n1, y1(t)); });
-  CHECK(axis_rotation(Vec3(0, 0, 2), laws::constant(kPi))->at(0).q.z == Approx(1));
+  CHECK(laws::axis_rotation(Vec3(0, 0, 2), laws::constant(kPi))->at(0).q.z == Approx(1));
 }
 
 TEST_CASE("rotation laws pass breakpoints on", "[unit][motionlaws]") {
-  const auto a = axis_rotation(Vec3(1, 2, 3), harmonic_rise({.duration = 0.5}));
-  const auto b = axis_rotation(Vec3(1, -1, 0), harmonic_rise({.t0 = 0.7}));
+  const auto a = laws::axis_rotation(Vec3(1, 2, 3), laws::harmonic_rise({.duration = 0.5}));
+  const auto b = laws::axis_rotation(Vec3(1, -1, 0), laws::harmonic_rise({.t0 = 0.7}));
   for (int k = 0; k < 3; ++k) check_breakpoints(Component(a, k), -1, 3, {0, 0.5});
-  check_breakpoints(Component(rotation_product(a, b), 0), -1, 3, {0, 0.5, 0.7, 1.7});
+  check_breakpoints(Component(laws::rotation_product(a, b), 0), -1, 3, {0, 0.5, 0.7, 1.7});
   check_breakpoints(
       Component(
-          rotation_law([](auto t) { return about(Vec3(1, 1, 0), t < 0.3 ? 0.0 * t : (t - 0.3) * (t - 0.3)); }, {0.3}),
+          laws::rotation([](auto t) { return about(Vec3(1, 1, 0), t < 0.3 ? 0.0 * t : (t - 0.3) * (t - 0.3)); }, {0.3}),
           0),
       -1, 1, {0.3});
 }
@@ -165,7 +165,7 @@ TEST_CASE("spline of orientations: through its points, twice differentiable, rat
       INFO("degree " << degree << ", ends " << static_cast<int>(ends));
       const SplineSettings k{degree, ends,
                              ends == SplineEnds::periodic ? SplineOutside::repeat : SplineOutside::refuse};
-      const auto law = spline_rotation(kPoses, k);
+      const auto law = laws::spline_rotation(kPoses, k);
       for (const auto& [t, q] : kPoses)
         CHECK(std::abs(law->at(t).q.coefficients().dot(normalized(q).coefficients())) == Approx(1).epsilon(1e-13));
       for (const double t : {0.1, 0.31, 0.5, 0.9, 1.3, 1.8}) {
@@ -192,7 +192,7 @@ TEST_CASE("spline of orientations: many turns about an axis, converging to the e
       Quat q = axis_angle(n, kTwoPi * t);
       p.emplace_back(t, i % 3 == 1 ? -q : q);  // the sign of what is given does not matter
     }
-    const auto law = spline_rotation(p, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+    const auto law = laws::spline_rotation(p, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
     double error = 0;
     for (int i = 0; i <= 100; ++i) error = std::max(error, (law->at(0.033 * i).w - kTwoPi * n).norm());
     CHECK(error < 0.02 * kTwoPi);
@@ -205,7 +205,7 @@ TEST_CASE("spline of orientations: an odd number of turns closes too, quaternion
           "[unit][motionlaws]") {
   SplineRotation::Points p;
   for (int i = 0; i <= 6; ++i) p.emplace_back(0.5 * i, axis_angle(Vec3(0, 0, 1), kTwoPi * i / 6));
-  const auto law = spline_rotation(p, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+  const auto law = laws::spline_rotation(p, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
   for (int i = 0; i < 3; ++i) check_breakpoints(Component(law, i), -4, 7, {});
   CHECK(law->at(0.2).q.w == Approx(-law->at(3.2).q.w));  // q itself goes on, too
   CHECK(law->at(0.2).w[2] == Approx(kTwoPi / 3).epsilon(0.02));
@@ -215,7 +215,7 @@ TEST_CASE("spline of orientations does not depend on the axes that are used", "[
   const Quat left = axis_angle(Vec3(1, -2, 0.5), 1.1), right = axis_angle(Vec3(0.2, 1, 1), -0.7);
   SplineRotation::Points turned;
   for (const auto& [t, q] : kPoses) turned.emplace_back(t, left * normalized(q) * right);
-  const auto a = spline_rotation(kPoses), b = spline_rotation(turned);
+  const auto a = laws::spline_rotation(kPoses), b = laws::spline_rotation(turned);
   for (const double t : {0.1, 0.8, 1.7}) {
     CHECK(std::abs((left * a->at(t).q * right).coefficients().dot(b->at(t).q.coefficients())) ==
           Approx(1).epsilon(1e-13));
@@ -224,20 +224,20 @@ TEST_CASE("spline of orientations does not depend on the axes that are used", "[
 }
 
 TEST_CASE("translation and rotation laws refuse what cannot be", "[unit][motionlaws]") {
-  CHECK_THROWS_WITH(constant_translation(Vec3(0, std::nan(""), 0)), says("constant") && says("value is nan"));
+  CHECK_THROWS_WITH(laws::constant_translation(Vec3(0, std::nan(""), 0)), says("constant") && says("value is nan"));
   CHECK_THROWS_WITH(laws::components(laws::ramp(1), nullptr, laws::ramp(1)), says("components") && says("y is null"));
   CHECK_THROWS_WITH(laws::along(Vec3::Zero(), laws::ramp(1)), says("along") && says("axis is [0, 0, 0]"));
   CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}, {0, Vec3::Zero()}}), says("path") && says("rising"));
   CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}}), says("at least 2"));
   CHECK_THROWS_WITH(laws::path({{0, Vec3::Zero()}, {1, Vec3::Zero()}})->at(2), says("path") && says("[0, 1] s"));
-  CHECK_THROWS_WITH(constant_rotation({0, 0, 0, 0}), says("constant") && says("no orientation"));
-  CHECK_THROWS_WITH(axis_rotation(Vec3::Zero(), laws::ramp(1)), says("axis_rotation") && says("axis"));
-  CHECK_THROWS_WITH(axis_rotation(Vec3(0, 0, 1), nullptr), says("axis_rotation") && says("null"));
-  CHECK_THROWS_WITH(rotation_product(nullptr, constant_rotation({})), says("product") && says("first is null"));
-  CHECK_THROWS_WITH(spline_rotation({{0, {}}, {1, {0, 1, 0, 0}}}), says("number 1 and 2 are half a turn apart"));
-  CHECK_THROWS_WITH(spline_rotation({{0, {}}, {1, {0, 0, 0, 0}}}), says("no orientation"));
-  CHECK_THROWS_WITH(spline_rotation({}), says("spline_rotation") && says("at least 2"));
-  CHECK_THROWS_WITH(spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0, 1, 0}}}, {.ends = SplineEnds::periodic}),
+  CHECK_THROWS_WITH(laws::constant_rotation({0, 0, 0, 0}), says("constant") && says("no orientation"));
+  CHECK_THROWS_WITH(laws::axis_rotation(Vec3::Zero(), laws::ramp(1)), says("axis_rotation") && says("axis"));
+  CHECK_THROWS_WITH(laws::axis_rotation(Vec3(0, 0, 1), nullptr), says("axis_rotation") && says("null"));
+  CHECK_THROWS_WITH(laws::rotation_product(nullptr, laws::constant_rotation({})), says("product") && says("first is null"));
+  CHECK_THROWS_WITH(laws::spline_rotation({{0, {}}, {1, {0, 1, 0, 0}}}), says("number 1 and 2 are half a turn apart"));
+  CHECK_THROWS_WITH(laws::spline_rotation({{0, {}}, {1, {0, 0, 0, 0}}}), says("no orientation"));
+  CHECK_THROWS_WITH(laws::spline_rotation({}), says("spline_rotation") && says("at least 2"));
+  CHECK_THROWS_WITH(laws::spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0, 1, 0}}}, {.ends = SplineEnds::periodic}),
                     says("rad away"));
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("every scalar law is made by name like its C++ function", "[unit][moti
   const Members given{{"rise", 2}, {"duration", "500 ms"}, {"t0", 0.1}, {"y0", 1}};
   check_same(*make("poly345", given), *laws::poly345(rise));
   check_same(*make("cycloid", given), *laws::cycloid(rise));
-  check_same(*make("harmonic_rise", given), *harmonic_rise(rise));
+  check_same(*make("harmonic_rise", given), *laws::harmonic_rise(rise));
   check_same(*make("trapezoid", {{"distance", 1}, {"speed", 2}, {"duration", 0.8}}),
              *laws::trapezoid({.distance = 1, .speed = 2, .duration = 0.8}));
   const auto inner = laws::ramp(2.0);
@@ -147,7 +147,7 @@ TEST_CASE("translation and rotation laws are made by name like their C++ functio
   };
   const Value two = law_value("ramp", "slope", 2.0);
   same_way(*translation_of("constant", {{"value", Value(Value::List{"1 mm", 0, 2})}}),
-           *constant_translation(Vec3(1e-3, 0, 2)));
+           *laws::constant_translation(Vec3(1e-3, 0, 2)));
   same_way(*translation_of("components", {{"y", two}}), *laws::components(laws::ramp(0), laws::ramp(2), laws::ramp(0)));
   same_way(*translation_of("along", {{"axis", "-z"}, {"law", two}, {"origin", Value::list({1, 2, 3})}}),
            *laws::along(Vec3(0, 0, -1), laws::ramp(2), Vec3(1, 2, 3)));
@@ -157,15 +157,15 @@ TEST_CASE("translation and rotation laws are made by name like their C++ functio
                  {.end_velocity = {1, 2, 3}}));
 
   const Value turn = Value::object({{"axis", "x"}, {"angle", "90 deg"}});
-  same_turn(*rotation_of("constant", {{"orientation", turn}}), *constant_rotation({1, 1, 0, 0}));
-  same_turn(*rotation_of("axis_rotation", {{"axis", "y"}, {"law", two}}), *axis_rotation(Vec3(0, 1, 0), laws::ramp(2)));
+  same_turn(*rotation_of("constant", {{"orientation", turn}}), *laws::constant_rotation({1, 1, 0, 0}));
+  same_turn(*rotation_of("axis_rotation", {{"axis", "y"}, {"law", two}}), *laws::axis_rotation(Vec3(0, 1, 0), laws::ramp(2)));
   const Value spin = Value::object({{"type", "axis_rotation"}, {"axis", "y"}, {"law", two}});
   const Value fixed = Value::object({{"type", "constant"}, {"orientation", turn}});
   same_turn(*rotation_of("product", {{"first", fixed}, {"second", spin}}),
-            *rotation_product(constant_rotation({1, 1, 0, 0}), axis_rotation(Vec3(0, 1, 0), laws::ramp(2))));
+            *laws::rotation_product(laws::constant_rotation({1, 1, 0, 0}), laws::axis_rotation(Vec3(0, 1, 0), laws::ramp(2))));
   const Value poses(Value::List{Value(Value::List{0, Value::list({1, 0, 0, 0})}), Value(Value::List{"1 s", turn})});
   same_turn(*rotation_of("spline_rotation", {{"points", poses}, {"ends", "clamped"}}),
-            *spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}}, {.ends = SplineEnds::clamped}));
+            *laws::spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}}, {.ends = SplineEnds::clamped}));
 
   CHECK_THROWS_WITH(translation_of("path", {{"points", points}, {"start_velocity", Value::list({1, 2, 3})}}),
                     says("start_velocity"));

@@ -43,8 +43,8 @@ TEST_CASE("rises follow their formulas inside and rest outside", "[unit][motionl
   check_formula(
       *laws::cycloid(k), [&](auto t) { return 1.0 - 0.3 * (u(t) - sin(kTwoPi * u(t)) / kTwoPi); }, 0.5, 2.499);
   check_formula(
-      *harmonic_rise(k), [&](auto t) { return 1.0 - 0.15 * (1.0 - cos(kPi * u(t))); }, 0.5, 2.499);
-  for (const auto& law : {laws::poly345(k), laws::cycloid(k), harmonic_rise(k)}) {
+      *laws::harmonic_rise(k), [&](auto t) { return 1.0 - 0.15 * (1.0 - cos(kPi * u(t))); }, 0.5, 2.499);
+  for (const auto& law : {laws::poly345(k), laws::cycloid(k), laws::harmonic_rise(k)}) {
     check_formula(
         *law, [](auto t) { return 1.0 + 0.0 * t; }, -3, 0.499);
     check_formula(
@@ -52,8 +52,8 @@ TEST_CASE("rises follow their formulas inside and rest outside", "[unit][motionl
   }
   check_breakpoints(*laws::poly345(k), -1, 4, {});
   check_breakpoints(*laws::cycloid(k), -1, 4, {});
-  check_breakpoints(*harmonic_rise(k), -1, 4, {0.5, 2.5});
-  CHECK(breakpoints_of(*harmonic_rise(k), 0.5, 2.5).empty());  // the interval is open
+  check_breakpoints(*laws::harmonic_rise(k), -1, 4, {0.5, 2.5});
+  CHECK(breakpoints_of(*laws::harmonic_rise(k), 0.5, 2.5).empty());  // the interval is open
 }
 
 TEST_CASE("trapezoid: three ways to give the same motion", "[unit][motionlaws]") {
@@ -122,7 +122,7 @@ TEST_CASE("laws refuse what cannot be, by name, value and limit", "[unit][motion
   CHECK_THROWS_WITH(laws::polynomial({}), says("polynomial") && says("coefficients is empty"));
   CHECK_THROWS_WITH(laws::poly345({.duration = 0}), says("poly345") && says("duration is 0; must be above 0"));
   CHECK_THROWS_WITH(laws::cycloid({.duration = -1}), says("cycloid") && says("duration is -1"));
-  CHECK_THROWS_WITH(harmonic_rise({.rise = nan}), says("harmonic_rise") && says("rise is nan"));
+  CHECK_THROWS_WITH(laws::harmonic_rise({.rise = nan}), says("harmonic_rise") && says("rise is nan"));
   CHECK_THROWS_WITH(laws::trapezoid({.speed = 1}), says("1 are given; give two"));
   CHECK_THROWS_WITH(laws::trapezoid({.speed = 1, .acceleration = 1, .duration = 1}), says("3 are given"));
   CHECK_THROWS_WITH(laws::trapezoid({.acceleration = 4, .duration = 0.9}), says("duration is 0.9 s") && says("at least 1 s"));

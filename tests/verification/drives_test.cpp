@@ -93,7 +93,7 @@ TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion
     Body& body = sys.add_body("body", flywheel());
     auto& lead = sys.add<Fixed>("lead", body, sys.ground(), pose_at({0, 0, 0}));
     lead.move(path);
-    lead.turn(axis_rotation({0, 0, 1}, laws::sine({.amplitude = 0.8, .omega = 3})));
+    lead.turn(laws::axis_rotation({0, 0, 1}, laws::sine({.amplitude = 0.8, .omega = 3})));
     const Table t = run(sys, {"body.z", "body.angle_z", "lead.torque_on_p_world_z"});
     CHECK(worst(t, "body.z", [](double s) { return 0.1 * std::cos(s) - 0.1; }) < 1e-10);
     CHECK(worst(t, "body.angle_z", [](double s) { return 0.8 * std::sin(3 * s); }) < 1e-10);

@@ -56,6 +56,7 @@ class LOCKSTEP_API RotationProduct final : public RotationLaw {
   LawPtr<RotationLaw> first_, second_;
 };
 
+namespace laws {
 /// A ConstantRotation.
 inline LawPtr<RotationLaw> constant_rotation(const Quat& orientation) {
   return std::make_shared<const ConstantRotation>(orientation);
@@ -68,6 +69,7 @@ inline LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law
 inline LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second) {
   return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
 }
+}  // namespace laws
 
 // Translation laws 'constant', 'components' and 'along'. Axes are those of the frame in which the law is imposed.
 
@@ -113,11 +115,11 @@ class LOCKSTEP_API AlongLaw final : public TranslationLaw {
   LawPtr<MotionLaw> law_;
 };
 
+namespace laws {
 /// A ConstantTranslation, m.
 inline LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
   return std::make_shared<const ConstantTranslation>(value);
 }
-namespace laws {
 /// A ComponentsLaw.
 inline LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
   return std::make_shared<const ComponentsLaw>(std::move(x), std::move(y), std::move(z));

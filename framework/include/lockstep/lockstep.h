@@ -10,6 +10,7 @@
 #include <lockstep/body.h>
 #include <lockstep/charts.h>
 #include <lockstep/check.h>
+#include <lockstep/combined_laws.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
@@ -17,12 +18,14 @@
 #include <lockstep/force.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
+#include <lockstep/function_laws.h>
 #include <lockstep/integrator.h>
 #include <lockstep/integrators.h>
 #include <lockstep/jet.h>
 #include <lockstep/joints.h>
 #include <lockstep/kernel.h>
 #include <lockstep/law.h>
+#include <lockstep/law_checks.h>
 #include <lockstep/laws.h>
 #include <lockstep/loader.h>
 #include <lockstep/lock.h>

@@ -225,9 +225,11 @@ class LOCKSTEP_API SplineRotation final : public RotationLaw {
   SplineCurve curve_;
 };
 
+namespace laws {
 /// A SplineRotation.
 inline LawPtr<RotationLaw> spline_rotation(const SplineRotation::Points& points, const SplineSettings& k = {}) {
   return std::make_shared<const SplineRotation>(points, k);
 }
+}  // namespace laws
 
 }  // namespace lockstep
