@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# new_plugin.sh BUILD_TREE COMPILER GENERATOR FLAGS: with the installed package in install_test/prefix,
-# `lockstep new-plugin` writes a plugin of each kind, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
+# new_plugin.sh BUILD_TREE COMPILER GENERATOR FLAGS KIND...: with the installed package in install_test/prefix,
+# `lockstep new-plugin` writes a plugin of each of these kinds, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
 set -euo pipefail
 unset LOCKSTEP_PLUGIN_PATH
 build="$1" compiler="$2" generator="$3" flags="$4"
-place="$build/new_plugin_test" prefix="$build/install_test/prefix"
+shift 4
+place="$build/new_plugin_test/$#" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place"
 lockstep="$prefix/bin/lockstep"
 
-for kind in link coupling law force integrator; do
+for kind in "$@"; do
   name="my_$kind"
   folder="$place/$name"
   "$lockstep" new-plugin "$kind" "$name" --into "$place" >/dev/null
