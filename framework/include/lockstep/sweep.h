@@ -29,8 +29,8 @@ LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
 /// Last and extreme values of one recorded column, in its unit.
 struct ColumnRange {
   double last = 0,  ///< in the last row
-      least = 0,    ///< smallest
-      most = 0;     ///< largest
+      least = 0,    ///< smallest; NaN if any row holds a NaN
+      most = 0;     ///< largest; NaN if any row holds a NaN
 };
 
 /// Results of one run.

@@ -12,11 +12,12 @@
 namespace lockstep {
 namespace {
 
+// A column that holds a NaN has no range.
 ColumnRange range_of(const std::vector<double>& values) {
   ColumnRange range{values.back(), values.front(), values.front()};
   for (const double x : values) {
-    if (!(x >= range.least)) range.least = x;  // true for a NaN too
-    if (!(x <= range.most)) range.most = x;
+    if (std::isnan(x)) return {values.back(), x, x};
+    range.least = std::min(range.least, x), range.most = std::max(range.most, x);
   }
   return range;
 }
