@@ -10,11 +10,12 @@ using Complex = std::complex<double>;
 using Node = BlockPlan::Node;
 using Later = BlockPlan::Later;
 
-/// The passes over the blocks A of a plan.
-template <class T>
+/// The passes over the blocks A of a plan. E: T to factor, const T to solve.
+template <class E>
 struct Passes {
+  using T = std::remove_const_t<E>;
   const BlockPlan& plan;
-  T* A;
+  E* A;
 
   const Later* later(const Node& pivot) const { return plan.later.data() + pivot.first_later; }
   const std::size_t* targets(const Node& pivot) const { return plan.targets.data() + pivot.first_target; }
@@ -127,11 +128,11 @@ LOCKSTEP_FLAT_CLONES bool factor_real(const BlockPlan& plan, double* A, unsigned
 LOCKSTEP_FLAT_CLONES bool factor_complex(const BlockPlan& plan, Complex* A, unsigned char* order) {
   return Passes<Complex>{plan, A}.factor(order);
 }
-LOCKSTEP_FLAT_CLONES void solve_real(const BlockPlan& plan, double* A, const unsigned char* order, double* b) {
-  Passes<double>{plan, A}.solve(order, b);
+LOCKSTEP_FLAT_CLONES void solve_real(const BlockPlan& plan, const double* A, const unsigned char* order, double* b) {
+  Passes<const double>{plan, A}.solve(order, b);
 }
-LOCKSTEP_FLAT_CLONES void solve_complex(const BlockPlan& plan, Complex* A, const unsigned char* order, Complex* b) {
-  Passes<Complex>{plan, A}.solve(order, b);
+LOCKSTEP_FLAT_CLONES void solve_complex(const BlockPlan& plan, const Complex* A, const unsigned char* order, Complex* b) {
+  Passes<const Complex>{plan, A}.solve(order, b);
 }
 
 }  // namespace block_detail
@@ -152,11 +153,10 @@ bool BlockFactor<T>::factor(const BlockPlan& plan) {
 }
 template <class T>
 void BlockFactor<T>::solve(const BlockPlan& plan, T* b) const {
-  T* A = const_cast<T*>(A_.data());  // only read
   if constexpr (std::is_same_v<T, double>)
-    block_detail::solve_real(plan, A, order_.data(), b);
+    block_detail::solve_real(plan, A_.data(), order_.data(), b);
   else
-    block_detail::solve_complex(plan, A, order_.data(), b);
+    block_detail::solve_complex(plan, A_.data(), order_.data(), b);
 }
 
 template class BlockFactor<double>;
