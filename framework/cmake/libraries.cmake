@@ -1,6 +1,7 @@
 # How the parts of the library are built.
 
-# Headers that most files need are compiled once for each target; of other people's, these.
+# Headers that most files of the core, of the tests and of the samples need are compiled once for each of the three; of
+# other people's, these.
 set(lockstep_common_headers <Eigen/Core> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <unordered_map> <utility> <vector> <spdlog/fmt/fmt.h>)
 

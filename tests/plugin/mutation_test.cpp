@@ -138,7 +138,7 @@ std::string loaded_part(const std::string& sound, const std::string& bytes) {
     if (at + n <= part.size()) part.replace(at, n, n, '\0');
   for (const Elf64_Phdr& s : loaded_segments(sound)) {
     const std::size_t begin = std::max<std::size_t>(s.p_offset, sizeof(Elf64_Ehdr));
-    if (s.p_offset < bytes.size()) part += bytes.substr(begin, s.p_offset + s.p_filesz - begin);
+    if (begin < bytes.size()) part += bytes.substr(begin, s.p_offset + s.p_filesz - begin);
   }
   return part;
 }

@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/loader.h>
+#include "framework/description/registry/elf_image.h"
 #include "tests/support/catch.h"
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
@@ -142,7 +143,19 @@ TEST_CASE("a plugin whose segments are damaged is refused", "[plugin][structure]
         [](auto& l) { l.segment(PT_LOAD).p_align = 2 * kFar; }},
        {"its segments overlap or are in disorder: the address of one is 0; must be at least ",
         [](auto& l) { l.segment_with(PF_W).p_vaddr = 0; }},
+       {"two segments share a page: the page of one is ",
+        [](auto& l) {
+          auto& s = l.segment_with(PF_W);
+          const std::uint64_t back = s.p_vaddr / s.p_align * s.p_align;  // to the end of the one before
+          s.p_vaddr -= back, s.p_vaddr += (back / s.p_align - 1) * s.p_align;
+        }},
        {"a segment cannot be mapped: its address in its page is ", [](auto& l) { l.segment_with(PF_W).p_vaddr += 8; }},
+       {"two segments share a page: the page of one is ",
+        [](auto& l) {
+          auto& s = l.segment_with(PF_W);
+          const std::uint64_t back = s.p_vaddr / s.p_align * s.p_align;  // to the end of the one before
+          s.p_vaddr -= back, s.p_vaddr += (back / s.p_align - 1) * s.p_align;
+        }},
        {"a segment cannot be mapped: its address in its page is ",
         [](auto& l) { l.segment_with(PF_W).p_align = kFar; }},
        {"its segments overlap in the file: one is at offset ",
@@ -162,8 +175,15 @@ TEST_CASE("a plugin whose segments are damaged is refused", "[plugin][structure]
        {"the part of type 0x4 is 1073741824 bytes", [](auto& l) { l.segment(PT_NOTE).p_memsz = kFar; }},
        {"the part of type 0x6474e550 is 1073741824 bytes", [](auto& l) { l.segment(PT_GNU_EH_FRAME).p_memsz = kFar; }},
        {"the part of type 0x6474e552 is ", [](auto& l) { l.segment(PT_GNU_RELRO).p_vaddr = kFar; }},
+       {"must be in one writable segment", [](auto& l) {
+          auto& s = l.segment(PT_GNU_RELRO);
+          const auto& code = l.segment_with(PF_X);
+          s.p_vaddr = code.p_vaddr, s.p_offset = code.p_offset, s.p_filesz = s.p_memsz = 8;
+        }},
+       {"the number of its parts that are made read-only is 2; must be at most 1",
+        [](auto& l) { l.segment(PT_GNU_EH_FRAME) = l.segment(PT_GNU_RELRO); }},
        {"what is not in the file of the part of type 0x6474e552 is 65536; must be at most 65535",
-        [](auto& l) { l.segment(PT_GNU_RELRO).p_memsz = l.segment(PT_GNU_RELRO).p_filesz + 65536; }},
+        [](auto& l) { l.segment(PT_GNU_RELRO).p_memsz = l.segment(PT_GNU_RELRO).p_filesz + 8192; }},
        {"; must be the list of segments", [](auto& l) { l.segment(PT_NOTE).p_type = PT_PHDR; }}});
 }
 
@@ -361,23 +381,25 @@ TEST_CASE("a plugin that has damaged functions called is refused", "[plugin][str
 }
 
 TEST_CASE("a plugin whose packed relocations are damaged is refused", "[plugin][structure]") {
-  if (Library(kModules + "/tables.so").find(DT_RELR) == nullptr) {
+  if (Library(kModules + "/tables.so").find(kPacked) == nullptr) {
     WARN("skipped: this linker does not pack relocations");
     return;
   }
   check("tables.so",
-        {{"its packed relocations is ", [](auto& l) { l.value(DT_RELR) = kFar; }},
-         {" bytes; must be a multiple of 8", [](auto& l) { l.value(DT_RELRSZ) -= 1; }},
-         {"tag 0x25 of its dynamic table is 4; must be 8", [](auto& l) { l.value(DT_RELRENT) = 4; }},
-         {"one of tags 0x24 and 0x23; must be both", [](auto& l) { l.lose(DT_RELR); }},
+        {{"its packed relocations is ", [](auto& l) { l.value(kPacked) = kFar; }},
+         {" bytes; must be a multiple of 8", [](auto& l) { l.value(kPackedSize) -= 1; }},
+         {"tag 0x25 of its dynamic table is 4; must be 8", [](auto& l) { l.value(kPackedEntry) = 4; }},
+         {"one of tags 0x24 and 0x23; must be both", [](auto& l) { l.lose(kPacked); }},
          {"its packed relocations begin with bits; must begin with a place",
-          [](auto& l) { l.template table<std::uint64_t>(DT_RELR) |= 1; }},
+          [](auto& l) { l.template table<std::uint64_t>(kPacked) |= 1; }},
          {"what a packed relocation writes is 8 bytes at address 0x40000000",
-          [](auto& l) { l.template table<std::uint64_t>(DT_RELR) = kFar; }},
+          [](auto& l) { l.template table<std::uint64_t>(kPacked) = kFar; }},
          {"what a packed relocation writes is 8 bytes at address ",  // code
-          [](auto& l) { l.template table<std::uint64_t>(DT_RELR) = l.value(DT_INIT) & ~std::uint64_t{7}; }},
+          [](auto& l) { l.template table<std::uint64_t>(kPacked) = l.value(DT_INIT) & ~std::uint64_t{7}; }},
+         {"relocations write to ",
+          [](auto& l) { l.template table<std::uint64_t>(kPacked, 1) = l.template table<std::uint64_t>(kPacked); }},
          {"what a packed relocation points to is 0 bytes at address 0x40000000; must be in one mapped segment",
-          [](auto& l) { l.template at<std::uint64_t>(l.template table<std::uint64_t>(DT_RELR)) = kFar; }},
+          [](auto& l) { l.template at<std::uint64_t>(l.template table<std::uint64_t>(kPacked)) = kFar; }},
          {"a function of its list of functions that open it is 1 bytes at address ",
           [](auto& l) { l.template table<std::uint64_t>(DT_INIT_ARRAY) = l.segment(PT_DYNAMIC).p_vaddr; }}});
 }

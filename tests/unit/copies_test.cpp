@@ -353,7 +353,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     inputs::RandomMechanism m(1);
     m.add_body();
     m.link(0, -1, Mask::xyz, oracle::kUP);
-    check_words(Copies::unsuited(m.system), {"link 0.P", "slides"});
+    check_words(Copies::unsuited(m.system), {"link 0.P", "translation law"});
   }
   {
     Family family(2, [](int k) { return chain(2 + k, 0); });

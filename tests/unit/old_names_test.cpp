@@ -34,11 +34,12 @@ struct Read {
   std::string said;
 };
 Read read(const std::string& text) {
+  const Registry registry = builtin_registry();  // which may speak of the plugins that it loads
   std::ostringstream words;
   auto own = std::make_shared<spdlog::logger>("host", std::make_shared<spdlog::sinks::ostream_sink_mt>(words));
   own->set_pattern("%l: %v");
   set_logger(own);
-  const Mechanism m = build(scene_from_text(text, "ball.json"), builtin_registry());
+  const Mechanism m = build(scene_from_text(text, "ball.json"), registry);
   spdlog::drop("lockstep");
   const Marker& floor = m.system.marker("floor");
   return {floor.translation_law->at(0).x.z(), 2 * std::acos(floor.rotation_law->at(0).q.w),
@@ -66,6 +67,13 @@ TEST_CASE("scene: the old and the new name of a key together are refused", "[uni
   both.insert(both.find("\"slide\""), "\"translation\": [0, 0, 2], ");
   check_words(message_of<SceneError>([&] { scene_from_text(both, "ball.json"); }),
               {"ball.json:4:", "\"slide\" is the old name of \"translation\"", "remove one"});
+}
+
+TEST_CASE("vary: a path may have the old name of a key", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  Scene scene = scene_from_text(bounce("translation", "rotation", "unilateral"), "ball.json");
+  const auto path_of = [&](const std::string& text) { return read_variable(text, scene, registry).path; };
+  CHECK(path_of("links.fall.one_sided.restitution=0.1,0.2") == path_of("links.fall.unilateral.restitution=0.1,0.2"));
 }
 
 }  // namespace old_names_test

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30, kMostAddress = std::uint64_t{1} << 40;
-constexpr std::uint64_t kLeastPage = 4096, kMostPage = 65536;  // of all machines below
+constexpr std::uint64_t kLeastPage = 4096;  // of all machines below
 
 #if defined(__x86_64__)
 constexpr unsigned kMachine = EM_X86_64;
@@ -38,6 +38,13 @@ std::string machine_name(unsigned machine) {
   return found != kNames.end() ? found->second : "machine number " + std::to_string(machine);
 }
 
+// The types of segments that are parts of mapped ones, and that the loader reads.
+bool is_part(std::uint32_t type) {
+  constexpr std::uint32_t kParts[] = {PT_DYNAMIC, PT_PHDR,         PT_TLS,         PT_GNU_RELRO,
+                                      PT_NOTE,    PT_GNU_PROPERTY, PT_GNU_EH_FRAME};
+  return std::ranges::count(kParts, type) > 0;
+}
+
 // A pipe is not opened: it would wait for its writer for ever.
 std::vector<char> bytes_of(const std::string& path) {
   static const std::map<fs::file_type, const char*> kOthers = {{fs::file_type::directory, "a folder"},
@@ -52,7 +59,9 @@ std::vector<char> bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file)
     throw PluginError(who + "cannot be opened (" + std::strerror(errno) + "); check the path and that you may read it");
-  const auto size = static_cast<std::uint64_t>(file.tellg());
+  const std::streamoff end = file.tellg();
+  if (end < 0) throw PluginError(who + "has no end; a plugin is a regular file");
+  const auto size = static_cast<std::uint64_t>(end);
   if (size > kMostBytes) throw PluginError(fmt::format("{}has {} bytes; a plugin has at most 2^30", who, size));
   std::vector<char> bytes(size);
   if (!file.seekg(0).read(bytes.data(), static_cast<std::streamsize>(size)))
@@ -90,24 +99,28 @@ void ElfImage::read_header() {
 }
 
 void ElfImage::check_segments() const {
-  std::uint64_t end = 0, n_dynamic = 0;  // end: of the mapped segment before
+  std::uint64_t end = 0;                  // of the mapped segment before
+  std::map<std::uint32_t, int> n_of_type;
   for (const Elf64_Phdr& s : segments_) {
     if (s.p_type == PT_GNU_STACK && (s.p_flags & PF_X) != 0) refuse("it asks for a stack that can be executed");
     if (s.p_type == PT_NULL || s.p_type == PT_GNU_STACK) continue;
     in_file<char>("a segment", s.p_offset, s.p_filesz);
+    ++n_of_type[s.p_type];
+    if (s.p_type != PT_LOAD && !is_part(s.p_type)) continue;  // for other tools than the loader
     need_at_most("the size of a segment", s.p_memsz, s.p_type == PT_TLS ? kMostBytes : kMostAddress);
     need_at_most("the size of a segment in the file", s.p_filesz, s.p_memsz);
     need_at_most("the address of a segment", s.p_vaddr, kMostAddress);
     need_at_most("the alignment of a segment", s.p_align, kMostBytes);
     if (!std::has_single_bit(s.p_align) && s.p_align != 0)
       refuse(fmt::format("the alignment of a segment is {}; must be a power of two", s.p_align));
-    if (s.p_type == PT_DYNAMIC) ++n_dynamic;
     if (s.p_type != PT_LOAD) continue;
     check_mapped(s, end);
     end = s.p_vaddr + s.p_memsz;
   }
   if (end == 0) refuse("it has nothing to load");
-  need_equal("the number of its dynamic tables", n_dynamic, 1);
+  need_equal("the number of its dynamic tables", n_of_type[PT_DYNAMIC], 1);
+  need_at_most("the number of its parts for the variables of a thread", n_of_type[PT_TLS], 1);
+  need_at_most("the number of its parts that are made read-only", n_of_type[PT_GNU_RELRO], 1);
   for (const Elf64_Phdr& s : segments_) check_part(s);
 }
 
@@ -118,6 +131,8 @@ void ElfImage::check_mapped(const Elf64_Phdr& s, std::uint64_t end_before) const
   if ((s.p_flags & PF_W) == 0)
     need_equal("the size in the file of a segment of code or constants", s.p_filesz, s.p_memsz);
   need_at_least("its segments overlap or are in disorder: the address of one", s.p_vaddr, end_before);
+  need_at_least("two segments share a page: the page of one", s.p_vaddr / kLeastPage,
+                (end_before + kLeastPage - 1) / kLeastPage);
   need_equal("a segment cannot be mapped: its address in its page", s.p_vaddr % page, s.p_offset % page);
   for (const Elf64_Phdr& t : segments_)
     if (t.p_type == PT_LOAD && t.p_vaddr < s.p_vaddr &&
@@ -129,17 +144,18 @@ void ElfImage::check_mapped(const Elf64_Phdr& s, std::uint64_t end_before) const
 // A part of what is mapped. The loader uses its address, so its offset must be the same place. What is not in the file
 // is the zeros of a thread's variables, or fills the last page that is made read-only.
 void ElfImage::check_part(const Elf64_Phdr& s) const {
-  constexpr std::uint32_t kParts[] = {PT_DYNAMIC, PT_PHDR,         PT_TLS,         PT_GNU_RELRO,
-                                      PT_NOTE,    PT_GNU_PROPERTY, PT_GNU_EH_FRAME};
-  if (std::ranges::count(kParts, s.p_type) == 0) return;
+  if (!is_part(s.p_type)) return;
   const std::string what = fmt::format("the part of type {:#x}", s.p_type);
   const std::uint64_t rest = s.p_memsz - s.p_filesz;
-  need_mapped(what, s.p_vaddr, s.p_type == PT_TLS || s.p_type == PT_GNU_RELRO ? s.p_filesz : s.p_memsz, 0);
+  need_mapped(what, s.p_vaddr, s.p_type == PT_TLS || s.p_type == PT_GNU_RELRO ? s.p_filesz : s.p_memsz,
+              s.p_type == PT_GNU_RELRO ? PF_W : 0);
   if (s.p_filesz > 0) {
     const std::uint64_t offset = offset_of(what, s.p_vaddr, s.p_filesz, 1, 0, &Elf64_Phdr::p_filesz);
     need_equal("the offset of " + what, s.p_offset, offset);
   }
-  if (s.p_type == PT_GNU_RELRO) need_at_most("what is not in the file of " + what, rest, kMostPage - 1);
+  for (const Elf64_Phdr& t : segments_)  // the one that it is in
+    if (s.p_type == PT_GNU_RELRO && t.p_type == PT_LOAD && t.p_vaddr <= s.p_vaddr && s.p_vaddr < t.p_vaddr + t.p_memsz)
+      need_at_most("what is not in the file of " + what, rest, std::max<std::uint64_t>(t.p_align, kLeastPage) - 1);
   if (s.p_type == PT_PHDR && at<Elf64_Phdr>(what, s.p_vaddr, segments_.size()).data() != segments_.data())
     refuse(fmt::format("{} is at address {:#x}; must be the list of segments", what, s.p_vaddr));
 }

@@ -12,6 +12,10 @@
 
 namespace lockstep {
 
+// Tags of packed relocations, whose entries are words; older <elf.h> do not have them.
+inline constexpr std::int64_t kPackedSize = 35, kPacked = 36, kPackedEntry = 37;
+using PackedRelocation = std::uint64_t;
+
 /// The file of a shared library that this machine's loader can map. Addresses are those in the file: the loader adds
 /// the library's place. Each refusal is a PluginError with the file, what is wrong, its value and the limit.
 class ElfImage {

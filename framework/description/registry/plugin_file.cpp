@@ -89,7 +89,7 @@ class PluginFile {
   void check_tags() const {
     constexpr std::int64_t kPairs[][2] = {{DT_RELA, DT_RELASZ},        {DT_RELA, DT_RELAENT},
                                           {DT_JMPREL, DT_PLTRELSZ},    {DT_JMPREL, DT_PLTREL},
-                                          {DT_RELR, DT_RELRSZ},        {DT_RELR, DT_RELRENT},
+                                          {kPacked, kPackedSize},        {kPacked, kPackedEntry},
                                           {DT_STRTAB, DT_STRSZ},       {DT_SYMTAB, DT_SYMENT},
                                           {DT_VERDEF, DT_VERDEFNUM},   {DT_INIT_ARRAY, DT_INIT_ARRAYSZ},
                                           {DT_VERNEED, DT_VERNEEDNUM}, {DT_FINI_ARRAY, DT_FINI_ARRAYSZ}};
@@ -98,7 +98,7 @@ class PluginFile {
         image_.refuse(fmt::format("its dynamic table has one of tags {:#x} and {:#x}; must be both", table, its));
     constexpr std::int64_t kValues[][2] = {{DT_SYMENT, sizeof(Elf64_Sym)},
                                            {DT_RELAENT, sizeof(Elf64_Rela)},
-                                           {DT_RELRENT, sizeof(Elf64_Relr)},
+                                           {kPackedEntry, sizeof(PackedRelocation)},
                                            {DT_PLTREL, DT_RELA}};
     for (const auto& [which, must] : kValues)
       if (tag(which) && *tag(which) != static_cast<Number>(must))
@@ -134,7 +134,7 @@ class PluginFile {
         image_.need_at_least("the binding of a symbol of another library", ELF64_ST_BIND(s.st_info), STB_GLOBAL);
       } else if (type == STT_TLS) {
         image_.need_at_most("the place of a thread's variable", s.st_value, thread_size);
-      } else if (s.st_shndx != SHN_ABS) {
+      } else if (s.st_shndx != SHN_ABS || type == STT_GNU_IFUNC) {
         image_.need_mapped("a symbol", s.st_value, 0, type == STT_GNU_IFUNC ? PF_X : 0);
       }
     }
@@ -227,6 +227,11 @@ class PluginFile {
     }
   }
 
+  void write_once(Number place, MaybeNumber to) {
+    if (!written_.emplace(place, to).second)
+      image_.refuse(fmt::format("relocations write to {:#x} twice; must be once", place));
+  }
+
   void check_relocations(std::string_view what, std::int64_t address, std::int64_t size, Number n_relative) {
     const auto all = table<Elf64_Rela>(what, address, size);
     image_.need_at_most("the number of relative relocations", n_relative, all.size());
@@ -237,8 +242,7 @@ class PluginFile {
       if (kKnown && k < n_relative) image_.need_equal("the type of a relative relocation", type, kRelative);
       if (type == 0 && address == DT_RELA) continue;  // on every machine: nothing is written
       image_.need_mapped("what a relocation writes", place, type == kThreadPair ? 16 : 8, PF_W);
-      if (!written_.emplace(place, type == kRelative ? MaybeNumber(to) : MaybeNumber()).second)
-        image_.refuse(fmt::format("relocations write to {:#x} twice; must be once", place));
+      write_once(place, type == kRelative ? MaybeNumber(to) : MaybeNumber());
       if (type == kRelative) {
         image_.need_mapped("what a relocation points to", to, 0, 0);
       } else if (type == kCalled) {
@@ -257,10 +261,10 @@ class PluginFile {
       const Number to = image_.at<Number>("what a packed relocation writes", place, 1).front();
       image_.need_mapped("what a packed relocation writes", place, 8, PF_W);
       image_.need_mapped("what a packed relocation points to", to, 0, 0);
-      written_[place] = to;
+      write_once(place, to);
     };
     Number next = 0;
-    for (const Elf64_Relr word : table<Elf64_Relr>("its packed relocations", DT_RELR, DT_RELRSZ)) {
+    for (const PackedRelocation word : table<PackedRelocation>("its packed relocations", kPacked, kPackedSize)) {
       const bool is_place = (word & 1) == 0;
       if (!is_place && next == 0) image_.refuse("its packed relocations begin with bits; must begin with a place");
       if (is_place) relocate(word);

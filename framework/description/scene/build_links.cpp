@@ -1,4 +1,4 @@
-// The sites of links and forces; links with their drives, laws and start speeds.
+// The attachments of links and forces; links with their drives, laws and start speeds.
 #include <algorithm>
 #include <cmath>
 

@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include <lockstep/log.h>
 
 #include "framework/mechanism/params/read.h"
@@ -17,18 +19,29 @@ struct Renamed {
 constexpr Renamed kRenamed[] = {
     {"markers", "slide", "translation"}, {"markers", "spin", "rotation"}, {"links", "one_sided", "unilateral"}};
 
+// Logs that `old_name` is outdated, at a place or, where that is "", on the command line.
+void warn(const std::string& place, const Renamed& key) {
+  log_warning(fmt::format("{}{}\"{}\" is now called \"{}\"; the next release reads only the new name", place,
+                          place.empty() ? "" : ": ", key.old_name, key.name));
+}
+
 void rename(Value::Member& member, const Value& owner, const Renamed& key) {
   if (owner.find(key.name) != nullptr)
     refuse(member.where, key.list,
-           fmt::format("\"{}\" is the old name of \"{}\", which is given too; remove one of them", key.old_name,
-                       key.name));
-  const Where& at = member.where;
-  log_warning(fmt::format("{}{}\"{}\" is now called \"{}\"; the next release reads only the new name", at.text(),
-                          at.text().empty() ? "" : ": ", key.old_name, key.name));
+           fmt::format("\"{}\" is the old name of \"{}\", which is given too; remove one of them", key.old_name, key.name));
+  warn(member.where.text(), key);
   member.key = key.name;
 }
 
 }  // namespace
+
+void rename_old_keys(std::string& path) {
+  const std::size_t first = std::min(path.find('.'), path.size()), second = path.find('.', first + 1);
+  if (second == std::string::npos) return;
+  const std::string list = path.substr(0, first), step = path.substr(second + 1, path.find('.', second + 1) - second - 1);
+  for (const Renamed& key : kRenamed)
+    if (list == key.list && step == key.old_name) warn("", key), path.replace(second + 1, step.size(), key.name);
+}
 
 void rename_old_keys(Value& root) {
   if (root.object() == nullptr) return;

@@ -6,6 +6,7 @@
 
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
+#include "framework/description/scene/old_names.h"
 #include "framework/description/scene/place.h"
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -138,6 +139,7 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   if (equals == std::string::npos || v.path.empty())
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
   refuse_columns(v.path);
+  rename_old_keys(v.path);
   Value root = scene.root;
   const ScenePlace place = find_place(root, v.path, registry);
   v.place = place.path, v.near = place.near;

@@ -41,7 +41,7 @@ void Clock::begin(double t, double guess) {
 
 // Where a law jumps at t, the step ends slightly before t, so that no stage sees the right side; the rest is crossed
 // with the rates there (StepLoop::cross_jump). That rest is wider than the fraction kEarly of its own duration by which
-// a law may count an instant as the jump (laws.h), for laws up to a hundred times as long as the run.
+// a law may count an instant as the jump (motionlaws/side.h), for laws up to a hundred times as long as the run.
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
   double next = std::min(limit, event);

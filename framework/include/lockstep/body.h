@@ -180,7 +180,7 @@ LOCKSTEP_API std::string law_fault(const std::string& what, const LawPtr<Transla
 /// The same for a law of a rotation.
 LOCKSTEP_API std::string law_fault(const std::string& what, const LawPtr<RotationLaw>&, double t);
 
-/// The same for the laws that move a marker: "the sliding law of marker 'tool' ...".
+/// The same for the laws that move a marker: "the translation law of marker 'tool' ...".
 LOCKSTEP_API std::string marker_fault(const Marker&, double t);
 
 }  // namespace lockstep

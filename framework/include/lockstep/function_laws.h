@@ -66,7 +66,7 @@ class TranslationFrom final : public FromFunction<TranslationLaw, F> {
   }
 };
 
-/// A law of a rotation from a function of time; made by rotation_law().
+/// A law of a rotation from a function of time; made by laws::rotation().
 template <class F>
 class RotationFrom final : public FromFunction<RotationLaw, F> {
  public:

@@ -88,7 +88,7 @@ LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const
 
 /// A plain value of a scene (a number, a word, true or false) and the values it takes from run to run.
 struct Variable {
-  std::string path;           ///< as it was asked for: "bodies.rod.mass"
+  std::string path;           ///< as it was asked for, renamed keys by their present name: "bodies.rod.mass"
   std::string place;          ///< the same in one spelling: things of a list by their names where they have one
   std::string unit;           ///< SI unit of the numbers, "kg"; "" when they have none or it is not known
   std::vector<Value> values;  ///< numbers in SI, words, true or false; at least one

@@ -50,8 +50,8 @@ std::string law_fault(const std::string& what, const LawPtr<RotationLaw>& law, d
 }
 
 std::string marker_fault(const Marker& m, double t) {
-  const std::string words = law_fault("the sliding law of marker '" + m.name + "'", m.translation_law, t);
-  return words.empty() ? law_fault("the turning law of marker '" + m.name + "'", m.rotation_law, t) : words;
+  const std::string words = law_fault("the translation law of marker '" + m.name + "'", m.translation_law, t);
+  return words.empty() ? law_fault("the rotation law of marker '" + m.name + "'", m.rotation_law, t) : words;
 }
 
 }  // namespace lockstep

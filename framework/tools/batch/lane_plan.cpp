@@ -19,7 +19,7 @@ const MarkerLock* plain_lock(const Lock& link) {
 }
 
 bool law_on(const Marker& m) { return m.translation_law || m.rotation_law; }
-const char* law_word(const Marker& m) { return m.translation_law ? "slides" : "spins"; }
+const char* law_word(const Marker& m) { return m.translation_law ? "translation" : "rotation"; }
 
 RowTable rows_of(const System& system) {
   std::vector<bool> modes;
@@ -36,7 +36,7 @@ std::string unsuited_link(const Lock& link) {
     return who + "(" + std::string(link.type()) +
            ") is no lock of markers alone; only joints that are a mask run in lanes";
   for (const Marker* m : {&lock->p(), &lock->s()})
-    if (law_on(*m)) return who + "has the marker '" + m->name + "', which " + law_word(*m) + " by a law of its own";
+    if (law_on(*m)) return who + "has the marker '" + m->name + "', which has a " + law_word(*m) + " law";
   const int P = lock->p().body->slot, S = lock->s().body->slot;
   if (P == S) return who + "joins two bodies that move as one";
   return "";

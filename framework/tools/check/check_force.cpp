@@ -265,7 +265,8 @@ void ForceCheck::jumps() {
   };
   const auto all = find_jumps(f, options_.from, options_.to, listed, 200);
   if (all.empty()) return;
-  const auto& [k, jumps] = *all.begin();
+  const auto first = [](const auto& component) { return component.second.front().t; };
+  const auto& [k, jumps] = *std::ranges::min_element(all, {}, first);
   add("jump",
       fmt::format("its {} on body '{}' jumps by {:.3g} at t = {:.9g} s, which breakpoints() does not tell",
                   wrench_part(k), body(k / 6), jumps.front().size, jumps.front().t),

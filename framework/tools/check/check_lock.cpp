@@ -258,7 +258,7 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
   VecX C, rate;
   for (int i = 0; i <= kSteps; ++i) {
     const LockRows r = rows_at(i * step);
-    if (!r.all_finite()) return;
+    if (!r.C().allFinite() || !r.J.allFinite()) return;
     const Motion& O = on.slot(slot);
     const VecX rate_now = r.J.middleCols<3>(6 * slot) * cross(axis, Vec3(O.x - S.x)) +
                           r.J.middleCols<3>(6 * slot + 3) * (O.A.transpose() * axis);

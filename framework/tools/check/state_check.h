@@ -83,7 +83,7 @@ class StateCheck {
   int n_;              // slots of the system
   double length_ = 1;  // m, to which translations are compared
   TestState state_;    // under test
-  int index_ = 0;      // of that state; -1: the start
+  int index_ = 0;      // of that state
   double quiet_ = 0;   // s
 };
 

@@ -182,7 +182,7 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
 
 double budget_of(const Arguments& args) {
   if (args.budget.empty()) return kBudget;
-  const double budget = positive_number("--budget", args.budget, Unit::time);
+  const double budget = positive_number("--budget", args.budget, Unit::time, "60");
   if (budget < 1) throw UsageError("--budget: the value is " + args.budget + "; it must be 1 s at least");
   return budget;
 }

@@ -72,14 +72,14 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
   return {type.name, Value(std::move(members)), {}};
 }
 
-double positive_number(const std::string& option, const std::string& text, Unit unit) {
+double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example) {
   double x = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
   if (error != std::errc() || end != text.data() + text.size()) {
     const Measured measured = read_quantity(text, unit);
     if (!measured.problem.empty() || unit == Unit::none)
       throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
-                       (unit == Unit::none ? "1e-6" : "0.001"));
+                       (example != nullptr ? example : unit == Unit::none ? "1e-6" : "0.001"));
     x = measured.value;
   }
   if (!(x > 0) || x > 1e300)

@@ -26,7 +26,7 @@ std::vector<MethodSpec> all_specs(const MethodSpec& own, const std::vector<TypeI
 MethodSpec with_known_keys(const TypeInfo& type, const Value& keys);
 
 /// A positive number of the command line, in SI or with a unit. Throws UsageError naming `option`.
-double positive_number(const std::string& option, const std::string& text, Unit unit);
+double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example = nullptr);
 
 Formulation read_formulation(const std::string&);
 Stabilization::Kind read_stabilization(const std::string&);

@@ -1,4 +1,5 @@
 // The verb sweep: a scene run many times with other values, one row a run.
+#include <lockstep/log.h>
 #include <lockstep/sweep.h>
 
 #include <spdlog/fmt/fmt.h>
@@ -267,6 +268,7 @@ void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
 }  // namespace
 
 int sweep_command(const Arguments& args) {
+  if (args.quiet) set_logger(nullptr);
   const Plan plan = make_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_writable(csv);

@@ -128,8 +128,8 @@ class Document {
       const Spring& s = assembly.springs[i];
       if (s.b == kGroundBody) write(attachment(assembly, s, i, 'b'));
       tendons_ += "<spatial stiffness='" + number(s.stiffness) + "' damping='" + number(s.damping) +
-                  "' springlength='" + number(s.free_length) + "'><attachment attachment='s" + std::to_string(i) +
-                  "a'/><attachment attachment='s" + std::to_string(i) + "b'/></spatial>";
+                  "' springlength='" + number(s.free_length) + "'><site site='s" + std::to_string(i) +
+                  "a'/><site site='s" + std::to_string(i) + "b'/></spatial>";
     }
     for (const ClosingJoint& j : assembly.loops)
       for (const double side : {0.3, -0.3})
@@ -145,7 +145,7 @@ class Document {
     return b.R.transpose() * (x - b.x);
   }
   static std::string attachment(const Assembly& assembly, const Spring& s, std::size_t i, char end) {
-    return "<attachment name='s" + std::to_string(i) + end + "' pos='" +
+    return "<site name='s" + std::to_string(i) + end + "' pos='" +
            numbers(end == 'a' ? to_local(assembly, s.a, s.at_a) : to_local(assembly, s.b, s.at_b)) + "'/>";
   }
 
