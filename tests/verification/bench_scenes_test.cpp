@@ -1,5 +1,7 @@
 // The scenes of the comparison with other engines: as their generator writes them, where the mechanisms say, and good
 // for a short run that keeps its constraints.
+#include <spdlog/fmt/fmt.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -17,7 +19,7 @@ using namespace lockstep;
 namespace {
 
 std::string path_of(const peers::Mechanism& m) {
-  return std::string(paths::kSource) + "/tests/benchmark/scenes/" + peers::scene_name(m) + ".json";
+  return fmt::format("{}/tests/benchmark/scenes/{}.json", paths::kSource, peers::scene_name(m));
 }
 
 Scene scene_of(const peers::Mechanism& m) {

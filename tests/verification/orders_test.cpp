@@ -19,7 +19,7 @@ namespace {
 
 /// Largest error of the top's centre over the first 0.2 s, m.
 double error_of(const std::string& method, double h, const Table& truth) {
-  const SceneRun run = run_scene(std::string(paths::kScenes) + "/heavy_top.json", [&](RunSettings& s) {
+  const SceneRun run = run_scene(scene_path("heavy_top"), [&](RunSettings& s) {
     s.integrator = {method};
     if (method.starts_with("dop") || method == "radau5") s.integrator.keys = Value::object({{"fixed", true}});
     s.step = h;

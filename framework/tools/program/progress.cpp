@@ -12,10 +12,10 @@ namespace lockstep {
 namespace {
 
 // A signal handler can only reach a global variable.
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t signal_came = 0;
 
 extern "C" void note_interrupt(int) {
-  interrupted = 1;
+  signal_came = 1;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
@@ -32,7 +32,7 @@ constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
 }  // namespace
 
 Interrupt::Interrupt() {
-  interrupted = 0;
+  signal_came = 0;
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
 }
@@ -40,7 +40,7 @@ Interrupt::~Interrupt() {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
-bool Interrupt::asked() const { return interrupted != 0; }
+bool Interrupt::asked() const { return signal_came != 0; }
 
 std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {
   constexpr int kWidth = 30;
