@@ -13,6 +13,7 @@
 #include <lockstep/combined_laws.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/equations.h>
 #include <lockstep/error.h>
 #include <lockstep/export.h>
 #include <lockstep/force.h>
@@ -30,6 +31,7 @@
 #include <lockstep/loader.h>
 #include <lockstep/lock.h>
 #include <lockstep/log.h>
+#include <lockstep/mask.h>
 #include <lockstep/math.h>
 #include <lockstep/memory.h>
 #include <lockstep/newton.h>
@@ -52,4 +54,5 @@
 #include <lockstep/sweep.h>
 #include <lockstep/system.h>
 #include <lockstep/text.h>
+#include <lockstep/vec.h>
 #include <lockstep/version.h>

@@ -1,4 +1,4 @@
-#include <lockstep/kernel.h>
+#include <lockstep/mask.h>
 
 #include <array>
 #include <vector>

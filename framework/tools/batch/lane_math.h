@@ -6,7 +6,7 @@
 #pragma once
 
 #include <lockstep/jet.h>
-#include <lockstep/math.h>
+#include <lockstep/vec.h>
 #include "framework/tools/batch/lane_plan.h"
 
 #define LOCKSTEP_LANE LOCKSTEP_INLINE

@@ -1,4 +1,4 @@
-// Rows of one link in lanes: the equations of mechanism/lock/equations.h on packs, translations in world axes. Private
+// Rows of one link in lanes: the equations of <lockstep/equations.h> on packs, translations in world axes. Private
 // to the room.
 #pragma once
 
