@@ -197,7 +197,7 @@ void GeneralizedAlpha::update_end(double h) {
   y_.head(n) = h * start_.v + h * h * ((0.5 - beta_) * a0_ + beta_ * a1_) + u_;
   y_.segment(n, n) = h * ((1 - gamma_) * a0_ + gamma_ * a1_);
   y_.tail(start_.s.size()) = h * ((1 - gamma_) * as0_ + gamma_ * as1_);
-  displace(start_, y_, end_);
+  displace_state(start_, y_, end_);
   end_.t = start_.t + h;
 }
 

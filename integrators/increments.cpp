@@ -18,7 +18,7 @@ Quat quat_of(const VecX& q, Eigen::Index slot) { return Quat::from(q.segment<4>(
 
 }  // namespace
 
-void displace(const State& start, Eigen::Ref<const VecX> y, State& out) {
+void displace_state(const State& start, Eigen::Ref<const VecX> y, State& out) {
   const Eigen::Index n = start.v.size();
   for (Eigen::Index k = 0; 6 * k < n; ++k) {
     out.q.segment<3>(7 * k) = start.q.segment<3>(7 * k) + y.segment<3>(6 * k);

@@ -97,7 +97,7 @@ Attempt Radau5::attempt(Dynamics& dynamics, double h) {
   guess(h);
   linearize(dynamics, h);
   if (solve_stages(dynamics, h, made)) {
-    displace(start_, Z_.col(2), end_);
+    displace_state(start_, Z_.col(2), end_);
     end_.t = start_.t + h;
     if (!fixed()) made.error = estimate(dynamics, h) / loose_;
     made.accepted = made.error <= 1;
@@ -109,7 +109,7 @@ Attempt Radau5::attempt(Dynamics& dynamics, double h) {
 
 // Tangents at the second stage as known so far: the middle one of the three.
 void Radau5::linearize(Dynamics& dynamics, double h) {
-  displace(start_, Z_.col(1), stage_);
+  displace_state(start_, Z_.col(1), stage_);
   stage_.t = start_.t + kC[1] * h;
   linear_.gather(dynamics.rate(stage_, rate_));
   linear_.factor(kReal / h);
@@ -169,7 +169,7 @@ bool Radau5::solve_stages(Dynamics& dynamics, double h, Attempt& made) {
 
 void Radau5::evaluate_stages(Dynamics& dynamics, double h) {
   for (int i = 0; i < kStages; ++i) {
-    displace(start_, Z_.col(i), stage_);
+    displace_state(start_, Z_.col(i), stage_);
     stage_.t = start_.t + kC[i] * h;
     dynamics.rate(stage_, rate_);
     increment_rates(Z_.col(i), stage_, rate_, F_.col(i));
@@ -217,7 +217,7 @@ double Radau5::estimate(Dynamics& dynamics, double h) {
   linear_.solve(kReal / h, r_, error_);
   const double e = size_of(error_);
   if (e <= loose_ || !std::isfinite(e) || !careful_) return e;
-  displace(start_, error_, stage_);
+  displace_state(start_, error_, stage_);
   stage_.t = start_.t;
   dynamics.rate(stage_, rate_);
   increment_rates(error_, stage_, rate_, r_);

@@ -19,7 +19,7 @@ struct Run {
 Run run_with(const std::string& integrator, const Registry& registry) {
   Scene scene = read_scene(std::string(paths::kScenes) + "/andrews_ivp.json");
   scene.run.integrator = {integrator};
-  Mechanism mechanism = build(scene, registry);
+  Mechanism mechanism = build_mechanism(scene, registry);
   const auto recorder = make_recorder(mechanism);
   Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry));
   State start = mechanism.system.start();
@@ -49,13 +49,14 @@ int main() {
   }
   const Table& t = last.table;
   write_csv(samples::output("andrews.csv"), t);
-  write_chart(samples::output("andrews"),
-              {.title = "Andrews' squeezing mechanism",
-               .x_label = "t [s]",
-               .panels = {{.y_label = "angle [rad]", .series = {curve(t, "t", "beta", "beta (crank)")}},
-                          {.y_label = "angle [rad]",
-                           .series = {curve(t, "t", "gamma", "gamma"), curve(t, "t", "phi", "phi"),
-                                      curve(t, "t", "delta", "delta"), curve(t, "t", "epsilon", "epsilon")}}}});
+  write_chart(
+      samples::output("andrews"),
+      {.title = "Andrews' squeezing mechanism",
+       .x_label = "t [s]",
+       .panels = {{.y_label = "angle [rad]", .series = {table_series(t, "t", "beta", "beta (crank)")}},
+                  {.y_label = "angle [rad]",
+                   .series = {table_series(t, "t", "gamma", "gamma"), table_series(t, "t", "phi", "phi"),
+                              table_series(t, "t", "delta", "delta"), table_series(t, "t", "epsilon", "epsilon")}}}});
   fmt::print("{}, andrews.svg, andrews.png\n", samples::output("andrews.csv"));
   return worst < 5e-9 ? 0 : 1;
 }

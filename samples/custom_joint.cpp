@@ -54,8 +54,8 @@ int main() {
       samples::output("custom_joint"),
       {.title = "A nut runs down a screw of 100 mm lead",
        .x_label = "t [s]",
-       .panels = {{.y_label = "height [m]", .series = {curve(t, "t", "nut.z", "nut")}},
-                  {.y_label = "angle [rad]", .series = {curve(t, "t", "thread.angle_z", "turns counted on")}}}});
+       .panels = {{.y_label = "height [m]", .series = {table_series(t, "t", "nut.z", "nut")}},
+                  {.y_label = "angle [rad]", .series = {table_series(t, "t", "thread.angle_z", "turns counted on")}}}});
   fmt::print("{:.1f} turns; height to {:.1e} m, angle to {:.1e} rad, axial force to {:.1e} N of the closed form\n",
              t.last("thread.angle_z") / kTwoPi, z, turn, force);
   fmt::print("energy changed by {:.1e} J\n{}, custom_joint.svg, custom_joint.png\n", t.change("energy.total"),

@@ -29,9 +29,9 @@ int main() {
   write_chart(samples::output("custom_law"),
               {.title = "A slider lifted by a law of one's own",
                .x_label = "t [s]",
-               .panels = {{.y_label = "height [m]", .series = {curve(t, "t", "slider.z", "height")}},
+               .panels = {{.y_label = "height [m]", .series = {table_series(t, "t", "slider.z", "height")}},
                           {.y_label = "force [N]",
-                           .series = {curve(t, "t", "guide.drive.force_on_p_link_z", "force of the drive")}}}});
+                           .series = {table_series(t, "t", "guide.drive.force_on_p_link_z", "force of the drive")}}}});
   const double gap = t.change("energy.total") - t.change("guide.drive.work");
   fmt::print("drive force = m (s'' + g) to {:.1e} N\n", worst);
   fmt::print("energy change {:.9f} J, work of the drive {:.9f} J, gap {:.1e} J\n", t.change("energy.total"),

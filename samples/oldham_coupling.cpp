@@ -37,13 +37,13 @@ int main() {
     couple = std::max(couple, std::abs(t["slot_in.torque_on_p_world_z"][i] - 0.8 * w * w * e * e * std::sin(2 * phi)));
   }
   write_csv(samples::output("oldham_coupling.csv"), t);
-  write_chart(
-      samples::output("oldham_coupling"),
-      {.title = "Oldham coupling: the disc over one turn of the shafts",
-       .x_label = "t [s]",
-       .panels = {{.y_label = "disc [m]", .series = {curve(t, "t", "disc.x", "x"), curve(t, "t", "disc.y", "y")}},
-                  {.y_label = "couple [N m]",
-                   .series = {curve(t, "t", "slot_in.torque_on_p_world_z", "input hub on disc")}}}});
+  write_chart(samples::output("oldham_coupling"),
+              {.title = "Oldham coupling: the disc over one turn of the shafts",
+               .x_label = "t [s]",
+               .panels = {{.y_label = "disc [m]",
+                           .series = {table_series(t, "t", "disc.x", "x"), table_series(t, "t", "disc.y", "y")}},
+                          {.y_label = "couple [N m]",
+                           .series = {table_series(t, "t", "slot_in.torque_on_p_world_z", "input hub on disc")}}}});
   fmt::print("output follows input to {:.1e} rad; disc on its circle to {:.1e} m; couple exact to {:.1e} N m\n", turn,
              circle, couple);
   fmt::print("{}, oldham_coupling.svg, oldham_coupling.png\n", samples::output("oldham_coupling.csv"));

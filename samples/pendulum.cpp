@@ -36,14 +36,14 @@ int main() {
 
   const std::string csv = samples::output("pendulum.csv");
   write_csv(csv, table);
-  write_chart(samples::output("pendulum"),
-              {.title = "A rod swings from the horizontal",
-               .x_label = "t [s]",
-               .panels = {{.y_label = "angle [rad]",
-                           .series = {curve(table, "t", "rod.angle_z", "angle of the rod")}},
-                          {.y_label = "force on the rod [N]",
-                           .series = {curve(table, "t", "hinge.force_on_p_world_x", "x"),
-                                      curve(table, "t", "hinge.force_on_p_world_y", "y")}}}});
+  write_chart(
+      samples::output("pendulum"),
+      {.title = "A rod swings from the horizontal",
+       .x_label = "t [s]",
+       .panels = {{.y_label = "angle [rad]", .series = {table_series(table, "t", "rod.angle_z", "angle of the rod")}},
+                  {.y_label = "force on the rod [N]",
+                   .series = {table_series(table, "t", "hinge.force_on_p_world_x", "x"),
+                              table_series(table, "t", "hinge.force_on_p_world_y", "y")}}}});
   fmt::print("period  {:.12f} s   exact {:.12f} s   difference {:.1e} s\n", period, exact, period - exact);
   fmt::print("energy changed by {:.1e} J over one period\n", table.change("energy.total"));
   fmt::print("{}, pendulum.svg, pendulum.png\n", csv);

@@ -62,7 +62,7 @@ int main() {
   write_csv(samples::output("robot_arm.csv"), a);
   Panel angles{.y_label = "angle [rad]", .series = {}};
   for (int k = 1; k <= 6; ++k)
-    angles.series.push_back(curve(a, "t", fmt::format("J{}.angle_z", k), fmt::format("J{}", k)));
+    angles.series.push_back(table_series(a, "t", fmt::format("J{}.angle_z", k), fmt::format("J{}", k)));
   write_chart(
       samples::output("robot_arm"),
       {.title = "Joint angles of an arm whose tool follows a trajectory", .x_label = "t [s]", .panels = {angles}});

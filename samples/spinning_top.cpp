@@ -35,7 +35,7 @@ int main() {
               {.title = "A top in steady precession: 208 rad/s of spin, 1.5 rad/s of drift",
                .x_label = "x of the mass centre [m]",
                .panels = {{.y_label = "y of the mass centre [m]",
-                           .series = {curve(t, "top.center_x", "top.center_y", "path over 5 s")}}}});
+                           .series = {table_series(t, "top.center_x", "top.center_y", "path over 5 s")}}}});
   fmt::print("spin {:.1f} rad/s, precession {:.2f} rad/s\n", w3, W);
   fmt::print("height kept to {:.1e} m, path on its circle to {:.1e} m\n", height, path);
   fmt::print("energy changed by {:.1e} J, vertical angular momentum by {:.1e} kg m^2/s\n", t.change("energy.total"),

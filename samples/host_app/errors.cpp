@@ -114,7 +114,7 @@ int provoke_them_all(const Registry& registry) {
        }},
       {"SceneError",
        [&] {
-         build(
+         build_mechanism(
              scene_from_text("{\"lockstep\": 1,\n \"bodies\": [{\"name\": \"rod\", \"mass\": \"1 m\"}]}", "typed.json"),
              registry);
        }},

@@ -88,7 +88,7 @@ bool cam_in_cpp(const Registry& registry) {
 
 // A slider-crank from a file that uses the host's law and a plugin's; ends with the crank at a full turn.
 bool crank_from_scene(const Registry& registry) {
-  Mechanism crank = build(read_scene(HOST_APP_SCENE), registry);
+  Mechanism crank = build_mechanism(read_scene(HOST_APP_SCENE), registry);
   const auto recorder = make_recorder(crank);
   Dynamics dynamics(crank.system, make_solver(crank.run, registry));
   State start = crank.system.start();

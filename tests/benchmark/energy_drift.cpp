@@ -58,7 +58,7 @@ Drift drift_of(const Way& way) {
   scene.run.integrator = {way.method, way.keys};
   scene.run.step = way.h;
   if (way.tolerance > 0) scene.run.tolerance = {way.tolerance, 1e-2 * way.tolerance};
-  Mechanism m = build(scene, registry);
+  Mechanism m = build_mechanism(scene, registry);
   Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
   StepLoop sim(dynamics, make_integrator(m.run, registry),
                  {.step = way.h, .tolerance = m.run.tolerance, .output = kLength});

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# page.sh BUILD_TREE COMPILER GENERATOR FLAGS PAGE: does in a scratch folder what a page says, word by word, with the
+# page.sh BUILD_TREE COMPILER GENERATOR FLAGS PAGE [KIND...]: does in a scratch folder what a page says, word by word, with the
 # installed package in install_test/prefix:
 #   ```sh            is run
 #   ```cpp a/b.cpp   (any language, then a path) becomes that file
 #   ```text          each line has to stand in what the sh block before it printed
+# With KINDs, a loop over kinds of plugin (`for kind in ...; do`) makes these alone.
 set -euo pipefail
 build="$1" compiler="$2" generator="$3" flags="$4" page="$5"
-place="$build/page_test" prefix="$build/install_test/prefix"
+shift 5
+place="$build/page_test/$#" prefix="$build/install_test/prefix"
 rm -rf "$place"
 mkdir -p "$place/work"
 export PATH="$prefix/bin:$PATH" CMAKE_PREFIX_PATH="$prefix" CMAKE_GENERATOR="$generator" CXX="$compiler" CXXFLAGS="$flags"
@@ -21,6 +23,7 @@ awk -v out="$place" '
     printf "" > file; next }
   /^```/ { inside = 0; close(file); next }
   inside { print > file }' "$page"
+if [ $# -gt 0 ]; then sed -i "s/^for kind in .*; do$/for kind in $*; do/" "$place"/*.sh; fi
 
 cd "$place/work"
 count=0

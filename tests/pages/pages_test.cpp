@@ -246,7 +246,7 @@ TEST_CASE("the example of a mistake is what the program says", "[pages]") {
   text.replace(text.find("\"slope\""), 7, "\"slop\"");
   std::string said;
   try {
-    build(scene_from_text(text, "four_bar.json"), builtin_registry());
+    build_mechanism(scene_from_text(text, "four_bar.json"), builtin_registry());
   } catch (const SceneError& error) {
     said = error.what();
   }

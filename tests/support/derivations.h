@@ -150,7 +150,7 @@ oracle::Seven<Jet<12, T>> on_jets(const oracle::Configuration& c) {
     Vec4 qd, qdd;
     oracle::set_rates(q, w, Vec3::Zero(), qd, qdd);
     oracle::Quat<J12> r = quaternion(q, qd, qdd);
-    const oracle::paper::M34 G = 0.25 * oracle::paper::G(q);
+    const Eigen::Matrix<double, 3, 4> G = 0.25 * oracle::paper::G(q);
     for (int k = 0; k < 3; ++k)
       r.w.g[first + k] = T(G(k, 0)), r.x.g[first + k] = T(G(k, 1)), r.y.g[first + k] = T(G(k, 2)),
                     r.z.g[first + k] = T(G(k, 3));

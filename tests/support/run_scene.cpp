@@ -29,7 +29,7 @@ SceneRun run_with_registry(const Registry& registry, const std::string& path,
   Scene scene = read_scene(path);
   if (change) change(scene.run);
   if (describe) describe(scene);
-  Mechanism mechanism = build(scene, registry);
+  Mechanism mechanism = build_mechanism(scene, registry);
   const RunSettings& run = mechanism.run;
   const std::unique_ptr<Recorder> recorder = make_recorder(mechanism);
   std::vector<Event> events = make_events(mechanism, *recorder);

@@ -13,7 +13,7 @@ using namespace lockstep;
 namespace {
 
 Mechanism mechanism(const std::string& members) {
-  return build(scene_from_text("{\"lockstep\": 1, " + members + "}", "good.json"), builtin_registry());
+  return build_mechanism(scene_from_text("{\"lockstep\": 1, " + members + "}", "good.json"), builtin_registry());
 }
 
 }  // namespace

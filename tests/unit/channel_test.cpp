@@ -137,7 +137,7 @@ Reaction by_formula(Arm& a, const MarkerLock& link, const Quat& q_D, bool of_dri
   const auto world = [&](const Marker& m) {
     const TranslationValue x = m.translation_law ? m.translation_law->at(a.state.t) : TranslationValue{};
     const RotationValue q = m.rotation_law ? m.rotation_law->at(a.state.t) : RotationValue{};
-    return pose(*m.body, a.state) * m.local * Pose{x.x, q.q};
+    return body_pose(*m.body, a.state) * m.local * Pose{x.x, q.q};
   };
   const Quat qP = world(link.p()).q, qS = world(link.s()).q;
   const Quat err = conjugate(qS * q_D) * qP;
@@ -426,7 +426,7 @@ TEST_CASE("a recorder makes a table under the user's names", "[unit][record]") {
   }
   const Table& table = recorder.table();
   CHECK(table.names() == std::vector<std::string>{"t", "arm.x", "Bx", "rejected", "twice"});
-  CHECK(title(table.column("Bx")) == "Bx [N]");
+  CHECK(column_title(table.column("Bx")) == "Bx [N]");
   REQUIRE(table.n_rows() == 3);
   CHECK(table.change("t") == Approx(0.2));
   CHECK(table.last("twice") == 2 * table.last("t"));

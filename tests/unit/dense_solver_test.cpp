@@ -83,7 +83,7 @@ TEST_CASE("dense names the slot whose mass is not positive", "[unit][kkt]") {
 
 TEST_CASE("dense is made by name, without keys", "[unit][kkt]") {
   CHECK(DenseSolver::info().name == "dense");
-  CHECK_NOTHROW(check(DenseSolver::info()));
+  CHECK_NOTHROW(check_type_info(DenseSolver::info()));
   CHECK(DenseSolver::make(Params{})->name() == "dense");
 }
 

@@ -23,7 +23,7 @@ std::unique_ptr<LinearSolver> solver_number(int i) {
 State turned(const System& system, double angle) {
   State s = system.start();
   const Pose turn{Vec3::Zero(), axis_angle(Vec3(0, 1, 0), angle)};
-  StateEditor(s).set_pose(system.body("rod"), turn * pose(system.body("rod"), s));
+  StateEditor(s).set_pose(system.body("rod"), turn * body_pose(system.body("rod"), s));
   return s;
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("A kept factor iterates onto the constraints of a later state", "[unit
     e.at(s);
     e.residuals(C, Cd);
     factor.solve(e, VecX::Zero(s.v.size()), -C, d, lambda);
-    advance(s, 1.0, d);
+    advance_state(s, 1.0, d);
   }
   CHECK(dynamics.work().factors == 1);
   CHECK(dynamics.violation(s) <= 1e-14);

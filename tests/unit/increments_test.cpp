@@ -32,7 +32,7 @@ TEST_CASE("the rotation vector of a step changes as the closed form says", "[uni
   VecX y = VecX::Zero(n_increments(start)), f = y;
   y.segment<3>(3) = D0;
   State here = start;
-  displace(start, y, here);
+  displace_state(start, y, here);
   CHECK(here.q.segment<4>(3).norm() == Approx(1).epsilon(1e-14));
   StateRate k{VecX::Zero(7), VecX::LinSpaced(6, 1, 6), VecX::Constant(1, 7)};
   increment_rates(y, here, k, f);
@@ -46,11 +46,11 @@ TEST_CASE("increments counted from another instant lead to the same state", "[un
   const State start = one_body(exponential(Vec3(0.4, -0.2, 0.3)), Vec3(1, 2, 3));
   VecX y1 = VecX::LinSpaced(13, -0.5, 0.7), y2 = VecX::LinSpaced(13, 0.9, -0.3);
   State middle = start, end = start, again = start;
-  displace(start, y1, middle);
-  displace(start, y2, end);
+  displace_state(start, y1, middle);
+  displace_state(start, y2, end);
   VecX y = y2;
   count_from(y1, 6, y);
-  displace(middle, y, again);
+  displace_state(middle, y, again);
   CHECK((end.q - again.q).norm() < 1e-14);
   CHECK((end.v - again.v).norm() < 1e-14);
   CHECK((end.s - again.s).norm() < 1e-14);
@@ -61,7 +61,7 @@ TEST_CASE("small increments are differences of states", "[unit][integrators]") {
   const State start = one_body(exponential(Vec3(0.4, -0.2, 0.3)), Vec3(1, 2, 3));
   const VecX y = 1e-5 * VecX::LinSpaced(13, -0.5, 0.7);
   State end = start;
-  displace(start, y, end);
+  displace_state(start, y, end);
   StateRate d{VecX::Zero(7), VecX::Zero(6), VecX::Zero(1)};
   as_difference(y, start, d);
   CHECK((end.q - start.q - d.q).norm() < 1e-10);

@@ -73,11 +73,11 @@ void check_shape(const MassProperties& shape, const MassProperties& grid, double
   CHECK(shape.mass == Approx(grid.mass));
   CHECK(shape.center.norm() == 0);
   CHECK((shape.J - grid.J).cwiseAbs().maxCoeff() < relative * grid.J.cwiseAbs().maxCoeff());
-  CHECK_NOTHROW(check(shape, "shape"));
+  CHECK_NOTHROW(check_mass(shape, "shape"));
 }
 
 std::string problem_of(const MassProperties& p) {
-  return message_of<ModelError>([&] { check(p, "body 'crank'"); });
+  return message_of<ModelError>([&] { check_mass(p, "body 'crank'"); });
 }
 
 MassProperties with_J(double a, double b, double c) { return {1, Vec3::Zero(), Vec3(a, b, c).asDiagonal()}; }
@@ -140,7 +140,7 @@ TEST_CASE("a rod lies between its ends", "[unit][model]") {
   CHECK(std::abs(A.col(1)[2]) < 1e-15);                   // z as near to the world's z as can be: y is level
   CHECK(A.col(2)[2] > 0);
   CHECK(shape.mass.J(0, 0) == Approx(0.5 * 2 * 0.06 * 0.06));  // radius: a fiftieth of the length 3
-  CHECK_NOTHROW(check(shape.mass, "rod"));
+  CHECK_NOTHROW(check_mass(shape.mass, "rod"));
 }
 
 TEST_CASE("a rod along the world's z has its z axis along the world's y", "[unit][model]") {
@@ -156,7 +156,7 @@ TEST_CASE("a slender rod has the axial inertia it is given", "[unit][model]") {
   CHECK(shape.mass.J(0, 0) == 1e-6);
   CHECK(shape.mass.J(1, 1) == Approx(1));
   CHECK(shape.mass.J(2, 2) == Approx(1));
-  CHECK_NOTHROW(check(shape.mass, "rod"));
+  CHECK_NOTHROW(check_mass(shape.mass, "rod"));
   check_words(message_of<ModelError>([] { shapes::slender_rod(3, {0, 0, 0}, {0, 2, 0}, 0); }), {"axial inertia is 0"});
 }
 

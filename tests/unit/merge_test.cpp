@@ -73,10 +73,10 @@ TEST_CASE("slots keep the whole: mass, places, and poses of their bodies", "[uni
   const State s = m.system.start();
   CHECK(m.system.slot(0).mass == Approx(3.0));
   for (const Body* body : {&m.a, &m.b}) {
-    const Pose p = pose(*body, s);
+    const Pose p = body_pose(*body, s);
     CHECK((p.x - body->home.x).norm() <= 1e-14);
     CHECK(rotation(p.q).isApprox(rotation(body->home.q), 1e-14));
-    const Twist t = twist(*body, s);
+    const Twist t = body_twist(*body, s);
     CHECK((t.v - body->start.v).norm() <= 1e-14);
     CHECK((t.w - body->start.w).norm() <= 1e-14);
   }
@@ -92,7 +92,7 @@ TEST_CASE("a bolt to the ground makes ground of the body", "[unit][system]") {
   system.setup();
   CHECK(foot.slot == kGround);
   CHECK(system.n_slots() == 1);
-  CHECK((pose(foot, system.start()).x - Vec3(1, 0, 0)).norm() == 0);
+  CHECK((body_pose(foot, system.start()).x - Vec3(1, 0, 0)).norm() == 0);
 }
 
 TEST_CASE("what must stay a link stays one", "[unit][system]") {

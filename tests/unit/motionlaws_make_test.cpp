@@ -183,7 +183,7 @@ void check_tables(const Shelf<LawPtr<L>>& shelf, std::size_t n_expected) {
     CHECK(entry.info.name == name);
     CHECK(!entry.info.help.empty());
     for (const Key& key : entry.info.keys) CHECK(!key.help.empty());
-    CHECK_NOTHROW(check(entry.info));
+    CHECK_NOTHROW(check_type_info(entry.info));
   }
   CHECK(shelf.entries().size() == n_expected);
 }

@@ -39,7 +39,7 @@ Read read(const std::string& text) {
   auto own = std::make_shared<spdlog::logger>("host", std::make_shared<spdlog::sinks::ostream_sink_mt>(words));
   own->set_pattern("%l: %v");
   set_logger(own);
-  const Mechanism m = build(scene_from_text(text, "ball.json"), registry);
+  const Mechanism m = build_mechanism(scene_from_text(text, "ball.json"), registry);
   spdlog::drop("lockstep");
   const Marker& floor = m.system.marker("floor");
   return {floor.translation_law->at(0).x.z(), 2 * std::acos(floor.rotation_law->at(0).q.w),

@@ -95,7 +95,7 @@ const std::vector<Bad> kMissing = {
 std::string refusal_of(const std::string& link) {
   try {
     const Registry registry = builtin_registry();
-    Mechanism m = build(scene_from_text(kJoints + link + "]}", "bad.json"), registry);
+    Mechanism m = build_mechanism(scene_from_text(kJoints + link + "]}", "bad.json"), registry);
     m.system.setup();
   } catch (const SceneError& error) {
     CHECK(error.line > 0);
@@ -141,7 +141,7 @@ TEST_CASE("a coupling takes links by name, markers and bodies", "[unit][scene]")
   for (const char* const text : pairs) {
     CAPTURE(text);
     const Registry registry = builtin_registry();
-    Mechanism m = build(
+    Mechanism m = build_mechanism(
         scene_from_text(kJoints + std::string(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": )") + text + "}]}",
                         "good.json"),
         registry);

@@ -322,17 +322,17 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
 
 TEST_CASE("a table of keys that is not sound is refused", "[unit][model]") {
   const auto problem = [](Keys keys) {
-    return message_of<ModelError>([&] { check(TypeInfo{"cam", "", std::move(keys)}); });
+    return message_of<ModelError>([&] { check_type_info(TypeInfo{"cam", "", std::move(keys)}); });
   };
-  CHECK(message_of<ModelError>([] { check(kRamp); }) == "no error");
-  CHECK(message_of<ModelError>([] { check(kAll); }) == "no error");
+  CHECK(message_of<ModelError>([] { check_type_info(kRamp); }) == "no error");
+  CHECK(message_of<ModelError>([] { check_type_info(kAll); }) == "no error");
   check_words(problem({{"", Form::number, Unit::none, 0, ""}}), {"'cam'", "no name"});
   check_words(problem({{"a", Form::number, Unit::none, 0, ""}, {"a", Form::text, Unit::none, kRequired, ""}}),
               {"'a'", "twice"});
   check_words(problem({{"a", Form::choice, Unit::none, kRequired, ""}}), {"'a'", "without choices"});
   check_words(problem({{"a", Form::text, Unit::none, 3, ""}}), {"'a'", "a number (3)", "a text in quotes"});
   check_words(problem({{"a", Form::number, Unit::length, "3 s", ""}}), {"'a'", "is a time"});
-  check_words(message_of<ModelError>([] { check(TypeInfo{}); }), {"without a name"});
+  check_words(message_of<ModelError>([] { check_type_info(TypeInfo{}); }), {"without a name"});
 }
 
 }  // namespace params_test

@@ -147,7 +147,7 @@ const std::vector<Bad> kRuns = {
 std::string refusal_of(const std::string& text) {
   const Registry registry = builtin_registry();
   try {
-    Mechanism m = build(scene_from_text(text, "bad.json"), registry);
+    Mechanism m = build_mechanism(scene_from_text(text, "bad.json"), registry);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     make_events(m, *recorder);
   } catch (const SceneError& error) {

@@ -187,7 +187,7 @@ TEST_CASE("schur allocates nothing after the first evaluation", "[unit][kkt][sch
 
 TEST_CASE("schur is made by name, without keys", "[unit][kkt]") {
   CHECK(SchurSolver::info().name == "schur");
-  CHECK_NOTHROW(check(SchurSolver::info()));
+  CHECK_NOTHROW(check_type_info(SchurSolver::info()));
   CHECK(SchurSolver::make(Params{})->name() == "schur");
 }
 

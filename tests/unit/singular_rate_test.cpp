@@ -100,7 +100,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
                  builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
                  {.tolerance = {1e-9, 1e-11}});
   run.run_until(0.5);
-  const Vec3 top = pose(bays.system.body("bar 0"), run.state()).x - Vec3(0.5, 0, 0);
+  const Vec3 top = body_pose(bays.system.body("bar 0"), run.state()).x - Vec3(0.5, 0, 0);
   const double theta = bays.angle(0, 1.5, 0.5);
   CAPTURE(method, stages, theta);
   CHECK((top - Vec3(std::cos(theta), std::sin(theta), 0)).norm() < 2e-8);

@@ -22,7 +22,9 @@ std::string arm(const std::string& on_link, const std::string& more = "", const 
          (on_link.empty() ? "" : ", " + on_link) + "}]" + (more.empty() ? "" : ", " + more) + "}";
 }
 
-Mechanism made(const std::string& text) { return build(scene_from_text(text, "arm.json"), builtin_registry()); }
+Mechanism made(const std::string& text) {
+  return build_mechanism(scene_from_text(text, "arm.json"), builtin_registry());
+}
 
 std::string refusal(const std::string& text) {
   return testing::message_of<SceneError>([&] { (void)made(text); });

@@ -33,7 +33,7 @@ struct Runs {
     const Scene scene = scene_from_text(text, "scene.json");
     const std::vector<Variable> variables = read_variables({vary}, scene, registry);
     for (std::size_t k = 0; k < variables[0].values.size(); ++k)
-      scenes.push_back(varied(scene, variables, {k}, registry));
+      scenes.push_back(vary_scene(scene, variables, {k}, registry));
     columns = recorded_columns(scene, registry);
   }
   LaneRuns lanes(std::vector<Table>* histories = nullptr) {

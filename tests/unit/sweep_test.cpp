@@ -41,7 +41,7 @@ struct Swept {
     return all;
   }
   SweepRun run(long number, Table* history = nullptr) const {
-    return sweep_run(varied(scene, variables, grid.at(number), registry), registry, columns, {}, history);
+    return sweep_run(vary_scene(scene, variables, grid.at(number), registry), registry, columns, {}, history);
   }
   std::string row(long number) const { return sweep_row(number, variables, grid.at(number), columns, run(number)); }
 };

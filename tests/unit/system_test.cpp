@@ -148,10 +148,10 @@ TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]"
   const Mat3 A = oracle::paper::rotation(a.home.q.coefficients());
   CHECK((state.slot_pose(a.slot).x - (a.home.x + A * kMass.center)).norm() < 1e-15);
   CHECK((state.slot_twist(a.slot).v - (a.start.v + A * oracle::paper::skew(a.start.w) * kMass.center)).norm() < 1e-15);
-  CHECK((pose(a, state).x - a.home.x).norm() < 1e-15);
-  CHECK((twist(a, state).v - a.start.v).norm() < 1e-15);
-  CHECK(pose(wall, state).x == wall.home.x);
-  CHECK(twist(wall, state).v == Vec3::Zero());
+  CHECK((body_pose(a, state).x - a.home.x).norm() < 1e-15);
+  CHECK((body_twist(a, state).v - a.start.v).norm() < 1e-15);
+  CHECK(body_pose(wall, state).x == wall.home.x);
+  CHECK(body_twist(wall, state).v == Vec3::Zero());
 }
 
 TEST_CASE("the length of a system is its longest arm, radius of gyration or span of a link", "[unit][system]") {

@@ -47,8 +47,8 @@ TEST_CASE("a table finds columns by name and tells their change", "[unit][record
   CHECK(table.change("count") == 2);
   CHECK(table.first("count") == 1);
   CHECK(table.last("t") == 0.2);
-  CHECK(title(table.column("Bx")) == "Bx [N]");
-  CHECK(title(table.column("count")) == "count");
+  CHECK(column_title(table.column("Bx")) == "Bx [N]");
+  CHECK(column_title(table.column("count")) == "count");
   check_words(message_of<ModelError>([&] { table.column("bx "); }), {"did you mean \"Bx\"?"});
 }
 

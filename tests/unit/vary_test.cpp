@@ -97,24 +97,25 @@ TEST_CASE("the varied scene has the values, the first one is as before", "[unit]
   const std::vector<Variable> all = read_variables(
       {"bodies.bob.particle=3,4", "run.tolerance=1e-4,1e-9", "bodies.bob.velocity.1=5", "run.solver.type=dense"},
       read.scene, read.registry);
-  const Scene scene = varied(read.scene, all, {1, 1, 0, 0}, read.registry);
+  const Scene scene = vary_scene(read.scene, all, {1, 1, 0, 0}, read.registry);
   CHECK(scene.run.tolerance.relative == 1e-9);
   CHECK(scene.run.solver.type == "dense");
   CHECK(scene.file == "scene.json");
-  const Mechanism m = build(scene, read.registry);
+  const Mechanism m = build_mechanism(scene, read.registry);
   CHECK(m.system.body("bob").mass.mass == 4);
   CHECK(m.system.body("bob").start.v == Vec3(0, 5, 0));
   CHECK(setting_text(all, {1, 1, 0, 0}) ==
         "bodies.bob.particle = 4 kg, run.tolerance = 1e-09, bodies.bob.velocity.1 = 5 m/s, run.solver.type = dense");
-  CHECK(build(read.scene, read.registry).system.body("bob").mass.mass == 2);
+  CHECK(build_mechanism(read.scene, read.registry).system.body("bob").mass.mass == 2);
   CHECK(read.scene.root.find("run")->find("tolerance") == nullptr);
 }
 
 TEST_CASE("a value that cannot be is refused with the place of what it replaced", "[unit][scene]") {
   const Read read;
   const std::vector<Variable> all = read_variables({"bodies.bob.particle=-1"}, read.scene, read.registry);
-  const Scene scene = varied(read.scene, all, {0}, read.registry);
-  check_words(message_of<SceneError>([&] { build(scene, read.registry); }), {"scene.json:2:", "body 'bob'", "-1"});
+  const Scene scene = vary_scene(read.scene, all, {0}, read.registry);
+  check_words(message_of<SceneError>([&] { build_mechanism(scene, read.registry); }),
+              {"scene.json:2:", "body 'bob'", "-1"});
 }
 
 }  // namespace vary_test

@@ -48,7 +48,7 @@ TEST_CASE("bench scenes start where the mechanisms do", "[verification][bench]")
   for (const peers::Mechanism& m : peers::all_mechanisms()) {
     if (peers::n_bodies(m) > 100) continue;
     CAPTURE(m.name);
-    const Mechanism mechanism = build(scene_of(m), registry);
+    const Mechanism mechanism = build_mechanism(scene_of(m), registry);
     CHECK(mechanism.system.gravity() == m.gravity);
     CHECK(mechanism.run.until == m.until);
     REQUIRE(mechanism.system.bodies().size() == std::size_t(peers::n_bodies(m) + 1));  // and the ground
@@ -75,7 +75,7 @@ TEST_CASE("bench scenes run and keep their constraints", "[verification][bench]"
   const Registry registry = builtin_registry();
   for (const peers::Mechanism& m : peers::all_mechanisms()) {
     CAPTURE(m.name);
-    Mechanism mechanism = build(scene_of(m), registry);
+    Mechanism mechanism = build_mechanism(scene_of(m), registry);
     const RunSettings& run = mechanism.run;
     Dynamics dynamics(mechanism.system, make_solver(run, registry), {run.formulation, run.stabilization});
     State start = mechanism.system.start();

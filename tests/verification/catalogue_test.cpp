@@ -30,7 +30,7 @@ constexpr double g = 9.81;
 
 SceneRun run_of(const std::string& name, const std::function<void(RunSettings&)>& change = {},
                 const std::function<void(Scene&)>& describe = {}) {
-  return run_scene(std::string(paths::kScenes) + "/" + name + ".json", change, describe);
+  return run_scene(scene_path(name), change, describe);
 }
 /// Largest difference of a column from f(t), over the whole history.
 double off(const Table& t, const char* column, const std::function<double(double)>& f) {
@@ -344,7 +344,7 @@ TEST_CASE("followers of splined cams stand where a search finds them", "[verific
       },
       [&](Scene& s) {
         const Registry registry = builtin_registry();
-        Mechanism m = build(s, registry);
+        Mechanism m = build_mechanism(s, registry);
         one = static_cast<const CamRoller&>(m.system.link("contact_1")).phi().profile.radius();
         two = static_cast<const CamFlat&>(m.system.link("contact_2")).phi().profile.radius();
       });

@@ -106,7 +106,7 @@ TEST_CASE("turns are counted once through events and rejected steps", "[verifica
   for (int k = 1; k <= 12; ++k) {  // at every third turn the same torque goes on
     Event event;
     event.name = "turn " + std::to_string(k), event.once = false;
-    event.value = [k, &nut, lead](const Sample& s) { return pose(nut, s.state).x[2] - 3.0 * lead * k; };
+    event.value = [k, &nut, lead](const Sample& s) { return body_pose(nut, s.state).x[2] - 3.0 * lead * k; };
     event.change = [&crossings](State&) { ++crossings; };
     simulation.add_event(std::move(event));
   }
@@ -220,7 +220,7 @@ TEST_CASE("joints and couplings from functions take nothing from the heap while 
   const Registry registry = builtin_registry();
   Scene scene = read_scene(std::string(paths::kScenes) + "/" + name + ".json");
   scene.run.integrator = {"rk4"}, scene.run.step = 1e-3;
-  Mechanism m = build(scene, registry);
+  Mechanism m = build_mechanism(scene, registry);
   Dynamics dynamics(m.system, make_solver(m.run, registry));
   State start = m.system.start();
   assemble(dynamics, start, m.start_speeds);

@@ -131,10 +131,10 @@ TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verific
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State start = sys.start();
   assemble(dynamics, start, {{"A", Axis::rz, 3.0}});
-  CHECK(std::abs(twist(crank, start).w[2] - 3.0) < 1e-10);
-  CHECK(std::abs(twist(rocker, start).w[2] - 3.0) < 1e-10);
-  CHECK(twist(bar, start).w.norm() < 1e-10);  // a parallelogram's coupler does not turn
-  CHECK(std::abs(twist(bar, start).v[0] + 3.0 * 0.2) < 1e-10);
+  CHECK(std::abs(body_twist(crank, start).w[2] - 3.0) < 1e-10);
+  CHECK(std::abs(body_twist(rocker, start).w[2] - 3.0) < 1e-10);
+  CHECK(body_twist(bar, start).w.norm() < 1e-10);  // a parallelogram's coupler does not turn
+  CHECK(std::abs(body_twist(bar, start).v[0] + 3.0 * 0.2) < 1e-10);
   CHECK_THROWS_AS(assemble(dynamics, start, {{"A", Axis::rz, 3.0}, {"D", Axis::rz, 2.0}}), AssemblyError);
 }
 

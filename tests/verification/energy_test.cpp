@@ -22,7 +22,7 @@ struct Part {
 
 std::vector<Part> parts_of(const std::string& method, double h, long n_steps) {
   const Registry registry = builtin_registry();
-  Mechanism m = build(read_scene(std::string(paths::kScenes) + "/double_pendulum.json"), registry);
+  Mechanism m = build_mechanism(read_scene(std::string(paths::kScenes) + "/double_pendulum.json"), registry);
   System& system = m.system;
   Dynamics dynamics(system, make_solver(m.run, registry));
   const std::unique_ptr<Integrator> integrator =

@@ -29,14 +29,14 @@ const Course kChain{"chain_10", 0.7, {"q1",   "q2",   "q3",   "q4",   "q5",   "q
 
 /// Length of all columns' errors at the end, after n equal steps. One number alone may pass through zero.
 double error_of(const Course& m, const std::string& method, const std::string& stages, int n) {
-  const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + m.scene + ".json", [&](RunSettings& s) {
+  const SceneRun run = run_scene(scene_path(m.scene), [&](RunSettings& s) {
     s.integrator = {method};
     if (!stages.empty()) s.integrator.keys = Value::object({{"fixed", true}, {"stages", stages.c_str()}});
     s.step = m.end / n;
     s.output = 0, s.times = {m.end}, s.until = m.end;
     s.stabilization.tolerance = 1e-13;
   });
-  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + m.scene + ".csv");
+  const Table truth = trusted(m.scene);
   std::size_t row = 0;
   while (std::abs(truth["t"][row] - m.end) > 1e-9) ++row;
   double error = 0;
@@ -81,9 +81,9 @@ TEST_CASE("the error follows the step with the order of the method on three mech
 TEST_CASE("the error of explicit methods follows the tolerance to 1e-9 with slope one", "[verification][integrators]") {
   const std::string method = GENERATE("dopri5", "dop853");
   const Course m = GENERATE(kTop, kChain);
-  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + m.scene + ".csv");
+  const Table truth = trusted(m.scene);
   const auto error_at = [&](double tolerance) {
-    const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + m.scene + ".json", [&](RunSettings& s) {
+    const SceneRun run = run_scene(scene_path(m.scene), [&](RunSettings& s) {
       s.integrator = {method};
       s.tolerance = {tolerance, 1e-2 * tolerance};
       s.until = m.end;

@@ -279,7 +279,7 @@ TEST_CASE("a rod is hit at one end, and at both at one instant", "[verification]
     StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-11, 0});
     simulation.run_until(fall + 1e-9);
     CHECK(simulation.report().impacts == 1);
-    const Twist now = twist(*it.rod, simulation.state());
+    const Twist now = body_twist(*it.rod, simulation.state());
     const double p = both ? m * (1 + e) * V : (1 + e) * V / (1 / m + a * a / it.J);
     CHECK(now.v[2] == Approx(-V + p / m).epsilon(1e-7));
     CHECK(now.w[1] == Approx(both ? 0 : -a * p / it.J).margin(1e-6));
@@ -334,7 +334,7 @@ std::string cube(double mu) {
 TEST_CASE("a cube that is thrown on eight supports comes to lie", "[verification][impacts][friction]") {
   const double mu = GENERATE(0.0, 0.3);
   CAPTURE(mu);
-  Mechanism m = build(scene_from_text(cube(mu), "cube.json"), builtin_registry());
+  Mechanism m = build_mechanism(scene_from_text(cube(mu), "cube.json"), builtin_registry());
   const Channel balance = make_channel(m.system, "energy.balance"), lost = make_channel(m.system, "energy.dissipated");
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <complex>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -26,7 +27,7 @@ namespace {
 using Eigenvalues = std::vector<std::complex<double>>;
 
 Eigenvalues exact(const std::string& name) {
-  std::ifstream file(std::string(paths::kSource) + "/tests/verification/data/modes.csv");
+  std::ifstream file(std::filesystem::path(paths::kSource) / "tests/verification/data/modes.csv");
   Eigenvalues out;
   for (std::string line; std::getline(file, line);) {
     std::istringstream cells(line);

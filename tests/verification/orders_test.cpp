@@ -82,7 +82,7 @@ TEST_CASE("measured orders on the heavy top are 1, 2, 4, 5 and 8", "[verificatio
   };
   const auto m = GENERATE(Method{"semi_implicit_euler", 1, 1e-4}, Method{"rk4", 4, 1e-3}, Method{"dopri5", 5, 5e-4},
                           Method{"dop853", 8, 5e-3}, Method{"generalized_alpha", 2, 2e-4}, Method{"radau5", 5, 1e-3});
-  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/heavy_top.csv");
+  const Table truth = trusted("heavy_top");
   const double coarse = error_of(m.name, m.h, truth), fine = error_of(m.name, m.h / 2, truth);
   const double order = std::log2(coarse / fine);
   CAPTURE(m.name, coarse, fine, order);
@@ -112,9 +112,9 @@ TEST_CASE("implicit methods keep their orders on a chain and on a redundant loop
 
 TEST_CASE("the error of radau5 follows the tolerance down to 1e-9 with slope one", "[verification][integrators]") {
   const std::string scene = GENERATE("chain_10", "double_pendulum");
-  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + scene + ".csv");
+  const Table truth = trusted(scene);
   const auto error_at = [&](double tolerance) {
-    const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + scene + ".json", [&](RunSettings& s) {
+    const SceneRun run = run_scene(scene_path(scene), [&](RunSettings& s) {
       s.integrator = {"radau5"};
       s.tolerance = {tolerance, 1e-2 * tolerance};
     });

@@ -67,7 +67,7 @@ TEST_CASE("mechanisms in space are not taken for planar ones", "[verification][p
                                     "moving_marker_free", "free_body", "gyroscope_steady");
   CAPTURE(name);
   const Registry registry = builtin_registry();
-  Mechanism m = build(read_scene(scene_path(name)), registry);
+  Mechanism m = build_mechanism(read_scene(scene_path(name)), registry);
   CHECK_FALSE(find_plane(m.system));
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("in the plane all solvers agree, redundant or not", "[verification][pl
   CAPTURE(name);
   Scene scene = read_scene(scene_path(name));
   in_plane(scene);
-  Mechanism m = build(scene, registry);
+  Mechanism m = build_mechanism(scene, registry);
   REQUIRE(m.system.plane() == Plane{2});
   const auto solved = [&](std::unique_ptr<LinearSolver> solver) {
     Dynamics dynamics(m.system, std::move(solver));

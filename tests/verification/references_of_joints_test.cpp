@@ -155,8 +155,8 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
   for (std::size_t i = 0; i < truth.n_rows(); ++i) {
     if (i > 0) simulation.run_until(truth["t"][i]);
     const State& s = simulation.state();
-    const Pose p = pose(platform, s);
-    const Twist v = twist(platform, s);
+    const Pose p = body_pose(platform, s);
+    const Twist v = body_twist(platform, s);
     const Quat off = conjugate(quaternion(i)) * p.q;
     position = std::max(position, (p.x - three("x", "y", "z", i)).norm());
     turn = std::max(turn, 2 * off.vec().norm());

@@ -22,13 +22,13 @@ struct Passage {
 
 Passage pass(const std::string& scene, const std::string& method, const std::string& stages, double tolerance,
              double until = 10) {
-  const SceneRun run = run_scene(std::string(paths::kScenes) + "/" + scene + ".json", [&](RunSettings& s) {
+  const SceneRun run = run_scene(scene_path(scene), [&](RunSettings& s) {
     s.integrator = {method};
     s.integrator.keys = Value::object({{"stages", stages.c_str()}});
     s.tolerance = {tolerance, 1e-2 * tolerance};
     s.until = until;
   });
-  const Table truth = read_csv(std::string(paths::kSource) + "/tests/verification/data/" + scene + ".csv");
+  const Table truth = trusted(scene);
   Passage p;
   p.report = run.report;
   REQUIRE(run.table.n_rows() == static_cast<std::size_t>(std::lround(until / 0.1)) + 1);

@@ -15,7 +15,7 @@ using namespace lockstep;
 namespace {
 
 SceneRun run_flyball(const std::string& method, double step, double tolerance) {
-  return run_scene(std::string(paths::kScenes) + "/flyball.json", [&](RunSettings& s) {
+  return run_scene(scene_path("flyball"), [&](RunSettings& s) {
     s.integrator = {method};
     if (method.starts_with("dop")) s.integrator.keys = Value::object({{"fixed", true}});
     s.step = step;
@@ -81,7 +81,7 @@ TEST_CASE("the error of radau5 on the flyball governor follows the tolerance", "
 }
 
 TEST_CASE("Andrews' mechanism A03 holds to 1e-7 with radau5", "[verification][stiff]") {
-  const SceneRun run = run_scene(std::string(paths::kScenes) + "/andrews_a03.json");
+  const SceneRun run = run_scene(scene_path("andrews_a03"));
   const Table truth = trusted("andrews_a03");
   for (const Column& c : truth.columns())
     if (c.name != "energy_balance" && c.name != "torque_check") {

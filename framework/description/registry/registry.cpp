@@ -62,7 +62,7 @@ void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
   if (const Entry* taken = find(info.name))
     throw PluginError(what + " is already registered" + origin_words(taken->origin) + "; choose another name");
   try {
-    check(info);
+    check_type_info(info);
   } catch (const ModelError& error) {
     throw PluginError(what + " cannot be registered: " + error.what());
   }

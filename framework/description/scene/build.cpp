@@ -1,4 +1,4 @@
-// build(): makes the parts of a scene in order, and what those parts share.
+// build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
 
 #include "framework/description/scene/builder.h"
@@ -125,7 +125,7 @@ void Builder::set_up(const std::string& normal) {
   }
 }
 
-Mechanism build(const Scene& scene, const Registry& registry) {
+Mechanism build_mechanism(const Scene& scene, const Registry& registry) {
   Mechanism mechanism;
   Builder(scene, registry, mechanism).build();
   return mechanism;

@@ -100,7 +100,7 @@ MassProperties read_mass(const Params& body) {
   }
   return placed(body.value("inertia").where, [&] {
     const MassProperties m = shapes::about(mass, center, read_inertia(body), origin, body.orientation("inertia_axes"));
-    check(m, body.owner());
+    check_mass(m, body.owner());
     return m;
   });
 }

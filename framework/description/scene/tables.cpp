@@ -310,7 +310,7 @@ std::vector<SceneTable> all_tables() {
   std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
   for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
-  for (const SceneTable& table : all) check(table.info);
+  for (const SceneTable& table : all) check_type_info(table.info);
   return all;
 }
 

@@ -169,8 +169,8 @@ std::vector<Variable> read_variables(const std::vector<std::string>& texts, cons
   return all;
 }
 
-Scene varied(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
-             const Registry& registry) {
+Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
+                 const Registry& registry) {
   Value root = scene.root;
   for (std::size_t k = 0; k < variables.size(); ++k) {
     Value& value = *find_place(root, variables[k].path, registry).value;

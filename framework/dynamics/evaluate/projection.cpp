@@ -8,7 +8,7 @@ namespace lockstep {
 
 ProjectReport Projection::project(Evaluation& e, Factor& factor, State& state, double goal) {
   ProjectReport report;
-  normalize(state);
+  normalize_state(state);
   if (e.covers(state) && e.rows().n_rows == 0) return report;
   zero_.setZero(state.v.size());
   const bool factored = positions(e, factor, state, goal, report);
@@ -33,7 +33,7 @@ bool Projection::positions(Evaluation& e, Factor& factor, State& state, double g
     C_ = -C_;
     if (!rounds.chord()) factor.compute(e);
     factor.solve(e, zero_, C_, d_, lambda_);
-    advance(state, 1.0, d_);
+    advance_state(state, 1.0, d_);
   }
   report.after = rounds.residual();
   report.rounds = rounds.round();

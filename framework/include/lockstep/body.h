@@ -23,7 +23,7 @@ struct MassProperties {
 
 /// Throws ModelError naming `owner`: mass not above 0, numbers not finite, J not symmetric (to 1e-10 relative), not
 /// positive definite, or against the triangle rule of principal moments (equality passes, to 1e-10 relative).
-LOCKSTEP_API void check(const MassProperties&, const std::string& owner);
+LOCKSTEP_API void check_mass(const MassProperties&, const std::string& owner);
 
 /// Mass properties of common shapes, and of bodies made of them. Lengths in m, masses in kg, inertias in kg m^2.
 namespace shapes {

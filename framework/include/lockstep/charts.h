@@ -61,7 +61,8 @@ struct ChartSpec {
 
 /// Curve of column `y` over column `x`; its label is `label`, or the title of the column, "y [unit]". Throws ModelError
 /// for an unknown column.
-LOCKSTEP_API Series curve(const Table&, const std::string& x, const std::string& y, const std::string& label = {});
+LOCKSTEP_API Series table_series(const Table&, const std::string& x, const std::string& y,
+                                 const std::string& label = {});
 
 /// A map: cells of a grid, each of one kind (works, inaccurate, fails) or with one value, and curves over them.
 struct MapSpec {

@@ -327,8 +327,8 @@ class LOCKSTEP_API Dynamics {
   /// one another. Throws NonFiniteError, SolveError.
   double project_velocity(State&);
   /// q <- q (+) h v, with unit quaternions. h: s; v: 6 per slot, m/s (world) and rad/s (slot axes).
-  void advance(State& state, double h, const VecX& v) const { lockstep::advance(state, h, v); }
-  void normalize(State& state) const { lockstep::normalize(state); }  ///< quaternions back to length one
+  void advance(State& state, double h, const VecX& v) const { lockstep::advance_state(state, h, v); }
+  void normalize(State& state) const { lockstep::normalize_state(state); }  ///< quaternions back to length one
   /// After an accepted step: updates what links and forces remember (State::z).
   void accept(State&);
 

@@ -37,6 +37,7 @@
 #include <lockstep/newton.h>
 #include <lockstep/params.h>
 #include <lockstep/phi.h>
+#include <lockstep/phi_check.h>
 #include <lockstep/phi_function.h>
 #include <lockstep/phi_links.h>
 #include <lockstep/recorder.h>

@@ -273,7 +273,7 @@ LOCKSTEP_API std::string name_of(Form);
 
 /// Throws ModelError for a faulty table: no name, a key without a name or listed twice, text that is not one plain line
 /// of UTF-8, a default that is not of the key's form, a choice without choices.
-LOCKSTEP_API void check(const TypeInfo&);
+LOCKSTEP_API void check_type_info(const TypeInfo&);
 
 // Attachment: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
 

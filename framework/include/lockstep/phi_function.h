@@ -12,7 +12,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/kernel.h>
-#include <lockstep/phi.h>
+#include <lockstep/phi_check.h>
 #include <lockstep/relative.h>
 #include <lockstep/rows.h>
 

@@ -87,7 +87,7 @@ class LOCKSTEP_API Table {
 };
 
 /// Title of a column: "Bx [N]", or its name alone when the unit is "".
-LOCKSTEP_API std::string title(const Column&);
+LOCKSTEP_API std::string column_title(const Column&);
 
 /// Writes a table as CSV: the header `t [s],Bx [N]`, then one line per row, every number in the shortest form that
 /// reads back as the same double. A title with a comma, a quote or a line end is put in quotes.

@@ -47,7 +47,7 @@ struct Scene {
   std::string title,                   ///< "title", or ""
       description;                     ///< "description", or ""
   std::vector<std::string> plugins{};  ///< names of the plugins that it "requires"
-  RunSettings run;                     ///< "run"; may be changed before build()
+  RunSettings run;                     ///< "run"; may be changed before build_mechanism()
 };
 
 /// Reads a scene from a JSON file. Throws FileError, and SceneError with file, line, column, owner, value and next
@@ -76,7 +76,7 @@ struct Mechanism {
 
 /// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for everything
 /// that is wrong, also for what makers and the System refuse.
-LOCKSTEP_API Mechanism build(const Scene&, const Registry&);
+LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&);
 
 /// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, refused keys,
 /// or a method with fixed steps where no step is given.
@@ -105,9 +105,9 @@ LOCKSTEP_API Variable read_variable(const std::string& text, const Scene&, const
 LOCKSTEP_API std::vector<Variable> read_variables(const std::vector<std::string>& texts, const Scene&, const Registry&);
 
 /// The scene in which variable k has its value number choice[k]; the run settings are read again. Throws SceneError for
-/// wrong settings; the rest is checked by build().
-LOCKSTEP_API Scene varied(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
-                          const Registry&);
+/// wrong settings; the rest is checked by build_mechanism().
+LOCKSTEP_API Scene vary_scene(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
+                              const Registry&);
 
 /// A choice of values in words: "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
 LOCKSTEP_API std::string setting_text(const std::vector<Variable>&, const std::vector<std::size_t>& choice);

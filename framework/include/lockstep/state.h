@@ -76,16 +76,16 @@ inline void read_motion(const State& state, int slot, Motion& out) {
   out.w = state.v.segment<3>(6 * slot + 3);
 }
 /// Motion of a slot, with the quaternion normalised; the ground is at rest at the origin.
-inline Motion motion(const State& state, int slot) {
+inline Motion slot_motion(const State& state, int slot) {
   Motion out;
   if (slot != kGround) read_motion(state, slot, out);
   return out;
 }
 
 /// Moves q by h v: x += h v, e <- e exp(h w). h in s; v: 6 per slot, m/s (world) and rad/s (slot axes). Time stays.
-LOCKSTEP_API void advance(State&, double h, const VecX& v);
+LOCKSTEP_API void advance_state(State&, double h, const VecX& v);
 /// Scales the quaternions of q to length one.
-LOCKSTEP_API void normalize(State&);
+LOCKSTEP_API void normalize_state(State&);
 /// dq/dt at the state's velocities, 7 per slot: dx = v, de = (1/2) e w (1.8), from the quaternion as it is stored, so
 /// that the exact flow keeps its length.
 LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);

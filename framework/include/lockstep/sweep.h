@@ -45,7 +45,7 @@ struct SweepRun {
 };
 
 /// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
-/// record_places(). Throws what build() and make_recorder() throw.
+/// record_places(). Throws what build_mechanism() and make_recorder() throw.
 LOCKSTEP_API Table recorded_columns(const Scene&, const Registry&);
 
 /// Builds the scene, assembles its start and runs it to its end. It throws nothing: every failure is a result, also

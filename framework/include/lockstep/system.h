@@ -22,9 +22,9 @@ namespace lockstep {
 // Poses and twists of bodies in a state, read and set independently of the coordinates that the state stores.
 
 /// Pose of a body's frame in the world: m, and a unit quaternion.
-LOCKSTEP_API Pose pose(const Body&, const State&);
+LOCKSTEP_API Pose body_pose(const Body&, const State&);
 /// Twist of a body's frame: velocity of its origin, world, m/s; angular velocity, body axes, rad/s.
-LOCKSTEP_API Twist twist(const Body&, const State&);
+LOCKSTEP_API Twist body_twist(const Body&, const State&);
 
 /// Reads and sets the motion of bodies in a state, for code that changes a state: Event::change, a start for
 /// Simulation::set_state. What is set need not satisfy the links; whoever takes the state makes it consistent. Bodies
@@ -33,10 +33,10 @@ class LOCKSTEP_API StateEditor {
  public:
   /// Edits `state`, which must outlive the editor.
   explicit StateEditor(State& state) : state_(state) {}
-  /// As lockstep::pose().
-  Pose pose(const Body& body) const { return lockstep::pose(body, state_); }
-  /// As lockstep::twist().
-  Twist twist(const Body& body) const { return lockstep::twist(body, state_); }
+  /// As lockstep::body_pose().
+  Pose pose(const Body& body) const { return lockstep::body_pose(body, state_); }
+  /// As lockstep::body_twist().
+  Twist twist(const Body& body) const { return lockstep::body_twist(body, state_); }
   /// Sets the pose of the body's frame in the world; its twist stays. Throws ModelError for a body that does not move.
   void set_pose(const Body&, const Pose&);
   /// Sets the twist of the body's frame. Throws ModelError for a body that does not move.
@@ -77,7 +77,7 @@ class LOCKSTEP_API System {
   // -- description. Bodies, markers, links and forces all have different names. References stay valid.
   Body& ground() { return *ground_; }  ///< the fixed body "ground", whose frame is the world's
   /// A body with its mass properties in its own frame, and the pose of that frame in the world at the start. Throws
-  /// ModelError for a name that is empty or taken, invalid mass properties (check()), or a pose that is not finite or
+  /// ModelError for a name that is empty or taken, invalid mass properties (check_mass()), or a pose that is not finite or
   /// not of a unit quaternion.
   Body& add_body(const std::string& name, const MassProperties&, const Pose& home = {});
   /// A body from a shape, at the shape's pose. Throws likewise.

@@ -50,7 +50,7 @@ double rod_length(double mass, const Vec3& from, const Vec3& to) {
 
 }  // namespace
 
-void check(const MassProperties& p, const std::string& owner) {
+void check_mass(const MassProperties& p, const std::string& owner) {
   const std::string who = owner + ": ";
   require_positive(p.mass, who + "the mass");
   if (!p.center.allFinite()) throw ModelError(who + "the mass centre is not finite; give three finite numbers");

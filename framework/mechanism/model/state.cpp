@@ -2,7 +2,7 @@
 
 namespace lockstep {
 
-void advance(State& state, double h, const VecX& v) {
+void advance_state(State& state, double h, const VecX& v) {
   for (int k = 0; 6 * k < v.size(); ++k) {
     state.q.segment<3>(7 * k) += h * v.segment<3>(6 * k);
     const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * exponential(Vec3(h * v.segment<3>(6 * k + 3)));
@@ -10,7 +10,7 @@ void advance(State& state, double h, const VecX& v) {
   }
 }
 
-void normalize(State& state) {
+void normalize_state(State& state) {
   for (int k = 0; 7 * k < state.q.size(); ++k) state.q.segment<4>(7 * k + 3).normalize();
 }
 

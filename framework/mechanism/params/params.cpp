@@ -139,7 +139,7 @@ std::string name_of(Form form) {
   return kNames.at(static_cast<std::size_t>(form));
 }
 
-void check(const TypeInfo& info) {
+void check_type_info(const TypeInfo& info) {
   if (info.name.empty()) throw ModelError("a type without a name: give its TypeInfo one");
   check_plain(info.name, "its name");
   check_plain(info.help, "its help");

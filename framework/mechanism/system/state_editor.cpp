@@ -14,13 +14,13 @@ int moving_slot(const Body& b) {
 
 }  // namespace
 
-Pose pose(const Body& b, const State& state) {
+Pose body_pose(const Body& b, const State& state) {
   if (b.slot == kGround) return b.home;
   const Pose slot = state.slot_pose(b.slot);
   return Pose{slot.x, normalized(slot.q)} * b.in_slot;
 }
 
-Twist twist(const Body& b, const State& state) {
+Twist body_twist(const Body& b, const State& state) {
   if (b.slot == kGround) return {};
   const Twist slot = state.slot_twist(b.slot);
   const Mat3 A = rotation(normalized(state.slot_pose(b.slot).q));

@@ -81,7 +81,7 @@ void System::check_new_name(const std::string& kind, const std::string& name) co
 
 Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
   check_new_name("body", name);
-  check(mass, "body '" + name + "'");
+  check_mass(mass, "body '" + name + "'");
   check_pose("body '" + name + "'", home);
   ready_ = false;
   Body& b = bodies_.emplace_back();

@@ -131,8 +131,8 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
 
 }  // namespace
 
-Series curve(const Table& table, const std::string& x, const std::string& y, const std::string& label) {
-  return {label.empty() ? title(table.column(y)) : label, table[x], table[y]};
+Series table_series(const Table& table, const std::string& x, const std::string& y, const std::string& label) {
+  return {label.empty() ? column_title(table.column(y)) : label, table[x], table[y]};
 }
 
 void write_chart(const std::string& path, const ChartSpec& spec) {

@@ -39,7 +39,7 @@ struct Owner {
 // `assembled`: the start that all mechanisms of the scene share, computed by the first.
 Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt& interrupt,
                    std::optional<State>& assembled) {
-  auto owner = std::make_shared<Owner>(Owner{build(scene, registry), nullptr, Ender(interrupt)});
+  auto owner = std::make_shared<Owner>(Owner{build_mechanism(scene, registry), nullptr, Ender(interrupt)});
   Mechanism& m = owner->mechanism;
   m.run.record.clear();
   owner->recorder = make_recorder(m);

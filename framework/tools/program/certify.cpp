@@ -36,7 +36,7 @@ Tolerance tightened(double relative) {
 
 // The recorded table; none if the run took longer than `limit`, s of CPU time.
 std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, const Repeat& repeat, double limit) {
-  Mechanism m = build(loaded.scene, loaded.registry);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   m.run.record = run.record;
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);

@@ -116,7 +116,7 @@ int list_channels(const System& system, bool as_json) {
 /// What the scene could also leave out without an approximation.
 std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
   std::vector<std::string> all;
-  Mechanism other = build(loaded.scene, loaded.registry);
+  Mechanism other = build_mechanism(loaded.scene, loaded.registry);
   if (!m.system.plane())
     if (const Plane plane = find_plane(other.system)) {
       other.system.set_planar(plane);
@@ -128,7 +128,7 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
   Scene scene = loaded.scene;
   scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
   try {
-    const Mechanism merged = build(scene, loaded.registry);
+    const Mechanism merged = build_mechanism(scene, loaded.registry);
     const long n = std::count_if(merged.system.links().begin(), merged.system.links().end(),
                                  [&](const auto& l) { return merged.system.merged(*l); });
     if (n > 0)
@@ -143,7 +143,7 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
 
 int check_command(const Arguments& args) {
   const Loaded loaded = load(args);
-  Mechanism m = build(loaded.scene, loaded.registry);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   if (args.channels) return list_channels(m.system, args.json);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);

@@ -53,7 +53,7 @@ std::vector<Panel> panels_by_unit(const Table& table) {
       panel = panels.insert(panel, {label, {}});
     }
     if (panel->series.size() < kMostCurves)
-      panel->series.push_back(curve(table, columns.front().name, columns[k].name, columns[k].name));
+      panel->series.push_back(table_series(table, columns.front().name, columns[k].name, columns[k].name));
   }
   return panels;
 }
@@ -63,7 +63,7 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
   for (const std::vector<std::string>& names : draw) {
     Panel& panel = panels.emplace_back(Panel{table.column(names.front()).unit, {}});
     for (const std::string& name : names)
-      panel.series.push_back(curve(table, table.columns().front().name, name, name));
+      panel.series.push_back(table_series(table, table.columns().front().name, name, name));
   }
   return panels;
 }

@@ -127,7 +127,7 @@ void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoo
 int run_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
   Loaded loaded = load(args);
-  Mechanism m = build(loaded.scene, loaded.registry);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
@@ -174,7 +174,7 @@ int run_command(const Arguments& args) {
 
 int assemble_command(const Arguments& args) {
   const Loaded loaded = load(args);
-  Mechanism m = build(loaded.scene, loaded.registry);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
   const AssemblyReport r = assemble(dynamics, state, m.start_speeds);
@@ -182,7 +182,7 @@ int assemble_command(const Arguments& args) {
   if (!args.json) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
   for (const Body& body : m.system.bodies()) {
     if (body.fixed) continue;
-    const Pose at = pose(body, state);
+    const Pose at = body_pose(body, state);
     bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
     if (!args.json)
       fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],

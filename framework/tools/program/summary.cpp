@@ -13,7 +13,7 @@ constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rou
 enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated };
 
 // Axes of the body's frame at its mass centre.
-Pose center_pose(const Body& body, const State& state) { return pose(body, state) * Pose{body.mass.center, {}}; }
+Pose center_pose(const Body& body, const State& state) { return body_pose(body, state) * Pose{body.mass.center, {}}; }
 
 }  // namespace
 

@@ -64,7 +64,7 @@ struct Plan {
   Table columns;
 
   Scene scene(long run) const {
-    Scene s = varied(loaded.scene, variables, grid.at(run), loaded.registry);
+    Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
     override_settings(s.run, arguments, loaded.registry);
     return s;
   }

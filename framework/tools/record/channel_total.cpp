@@ -37,7 +37,7 @@ Vec3 angular_momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
-    const Motion O = motion(s.state, k);
+    const Motion O = slot_motion(s.state, k);
     sum += cross(O.x, Vec3(b.mass * O.v)) + O.A * (b.J * O.w);
   }
   return sum;

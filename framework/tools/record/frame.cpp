@@ -12,7 +12,7 @@ Vec3 slot_alpha(const VecX& a, int slot) {
 
 RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
   const bool moving = m.translation_law || m.rotation_law || n.translation_law || n.rotation_law;
-  return relative_kinematics(motion(s, m.slot), motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
+  return relative_kinematics(slot_motion(s, m.slot), slot_motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ MarkerFrame Frame::folded() const {
 
 FrameMotion motion_of(const Frame& frame, const State& s) {
   const MarkerFrame f = frame.folded();
-  const Motion O = motion(s, f.slot);
+  const Motion O = slot_motion(s, f.slot);
   const MarkerMotion m = f.at(s.t);
   FrameMotion r;
   r.q = O.e * m.q;
@@ -43,7 +43,7 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   const VecX& a = sample.values().a;
   const State& s = sample.state;
   const MarkerFrame f = frame.folded();
-  const Motion O = motion(s, f.slot);
+  const Motion O = slot_motion(s, f.slot);
   const MarkerMotion m = f.at(s.t);
   const Vec3 al = slot_alpha(a, f.slot);
   // a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  alpha = A al + A_M md + (A w) x (A_M mw)

@@ -61,6 +61,6 @@ const std::vector<double>& filled(const Column& c) {
 double Table::first(const std::string& name) const { return filled(column(name)).front(); }
 double Table::last(const std::string& name) const { return filled(column(name)).back(); }
 
-std::string title(const Column& c) { return c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit); }
+std::string column_title(const Column& c) { return c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit); }
 
 }  // namespace lockstep

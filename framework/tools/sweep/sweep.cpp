@@ -80,7 +80,7 @@ SweepRun recorded_run(const Table& table) {
 }
 
 Table recorded_columns(const Scene& scene, const Registry& registry) {
-  Mechanism m = build(scene, registry);
+  Mechanism m = build_mechanism(scene, registry);
   record_places(m);
   return make_recorder(m)->table();
 }
@@ -91,7 +91,7 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
   result.status = "ok";
   const double begin = thread_seconds();
   try {
-    Mechanism m = build(scene, registry);
+    Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     try {

@@ -76,8 +76,8 @@ Motions motions(const System& system, const State& state) {
   Motions all;
   for (const Body& body : system.bodies()) {
     if (body.fixed || &body == &system.bodies().front()) continue;
-    const Pose p = pose(body, state);
-    const Twist t = twist(body, state);
+    const Pose p = body_pose(body, state);
+    const Twist t = body_twist(body, state);
     const Mat3 R = rotation(p.q);
     const Vec3 w = R * t.w, arm = R * body.mass.center;
     all.push_back({p.x + arm, R, t.v + cross(w, arm), w});
@@ -130,7 +130,7 @@ class Watch final : public Observer {
 };
 
 void simulate(Run& run, const SceneSource& source, const Registry& registry, const Method& method) {
-  lockstep::Mechanism mechanism = build(source.scene(method), registry);
+  lockstep::Mechanism mechanism = build_mechanism(source.scene(method), registry);
   const RunSettings& settings = mechanism.run;
   Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
@@ -176,7 +176,7 @@ std::optional<Trial> trial(const SceneSource& source, const Registry& registry, 
   try {
     method.info.adaptive = false;  // a step, should it need one; an adaptive method takes it as the largest
     method.setting = 1e-3;
-    lockstep::Mechanism mechanism = build(source.scene(method), registry);
+    lockstep::Mechanism mechanism = build_mechanism(source.scene(method), registry);
     const std::unique_ptr<Integrator> integrator = make_integrator(mechanism.run, registry);
     Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry),
                       {mechanism.run.formulation, mechanism.run.stabilization});

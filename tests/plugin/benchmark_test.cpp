@@ -9,7 +9,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
-namespace survey_test {
+namespace benchmark_test {
 
 using namespace lockstep;
 using namespace lockstep::testing;
@@ -49,7 +49,7 @@ double error_of(const Table& table) {
 
 }  // namespace
 
-TEST_CASE("what advise names meets the error", "[survey]") {
+TEST_CASE("what advise names meets the error", "[benchmark]") {
   const std::string path = ring("");
   for (const char* error : {"1e-3", "1e-7"}) {
     const Result r = call("advise '" + path + "' --error " + error + " --budget 20 --separately --quiet");
@@ -65,7 +65,7 @@ TEST_CASE("what advise names meets the error", "[survey]") {
   }
 }
 
-TEST_CASE("advise charts what is named, with its keys, and says when nothing meets the error", "[survey]") {
+TEST_CASE("advise charts what is named, with its keys, and says when nothing meets the error", "[benchmark]") {
   const std::string path = ring("");
   const Result r =
       call("advise '" + path + "' --integrators dopri5:fixed=true,semi_implicit_euler --formulations omega " +
@@ -84,7 +84,7 @@ TEST_CASE("advise charts what is named, with its keys, and says when nothing mee
   CHECK(contains(never.text, "no run met a position error of 1e-09 m; the best came to "));
 }
 
-TEST_CASE("wrong words of the measuring verbs are usage errors", "[survey]") {
+TEST_CASE("wrong words of the measuring verbs are usage errors", "[benchmark]") {
   const std::string path = ring("");
   for (const char* words : {"--integrators rk5", "--integrators dopri5:speed=3", "--solvers fast", "--formulations x",
                             "--stabilisations glue", "--tolerances few", "--steps 3", "--budget 0.1", "--budget 3m"}) {
@@ -98,7 +98,7 @@ TEST_CASE("wrong words of the measuring verbs are usage errors", "[survey]") {
   CHECK(contains(call("run '" + path + "' --integrator dopri5:fixd=true").text, "did you mean \"fixed\"?"));
 }
 
-TEST_CASE("chart leaves every error of every combination in its table", "[survey]") {
+TEST_CASE("chart leaves every error of every combination in its table", "[benchmark]") {
   fs::remove_all(kFolder + "/charts");
   const Result r =
       call("chart '" + ring("") + "' --integrators rk4,dopri5 --tolerances 1e-3:1e-6 --steps 0.02:0.0025 " +
@@ -126,7 +126,7 @@ TEST_CASE("chart leaves every error of every combination in its table", "[survey
       CHECK(fs::file_size(kFolder + "/charts/ring_chart" + picture + ".png") > 10000);
 }
 
-TEST_CASE("the certificate's digits are those of the closed form", "[survey]") {
+TEST_CASE("the certificate's digits are those of the closed form", "[benchmark]") {
   const Result r = call("run '" + ring(R"(, "integrator": "rk4", "step": 0.05)") + "' --certify --record ring.csv");
   INFO(r.text);
   REQUIRE(r.exit == 0);
@@ -154,7 +154,7 @@ TEST_CASE("the certificate's digits are those of the closed form", "[survey]") {
   CHECK(contains(exact.text, "dop853 tighter (tolerance 1e-12) and dopri5 (tolerance 1e-12)"));
 }
 
-TEST_CASE("a step of a fixed method is no limit for the adaptive one that is named", "[survey]") {
+TEST_CASE("a step of a fixed method is no limit for the adaptive one that is named", "[benchmark]") {
   const std::string path = ring(R"(, "integrator": "rk4", "step": 1e-4)");
   const Result r = call("run '" + path + "' --integrator dopri5 --tolerance 1e-6 --record ring.csv");
   INFO(r.text);
@@ -164,4 +164,4 @@ TEST_CASE("a step of a fixed method is no limit for the adaptive one that is nam
   CHECK(std::atoi(r.text.c_str() + at + 6) < 1000);
 }
 
-}  // namespace survey_test
+}  // namespace benchmark_test
