@@ -90,7 +90,8 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   passage_.start_step();
   first_done_ = passage_.first_stage(dynamics, start_, stages_);
   if (follows && first_done_ && !fixed())
-    watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v, dynamics.system().length());
+    watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
+                   start_.coordinates ? 1.0 : dynamics.system().length());
   return fixed() ? h : passage_.longest(start_, h);
 }
 

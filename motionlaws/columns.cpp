@@ -11,17 +11,13 @@
 namespace lockstep {
 namespace {
 
-std::string_view trimmed(std::string_view s) {
-  const auto from = s.find_first_not_of(" \t\r\"");
-  if (from == std::string_view::npos) return {};
-  return s.substr(from, s.find_last_not_of(" \t\r\"") - from + 1);
-}
+constexpr std::string_view kAround = " \t\r\"";  // a cell
 
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t from = 0;;) {
     const std::size_t to = line.find_first_of(",;", from);
-    cells.push_back(trimmed(line.substr(from, to - from)));
+    cells.push_back(text::trimmed(line.substr(from, to - from), kAround));
     if (to == std::string_view::npos) return cells;
     from = to + 1;
   }
@@ -41,7 +37,9 @@ bool all_numbers(const std::vector<std::string_view>& cells) {
 }
 
 // The name of a column: x for "x [m]".
-std::string name_of(std::string_view cell) { return std::string(trimmed(cell.substr(0, cell.find('[')))); }
+std::string name_of(std::string_view cell) {
+  return std::string(text::trimmed(cell.substr(0, cell.find('[')), kAround));
+}
 
 std::size_t column_of(const std::string& wanted, const std::vector<std::string>& names, std::size_t n_columns,
                       const std::string& place) {
@@ -64,7 +62,7 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
   std::vector<std::vector<double>> rows;
   std::string line;
   for (int n = 1; std::getline(file, line); ++n) {
-    if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+    if (const std::string_view shown = text::trimmed(line, kAround); shown.empty() || shown.front() == '#') continue;
     const std::string place = path + ":" + std::to_string(n);
     const auto cells = cells_of(line);
     if (columns.empty()) {

@@ -132,7 +132,7 @@ RunSettings read_run(const Value& v) {
   run.tolerance.relative = positive(p, "tolerance", "tolerance");
   run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   run.times = read_times(p);
-  run.formulation = p.text("formulation") == "quaternion" ? Formulation::quaternion : Formulation::omega;
+  run.formulation = formulation_from(p.text("formulation"));
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
   run.stabilization = read_stabilization(p);
   run.assemble = p.boolean("assemble");

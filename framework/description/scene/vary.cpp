@@ -16,17 +16,12 @@ namespace {
 
 constexpr int kMostValues = 1'000'000;
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 std::vector<std::string> split_at(char mark, const std::string& text) {
   std::vector<std::string> parts;
   std::size_t begin = 0;
   for (std::size_t end; (end = text.find(mark, begin)) != std::string::npos; begin = end + 1)
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
-  parts.push_back(trimmed(text.substr(begin)));
+    parts.push_back(std::string(text::trimmed(text.substr(begin, end - begin))));
+  parts.push_back(std::string(text::trimmed(text.substr(begin))));
   return parts;
 }
 
@@ -135,7 +130,7 @@ void refuse_columns(const std::string& path) {
 Variable read_variable(const std::string& text, const Scene& scene, const Registry& registry) {
   const std::size_t equals = text.find('=');
   Variable v;
-  v.path = trimmed(text.substr(0, equals));
+  v.path = std::string(text::trimmed(text.substr(0, equals)));
   if (equals == std::string::npos || v.path.empty())
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
   refuse_columns(v.path);

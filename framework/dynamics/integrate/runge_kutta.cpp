@@ -88,9 +88,12 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
     combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
     stage_.t = y.t + tableau_.c[i] * h;
     if (on == StagesOn::manifold && !dynamics.project(stage_, 0).converged) return false;
-    const Solution& solution = dynamics.rate(stage_, k_[static_cast<std::size_t>(i)]);
-    if (!watch_) continue;
-    const SolveReport solved = solution.full_report();
+    StateRate& k = k_[static_cast<std::size_t>(i)];
+    if (!watch_) {
+      dynamics.rates(stage_, k);
+      continue;
+    }
+    const SolveReport solved = dynamics.rate(stage_, k).full_report();
     conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;
@@ -98,7 +101,7 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
 
 void Stages::put(int i, const StateRate& k) {
   const auto at = static_cast<std::size_t>(i);
-  k_[at].q = k.q, k_[at].v = k.v, k_[at].s = k.s;
+  k_[at] = k;
   conditioning_[at] = {};
 }
 
@@ -157,6 +160,7 @@ StateRate sized_like(const State& y) {
 }
 
 void copy_motion(const State& in, State& out) {
+  if (out.coordinates != in.coordinates) out.coordinates = in.coordinates;
   out.t = in.t;
   out.q = in.q;
   out.v = in.v;
@@ -164,6 +168,7 @@ void copy_motion(const State& in, State& out) {
 }
 
 void take_motion(State& in, State& out) {
+  if (out.coordinates != in.coordinates) out.coordinates = in.coordinates;
   out.t = in.t;
   out.q.swap(in.q);
   out.v.swap(in.v);

@@ -37,55 +37,115 @@ struct Largest {
   }
 };
 
-}  // namespace
+// Squares of what changes most of any slot: its position, orientation, velocity and angular velocity.
+struct Change {
+  double x = 0, r = 0, v = 0, w = 0;
+  void take(double dx, double dr, double dv, double dw) {
+    x = std::max(x, dx), r = std::max(r, dr), v = std::max(v, dv), w = std::max(w, dw);
+  }
+};
 
-void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
+// Over a step of h from y0, with the rates k0 there, to y1; not less than the rates give.
+Change change_of_slots(const State& y0, const StateRate& k0, double h, const State& y1) {
   const Eigen::Index n = y0.v.size() / 6;
   const double *q0 = y0.q.data(), *q1 = y1.q.data(), *v0 = y0.v.data(), *v1 = y1.v.data();
-  double x = 0, r = 0, v = 0, w = 0;
-  for (Eigen::Index i = 0; i < n; ++i, q0 += 7, q1 += 7, v0 += 6, v1 += 6) {
-    x = std::max(x, squared_difference(q1, q0));
-    r = std::max(r, squared_turn(q0 + 3, q1 + 3));
-    v = std::max(v, squared_difference(v1, v0));
-    w = std::max(w, squared_difference(v1 + 3, v0 + 3));
-  }
+  Change c;
+  for (Eigen::Index i = 0; i < n; ++i, q0 += 7, q1 += 7, v0 += 6, v1 += 6)
+    c.take(squared_difference(q1, q0), 4 * squared_turn(q0 + 3, q1 + 3), squared_difference(v1, v0),
+           squared_difference(v1 + 3, v0 + 3));
   const Largest speed(y0.v), acceleration(k0.v);
-  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative, h2 = h * h;
-  x_ = atol + rtol * std::sqrt(std::max(x, h2 * speed.linear));
-  r_ = atol + rtol * std::sqrt(std::max(4 * r, h2 * speed.angular));
-  v_ = atol + rtol * std::sqrt(std::max(v, h2 * acceleration.linear));
-  w_ = atol + rtol * std::sqrt(std::max(w, h2 * acceleration.angular));
+  const double h2 = h * h;
+  c.take(h2 * speed.linear, h2 * speed.angular, h2 * acceleration.linear, h2 * acceleration.angular);
+  return c;
+}
+
+// The same from the slots' motions at both ends.
+Change change_of_motions(std::span<const Motion> a, const StateRate& k0, double h, std::span<const Motion> b) {
+  Change c;
+  const double h2 = h * h;
+  for (std::size_t k = 1; k < a.size(); ++k) {
+    const Motion &A = a[k], &B = b[k];
+    c.take((B.x - A.x).squaredNorm(), 4 * (conjugate(A.e) * B.e).vec().squaredNorm(), (B.v - A.v).squaredNorm(),
+           (B.w - A.w).squaredNorm());
+    c.take(h2 * A.v.squaredNorm(), h2 * A.w.squaredNorm(), 0, 0);
+  }
+  c.take(0, 0, h2 * k0.largest_a * k0.largest_a, h2 * k0.largest_alpha * k0.largest_alpha);
+  return c;
+}
+
+}  // namespace
+
+void ErrorNorm::Moving::at(const State& y) {
+  t = y.t;
+  motions.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
+  y.coordinates->motions(y, motions);
+}
+
+void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
+  if (y0.coordinates) {
+    if (now_.t == y0.t)
+      std::swap(before_, now_);  // the step follows the last one,
+    else if (before_.t != y0.t)  // or is attempted anew
+      before_.at(y0);
+    now_.at(y1);
+  }
+  const Change c =
+      y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions) : change_of_slots(y0, k0, h, y1);
+  const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
+  x_ = atol + rtol * std::sqrt(c.x), r_ = atol + rtol * std::sqrt(c.r);
+  v_ = atol + rtol * std::sqrt(c.v), w_ = atol + rtol * std::sqrt(c.w);
   s_.resize(n_s_);
   for (Eigen::Index i = 0; i < n_s_; ++i)
     s_[i] = atol + rtol * std::max(std::abs(y1.s[i] - y0.s[i]), h * std::abs(k0.s[i]));
 }
 
 void ErrorNorm::scale(const State& y0, double length) {
-  const Largest speed(y0.v);
+  double v = 0, w = 0;
+  if (y0.coordinates) {
+    before_.t = -1;
+    now_.at(y0);
+    for (const Motion& O : now_.motions) v = std::max(v, O.v.squaredNorm()), w = std::max(w, O.w.squaredNorm());
+  } else {
+    const Largest speed(y0.v);
+    v = speed.linear, w = speed.angular;
+  }
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
   x_ = atol + rtol * length;
   r_ = atol + rtol;
-  v_ = atol + rtol * std::sqrt(speed.linear);
-  w_ = atol + rtol * std::sqrt(speed.angular);
+  v_ = atol + rtol * std::sqrt(v);
+  w_ = atol + rtol * std::sqrt(w);
   s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
 }
 
 // Rotation: 2 |vec(conj(e) e^)| with e^ = e - error is 2 |vec(conj(e) error)|; a change of |e| is normalised away.
-double ErrorNorm::of(const StateRate& error, const State& y1) const {
-  const Eigen::Index n = y1.v.size() / 6;
-  const double *d = error.q.data(), *q = y1.q.data();
-  double x = 0, r = 0, sum = 0;
-  for (Eigen::Index i = 0; i < n; ++i, d += 7, q += 7) {
-    const double xx = squared(d), rr = squared_turn(q + 3, d + 3);
-    x = std::max(x, xx), r = std::max(r, rr);
-    sum += xx + rr;
+double ErrorNorm::of(const StateRate& error, const State& y1) {
+  Change c;
+  double sum = 0;  // not finite when any part of the error is not
+  if (y1.coordinates) {
+    y1.coordinates->variations(y1, now_.motions, error, dx_, dv_);
+    for (Eigen::Index k = 0; k < dx_.size(); k += 6) {
+      const Motion& O = now_.motions[static_cast<std::size_t>(k / 6 + 1)];
+      const Vec3 phi = dx_.segment<3>(k + 3), w = dv_.segment<3>(k + 3) - cross(phi, Vec3(O.A * O.w));  // slot axes
+      const double x = dx_.segment<3>(k).squaredNorm(), r = phi.squaredNorm(), v = dv_.segment<3>(k).squaredNorm();
+      c.take(x, r, v, w.squaredNorm());
+      sum += x + r + v + w.squaredNorm();
+    }
+  } else {
+    const Eigen::Index n = y1.v.size() / 6;
+    const double *d = error.q.data(), *q = y1.q.data();
+    for (Eigen::Index i = 0; i < n; ++i, d += 7, q += 7) {
+      const double x = squared(d), r = squared_turn(q + 3, d + 3);
+      c.take(x, 4 * r, 0, 0);
+      sum += x + r;
+    }
+    const Largest v(error.v);
+    c.take(0, 0, v.linear, v.angular);
+    sum += v.sum;
   }
-  const Largest v(error.v);
-  double worst =
-      std::max({std::sqrt(x) / x_, 2 * std::sqrt(r) / r_, std::sqrt(v.linear) / v_, std::sqrt(v.angular) / w_});
+  double worst = std::max({std::sqrt(c.x) / x_, std::sqrt(c.r) / r_, std::sqrt(c.v) / v_, std::sqrt(c.w) / w_});
   for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
   for (Eigen::Index i = 0; i < error.s.size(); ++i) sum += std::abs(error.s[i]);
-  return std::isfinite(sum + v.sum) ? worst : HUGE_VAL;
+  return std::isfinite(sum) ? worst : HUGE_VAL;
 }
 
 StepControl::~StepControl() = default;
@@ -116,7 +176,7 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, double l
                         StateRate& f1, State& y1) {
   const double length = dynamics.system().length();
   norm.scale(y0, length);
-  dynamics.rate(y0, f0);
+  dynamics.rates(y0, f0);
   const double rtol = norm.tolerance().relative, atol = norm.tolerance().atol_x;
   const double d0 = 1 / (rtol + atol / std::max(length, 1e-6)), d1 = norm.of(f0, y0);
   const double h0 = std::min(d1 < 1e-5 ? 1e-6 : 0.01 * d0 / std::max(d1, kTiny), largest);
@@ -126,7 +186,7 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, double l
   y1.q += h0 * f0.q;
   y1.v += h0 * f0.v;
   y1.s += h0 * f0.s;
-  dynamics.rate(y1, f1);
+  dynamics.rates(y1, f1);
   f1.q -= f0.q;
   f1.v -= f0.v;
   f1.s -= f0.s;

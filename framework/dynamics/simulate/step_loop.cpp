@@ -35,6 +35,16 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
     throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
 }
 
+// Joint coordinates that were asked for by name must be possible.
+void check_formulation(Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
+  if (dynamics.options().formulation != Formulation::joint) return;
+  std::string why = dynamics.why_not_joint(state.modes);
+  if (why.empty() && !method.joint) why = "the integrator " + method.name + " does not take them";
+  if (!why.empty())
+    throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
+                     "; take the formulation auto or omega");
+}
+
 }  // namespace
 
 struct StepLoop::Parts {
@@ -66,6 +76,7 @@ StepLoop::~StepLoop() = default;
 
 void StepLoop::set_state(State state) {
   system().check_size(state);
+  dynamics_.to_slots(state);
   check_start(dynamics_, state, options_.start_limit);
   state_ = std::move(state);
   report_ = {};
@@ -122,6 +133,7 @@ void StepLoop::start() {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
+  check_formulation(dynamics_, state_, method_->info());
   dynamics_.accept(state_);  // memory includes the speeds of the start
   interval.start(state_);
   clock.start(state_.t);
@@ -181,7 +193,7 @@ void StepLoop::cross_jump(double t) {
   const double h = t - state_.t;
   if (h > 0) {
     StateRate& rate = parts_->crossing;
-    dynamics_.rate(state_, rate);
+    dynamics_.rates(state_, rate);
     state_.q += h * rate.q;
     state_.v += h * rate.v;
     state_.s += h * rate.s;
@@ -192,6 +204,10 @@ void StepLoop::cross_jump(double t) {
 
 void StepLoop::begin_method() {
   auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  if (method_->info().joint)
+    dynamics_.to_formulation(state_, &interval.from());
+  else
+    dynamics_.to_slots(state_);
   const double t = state_.t, horizon = clock.horizon(t);
   interval.begin(state_);
   double guess = 0;
@@ -213,6 +229,7 @@ bool StepLoop::fire_events() {
     const Event& e = events[i];
     if (e.stop) report_.stopped = true, report_.stopped_by = e.name;
     if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
+    dynamics_.to_slots(state_);
     apply(e);
     changed = true;
     cause += (cause.empty() ? "event '" : ", '") + e.name + "'";

@@ -70,6 +70,11 @@ std::string join(std::span<const std::string> words, std::string_view last) {
   return text;
 }
 
+std::string_view trimmed(std::string_view s, std::string_view blanks) {
+  const auto first = s.find_first_not_of(blanks);
+  return first == std::string_view::npos ? std::string_view() : s.substr(first, s.find_last_not_of(blanks) - first + 1);
+}
+
 std::string number(double value) { return with_format(value, std::chars_format::general, -1); }
 
 std::string brief(double value) { return with_format(value, std::chars_format::general, 3); }

@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/body.h>
@@ -101,9 +103,15 @@ struct Stabilization {
 
 /// Unknowns of the equations of motion.
 enum class Formulation {
-  omega,      ///< six velocities per body
-  quaternion  ///< the paper's seven coordinates per body, with a unit-length row each
+  omega,       ///< six velocities per body
+  quaternion,  ///< the paper's seven coordinates per body, with a unit-length row each
+  joint,       ///< the free coordinates of the joints, for mechanisms that are trees (Dynamics::why_not_joint)
+  automatic    ///< joint where the mechanism is a tree and the integrator takes it, else omega
 };
+/// "omega", "quaternion", "joint", "auto".
+LOCKSTEP_API std::string to_string(Formulation);
+/// The formulation of such a word. Throws ModelError for any other.
+LOCKSTEP_API Formulation formulation_from(std::string_view word);
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
 //
@@ -292,6 +300,7 @@ class LOCKSTEP_API Dynamics {
   /// The system is set up if it was not, and must outlive this. Throws ModelError where there is no solver, where the
   /// stabilisation has a negative rate or a tolerance that is not above zero, and what System::setup throws.
   Dynamics(System&, std::unique_ptr<LinearSolver>, DynamicsOptions = {});
+  ~Dynamics();
   Dynamics(const Dynamics&) = delete;
   Dynamics& operator=(const Dynamics&) = delete;
 
@@ -303,8 +312,11 @@ class LOCKSTEP_API Dynamics {
   WorkCount& work() { return work_; }                          ///< counters of work done so far
 
   // -- at a state
-  /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s. Throws
-  /// NonFiniteError, SolveError.
+  /// d/dt of q, v and s in the state's own coordinates: what an integrator needs that takes all formulations. Throws as
+  /// rate().
+  void rates(const State&, StateRate& out);
+  /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s, of a state in
+  /// the slots' own coordinates. Throws NonFiniteError, SolveError.
   const Solution& rate(const State&, StateRate& out);
   /// Solves for the accelerations and multipliers alone. Throws NonFiniteError, SolveError.
   const Solution& evaluate(const State&);
@@ -317,7 +329,16 @@ class LOCKSTEP_API Dynamics {
   /// |Jh v + Ct| over the rows in force, m/s (Evaluation::norm). Throws NonFiniteError.
   double violation_v(const State&);
 
-  // -- moving a state
+  // -- the coordinates of a state. All of the above takes a state in any coordinates but for rate().
+  /// Converts the state to the coordinates of the formulation: with Formulation::joint and automatic to joint
+  /// coordinates, if the links in force make a tree. `near`: angles are counted on from there; null: from zero.
+  void to_formulation(State&, const State* near = nullptr);
+  /// Converts the state to the slots' own coordinates, in which poses and twists can be set.
+  void to_slots(State&);
+  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does.
+  std::string why_not_joint(const std::vector<bool>& modes);
+
+  // -- moving a state. In joint coordinates a tree has nothing to project.
   /// Moves the state onto C = 0, then onto Jh v = -Ct, by the least move in the mass metric, until |C| is a hundredth
   /// of the tolerance; quaternions are normalised first. Throws NonFiniteError, SolveError.
   ProjectReport project(State&);
@@ -336,15 +357,23 @@ class LOCKSTEP_API Dynamics {
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
   Factor& factor(const Evaluation&);
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
-  Factor new_factor() { return {system_, *solver_, options_.formulation, work_}; }
+  Factor new_factor() { return {system_, *solver_, kkt_formulation(), work_}; }
 
  private:
+  struct Tree;
+
+  Formulation kkt_formulation() const {
+    return options_.formulation == Formulation::quaternion ? Formulation::quaternion : Formulation::omega;
+  }
   Evaluation& own(const State&);
   Evaluation& gathered(const State&);
+  Tree& tree(const std::vector<bool>& modes);
+  void joint_rates(const State&, StateRate& out);
 
   System& system_;
   std::unique_ptr<LinearSolver> solver_;
   DynamicsOptions options_;
+  std::unique_ptr<Tree> tree_;  // joint coordinates; null where they were not asked for
   WorkCount work_;
   std::unique_ptr<Evaluation> evaluation_;  // null before the first state
   Factor factor_;

@@ -63,11 +63,19 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 #define LOCKSTEP_CLONES
 #endif
 
+// Before a function whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Not with sanitizers,
+// whose checks would make it a function of minutes of compiling.
+#if defined(__SANITIZE_ADDRESS__)
+#define LOCKSTEP_FLAT
+#else
+#define LOCKSTEP_FLAT [[gnu::flatten]]
+#endif
+
 // LOCKSTEP_CLONES for functions whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Clang
 // cannot combine the two and compiles the plain function.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
     !defined(__SANITIZE_ADDRESS__) && defined(__OPTIMIZE__)
-#define LOCKSTEP_FLAT_CLONES [[gnu::flatten]] LOCKSTEP_CLONES
+#define LOCKSTEP_FLAT_CLONES LOCKSTEP_FLAT LOCKSTEP_CLONES
 #else
 #define LOCKSTEP_FLAT_CLONES
 #endif

@@ -19,6 +19,7 @@ struct IntegratorInfo {
   bool implicit = false,  ///< it solves nonlinear equations in each step
       adaptive = false;   ///< it chooses its steps by an estimate of its error
   int evaluations = 1;    ///< of the equations of motion per step; of an implicit method a rough number
+  bool joint = false;     ///< it takes states in any coordinates (Dynamics::rates), joint coordinates among them
 };
 
 /// Error of a step that is allowed: atol_x + relative |increment| for positions (m) and rotations (rad), with

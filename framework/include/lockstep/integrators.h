@@ -80,6 +80,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  protected:
   /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
+  bool plain() const { return !passage_.active(); }  ///< its stages are evaluated as they are
 
  private:
   double start_step(Dynamics&, double h) override;

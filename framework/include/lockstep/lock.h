@@ -62,6 +62,8 @@ class LOCKSTEP_API Jointed {
   virtual Mask mask() const = 0;    ///< rows of the joint itself
   virtual Mask rows() const = 0;    ///< the same with those of the drives
   virtual bool turned() const = 0;  ///< whether turn() imposed a law
+  /// After setup: whether laws act on it: imposed ones, drives, or those of its markers.
+  virtual bool has_laws() const = 0;
   /// Imposes p(t), S axes, m: where P is held on the rows x y z. Throws ModelError: the mask has none of them.
   virtual void move(LawPtr<TranslationLaw> law) = 0;
   /// Imposes q_D(t): P is held at S turned by it. Throws ModelError: the mask has none of e1 e2 e3.
@@ -321,6 +323,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
 
   bool turned() const override { return turn_ != nullptr; }
+  bool has_laws() const override { return (laws_ & with::all_laws) != 0; }
   Mask mask() const override { return mask_; }
   Mask rows() const override { return rows_; }
   /// with::Bits of its laws, and of parallel markers; after setup().

@@ -307,8 +307,8 @@ class PhiFunction {
   }
 
   /// Inlined as a whole, phi included: calls would cost half of the time.
-  [[gnu::flatten]] void fill_still(const Inputs& in, const double* memory, const SlotList& slots, int first,
-                                   const RowBlock& block) const {
+  LOCKSTEP_FLAT void fill_still(const Inputs& in, const double* memory, const SlotList& slots, int first,
+                                const RowBlock& block) const {
     fill_by(pairs_seen<StillPair>(in), in, memory, slots, first, block);
   }
 

@@ -1,7 +1,9 @@
 // The state of a mechanism, and what links and forces see of it.
 #pragma once
 
+#include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/body.h>
@@ -40,8 +42,34 @@ using Inputs = InputsT<double>;  ///< what links and forces see of a state, in n
 // State: a value. It can be copied, kept and restored. Whatever must be undone when a step is rejected is stored here
 // and nowhere else.
 
-/// Everything that changes during a run. The layout of q and v belongs to the formulation: integrators step them, the
-/// functions below convert them to and from poses and twists, and all other code uses those functions.
+struct State;
+struct StateRate;
+
+/// What q and v of a State mean where they are not the slots' own: the coordinates of a formulation. Immutable.
+class LOCKSTEP_API Coordinates {
+ public:
+  virtual ~Coordinates();
+  virtual std::string_view name() const = 0;  ///< of the formulation
+  virtual int n_q() const = 0;                ///< size of State::q
+  virtual int n_v() const = 0;                ///< size of State::v
+  virtual int n_slots() const = 0;            ///< number of slots that it moves
+  /// Writes the motions of all slots to out[1], out[2], ...; out[0] is the ground, at rest, which the caller sets.
+  virtual void motions(const State&, std::span<MotionT<double>> out) const = 0;
+  /// Motion of one slot >= 0; costs as much as all that carry it.
+  virtual Motion motion(const State&, int slot) const = 0;
+  /// d/dt of q at the state's velocities.
+  virtual void kinematic_rate(const State&, VecX& qd) const = 0;
+  /// Moves q by h v, h in s.
+  virtual void advance(State&, double h, const VecX& v) const = 0;
+  /// Scales the quaternions among q to length one.
+  virtual void normalize(State&) const = 0;
+  /// How the slots' motions change under a small change `d` of q and v: 6 per slot, world axes. dx: of the mass centre,
+  /// m, and the rotation vector; dv: of its velocity, m/s, and of the angular velocity. `at`: what motions() writes.
+  virtual void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const = 0;
+};
+
+/// Everything that changes during a run. q and v belong to a formulation: integrators step them, the functions below
+/// convert them to and from poses and twists, and all other code uses those functions.
 struct State {
   double t = 0;  ///< time, s
   VecX q;        ///< 7 per slot: x (world, m), quaternion (scalar first) of the slot's frame at its mass centre
@@ -50,25 +78,48 @@ struct State {
   VecX z;        ///< memory, not integrated: turn counters; written only when a step is accepted
   std::vector<bool> modes;    ///< which links are in force, by link number; changed only between steps
   std::vector<bool> watched;  ///< which unilateral links come into force when they are touched; others: false
+  std::shared_ptr<const Coordinates> coordinates{};  ///< what q and v are, if not as above
 
   /// Pose of a slot in the world, slot >= 0; its quaternion as it is stored.
-  Pose slot_pose(int slot) const { return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))}; }
+  Pose slot_pose(int slot) const {
+    if (coordinates) {
+      const Motion m = coordinates->motion(*this, slot);
+      return {m.x, m.e};
+    }
+    return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))};
+  }
   /// Velocity of a slot's origin, world, m/s, and its angular velocity, slot axes, rad/s.
-  Twist slot_twist(int slot) const { return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)}; }
-  /// Sets the pose of a slot in the world; p.q must be unit.
+  Twist slot_twist(int slot) const {
+    if (coordinates) {
+      const Motion m = coordinates->motion(*this, slot);
+      return {m.v, m.w};
+    }
+    return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)};
+  }
+  /// Sets the pose of a slot in the world; p.q must be unit. Throws ModelError for a state in other coordinates than the
+  /// slots' own.
   void set_slot_pose(int slot, const Pose& p) {
+    if (coordinates) refuse_setting();
     q.segment<3>(7 * slot) = p.x;
     q.segment<4>(7 * slot + 3) = p.q.coefficients();
   }
-  /// Sets the twist of a slot, as slot_twist() gives it.
+  /// Sets the twist of a slot, as slot_twist() gives it. Throws likewise.
   void set_slot_twist(int slot, const Twist& o) {
+    if (coordinates) refuse_setting();
     v.segment<3>(6 * slot) = o.v;
     v.segment<3>(6 * slot + 3) = o.w;
   }
+
+ private:
+  [[noreturn]] LOCKSTEP_API void refuse_setting() const;
 };
 
 /// Writes the motion of a slot >= 0 to `out`, with the quaternion normalised.
 inline void read_motion(const State& state, int slot, Motion& out) {
+  if (state.coordinates) {
+    out = state.coordinates->motion(state, slot);
+    return;
+  }
   out.x = state.q.segment<3>(7 * slot);
   out.e = normalized(Quat::from(state.q.segment<4>(7 * slot + 3)));
   out.A = rotation(out.e);
@@ -82,11 +133,12 @@ inline Motion slot_motion(const State& state, int slot) {
   return out;
 }
 
-/// Moves q by h v: x += h v, e <- e exp(h w). h in s; v: 6 per slot, m/s (world) and rad/s (slot axes). Time stays.
+/// Moves q by h v, in the state's own coordinates; in the slots' own x += h v, e <- e exp(h w). h in s; v: 6 per slot,
+/// m/s (world) and rad/s (slot axes). Time stays.
 LOCKSTEP_API void advance_state(State&, double h, const VecX& v);
 /// Scales the quaternions of q to length one.
 LOCKSTEP_API void normalize_state(State&);
-/// dq/dt at the state's velocities, 7 per slot: dx = v, de = (1/2) e w (1.8), from the quaternion as it is stored, so
+/// dq/dt at the state's velocities; in the slots' own coordinates 7 per slot: dx = v, de = (1/2) e w (1.8), from the quaternion as it is stored, so
 /// that the exact flow keeps its length.
 LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
@@ -95,6 +147,8 @@ struct StateRate {
   VecX q,  ///< 7 per slot, m/s and 1/s
       v,   ///< 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
       s;   ///< rates of the integrated states
+  double largest_a = 0;      ///< in other coordinates than the slots' own: largest acceleration of a slot, m/s^2
+  double largest_alpha = 0;  ///< and the largest angular acceleration, rad/s^2
 };
 
 }  // namespace lockstep

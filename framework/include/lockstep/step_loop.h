@@ -29,6 +29,11 @@ class Sample {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
+  /// Motions of all slots, integrated states and memory at this state; found at the first call.
+  const Inputs& inputs() const {
+    if (!inputs_) inputs_ = &dynamics_.inputs(state);
+    return *inputs_;
+  }
   /// Force and moment that a link exerts on the body of one of its markers, by Reactions::on_body_of; computed once for
   /// all channels that ask one after the other.
   const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const {
@@ -48,6 +53,7 @@ class Sample {
   };
   Dynamics& dynamics_;
   mutable const Solution* values_ = nullptr;
+  mutable const Inputs* inputs_ = nullptr;
   mutable Asked last_;
 };
 

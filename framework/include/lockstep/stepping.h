@@ -154,14 +154,24 @@ class LOCKSTEP_API ErrorNorm {
   /// Sets the weights from one state, for the first step: X = `length`, m, R = 1 rad, V and W the present speeds.
   void scale(const State& y0, double length);
   /// Largest error over bodies and states, 1 = just met; infinite where one is not finite. `error` is the difference of
-  /// two results at y1.
-  double of(const StateRate& error, const State& y1) const;
+  /// two results at y1, the state that the weights were set for; in other coordinates than the slots' own it is carried
+  /// over to the slots' motions.
+  double of(const StateRate& error, const State& y1);
 
  private:
+  // Motions of the slots at time t, the ground first; of states in other coordinates than the slots' own.
+  struct Moving {
+    double t = -1;
+    std::vector<Motion> motions;
+    void at(const State&);
+  };
+
   Tolerance tolerance_;
   double x_ = 1, r_ = 1, v_ = 1, w_ = 1;  // weights
   VecX s_;
   int n_s_ = 0;
+  Moving before_, now_;  // at y0 and y1
+  VecX dx_, dv_;         // errors of the slots, 6 each
 };
 
 /// Chooses the next step from the error of the last one. Errors are in tolerances, 1 = just met.

@@ -21,6 +21,9 @@ LOCKSTEP_API std::string suggestion(std::string_view word, std::span<const std::
 /// "a, b and c"; `last` comes before the last word.
 LOCKSTEP_API std::string join(std::span<const std::string> words, std::string_view last = " and ");
 
+/// `s` without the characters of `blanks` at both ends: a view of the same text.
+LOCKSTEP_API std::string_view trimmed(std::string_view s, std::string_view blanks = " \t\r");
+
 /// Shortest text that reads back as the same double, whatever the locale.
 LOCKSTEP_API std::string number(double value);
 

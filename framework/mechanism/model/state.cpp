@@ -1,8 +1,18 @@
 #include <lockstep/state.h>
 
+#include <lockstep/error.h>
+
 namespace lockstep {
 
+Coordinates::~Coordinates() = default;
+
+void State::refuse_setting() const {
+  throw ModelError("a pose or twist cannot be set in a state in coordinates of the formulation '" +
+                   std::string(coordinates->name()) + "'; convert it first (Dynamics::to_slots)");
+}
+
 void advance_state(State& state, double h, const VecX& v) {
+  if (state.coordinates) return state.coordinates->advance(state, h, v);
   for (int k = 0; 6 * k < v.size(); ++k) {
     state.q.segment<3>(7 * k) += h * v.segment<3>(6 * k);
     const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * exponential(Vec3(h * v.segment<3>(6 * k + 3)));
@@ -11,10 +21,12 @@ void advance_state(State& state, double h, const VecX& v) {
 }
 
 void normalize_state(State& state) {
+  if (state.coordinates) return state.coordinates->normalize(state);
   for (int k = 0; 7 * k < state.q.size(); ++k) state.q.segment<4>(7 * k + 3).normalize();
 }
 
 void kinematic_rate(const State& state, VecX& qd) {
+  if (state.coordinates) return state.coordinates->kinematic_rate(state, qd);
   qd.resize(state.q.size());
   for (int k = 0; 7 * k < state.q.size(); ++k) {
     const Quat q = Quat::from(state.q.segment<4>(7 * k + 3));

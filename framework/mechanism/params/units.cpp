@@ -114,14 +114,6 @@ void multiply(UnitFactor& a, const UnitFactor& b, int power) {
   a.dimension.s += power * b.dimension.s, a.dimension.rad += power * b.dimension.rad;
 }
 
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
-  return s;
-}
-
 // The power after a symbol ("^3", "\u00b2"), removed from its end; 1 when there is none, 0 when it cannot be read.
 int take_power(std::string_view& name) {
   for (const auto& [mark, power] : {std::pair{std::string_view("\u00b2"), 2}, {std::string_view("\u00b3"), 3}})
@@ -163,11 +155,11 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
       return total;
     }
     multiply(total, *factor, divide ? -power : power);
-    unit = trimmed(unit.substr(end));
+    unit = text::trimmed(unit.substr(end));
     divide = !unit.empty() && unit.front() == '/';
     divided = divided || divide;
     if (!unit.empty() && (unit.front() == '/' || unit.front() == '*')) {
-      unit = trimmed(unit.substr(1));
+      unit = text::trimmed(unit.substr(1));
       if (unit.empty()) problem = "the unit ends with \"*\" or \"/\"";
     }
   }
@@ -203,7 +195,7 @@ Measured read_quantity(std::string_view text, Unit unit) {
   if (unit == Unit::none)
     return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
 
-  std::string_view rest = trimmed(text);
+  std::string_view rest = text::trimmed(text);
   Measured result;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), result.value);
   if (error == std::errc::result_out_of_range) return {0, quoted + " is beyond the range of numbers (1e-308 to 1e308)"};
@@ -211,7 +203,7 @@ Measured read_quantity(std::string_view text, Unit unit) {
     return {0, "expected " + article_name_of(unit) + ", got a text (" + quoted +
                    ") that does not begin with a number; write it as \"" + words.example + "\""};
   if (!std::isfinite(result.value)) return {0, quoted + " is not a finite number; write a finite one"};
-  rest = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
+  rest = text::trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
   if (rest.empty())
     return {0,
             quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};

@@ -52,6 +52,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
 
 void System::motions(const State& state, std::vector<Motion>& out) const {
   out.resize(static_cast<std::size_t>(n_slots() + 1));  // the first is the ground, at rest
+  if (state.coordinates) return state.coordinates->motions(state, out);
   for (int k = 0; k < n_slots(); ++k) read_motion(state, k, out[static_cast<std::size_t>(k + 1)]);
 }
 

@@ -249,8 +249,10 @@ void System::setup_forces() {
 
 void System::check_size(const State& state) const {
   const auto links = links_.size();
-  if (state.q.size() == 7 * n_slots() && state.v.size() == 6 * n_slots() && state.s.size() == n_states_ &&
-      state.z.size() == n_memory_ && state.modes.size() == links && state.watched.size() == links)
+  const int n_q = state.coordinates ? state.coordinates->n_q() : 7 * n_slots();
+  const int n_v = state.coordinates ? state.coordinates->n_v() : 6 * n_slots();
+  if (state.q.size() == n_q && state.v.size() == n_v && state.s.size() == n_states_ && state.z.size() == n_memory_ &&
+      state.modes.size() == links && state.watched.size() == links)
     return;
   throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
                    " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +

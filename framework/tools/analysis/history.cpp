@@ -28,9 +28,11 @@ VecX loads(const Evaluated& values, Eigen::Index n) {
 void HistoryObserver::output(const Sample& s) {
   const double begin = cpu_();
   const long before = s.dynamics().work().evaluations;
-  to_.t.push_back(s.state.t), to_.q.push_back(s.state.q), to_.v.push_back(s.state.v);
+  State slots = s.state;
+  s.dynamics().to_slots(slots);
+  to_.t.push_back(slots.t), to_.q.push_back(slots.q), to_.v.push_back(slots.v);
   to_.energy.push_back(energy_.value(s)), to_.kinetic.push_back(kinetic_.value(s));
-  to_.load.push_back(loads(s.values(), s.state.v.size()));
+  to_.load.push_back(loads(s.values(), slots.v.size()));
   evaluations_ += s.dynamics().work().evaluations - before;
   spent_ += cpu_() - begin;
 }

@@ -119,7 +119,6 @@ LOCKSTEP_API WorkPrecision work_precision(const Trajectory&, const WorkPrecision
 /// True if all but the setting is equal.
 LOCKSTEP_API bool same_way(const WorkPrecisionRun&, const WorkPrecisionRun&);
 
-LOCKSTEP_API std::string to_string(Formulation);
 LOCKSTEP_API std::string to_string(Stabilization::Kind);
 LOCKSTEP_API std::string to_string(ErrorKind);
 LOCKSTEP_API const char* unit_of(ErrorKind);  ///< "m", "m/s", "J", "N"

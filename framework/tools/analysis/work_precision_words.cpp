@@ -21,8 +21,6 @@ std::string quoted_cell(const std::string& text) {
 
 }  // namespace
 
-std::string to_string(Formulation f) { return f == Formulation::quaternion ? "quaternion" : "omega"; }
-
 std::string to_string(Stabilization::Kind kind) {
   if (kind == Stabilization::Kind::baumgarte) return "baumgarte";
   return kind == Stabilization::Kind::none ? "none" : "project";

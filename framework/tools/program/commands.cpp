@@ -18,7 +18,7 @@ namespace lockstep {
 namespace {
 
 using Choices = std::vector<std::string>;
-const Choices kFormulations{"omega", "quaternion"}, kStabilizations{"project", "baumgarte", "none"};
+const Choices kFormulations{"omega", "quaternion", "joint", "auto"}, kStabilizations{"project", "baumgarte", "none"};
 
 CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help) {
   return verb.add_option(name, to, help)->type_name(type);
@@ -49,7 +49,8 @@ void add_settings(CLI::App& verb, Arguments& a) {
   CLI::Option* step = add(verb, "--step", a.step, "H", "fixed step, or the largest step of an adaptive integrator, s");
   add(verb, "--tolerance", a.tolerance, "T", "relative tolerance of adaptive integrators")->excludes(step);
   add(verb, "--until", a.until, "T", "end of the run, s");
-  add(verb, "--formulation", a.formulation, "F", "6 velocities per body, or the paper's 7 coordinates", kFormulations);
+  add(verb, "--formulation", a.formulation, "F",
+      "6 velocities per body, the paper's 7 coordinates, or those of the joints", kFormulations);
   add(verb, "--stabilization", a.stabilization, "S", "constraint stabilisation", kStabilizations);
   add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
 }

@@ -87,9 +87,7 @@ double positive_number(const std::string& option, const std::string& text, Unit 
   return x;
 }
 
-Formulation read_formulation(const std::string& word) {
-  return word == "quaternion" ? Formulation::quaternion : Formulation::omega;
-}
+Formulation read_formulation(const std::string& word) { return formulation_from(word); }
 
 Stabilization::Kind read_stabilization(const std::string& word) {
   if (word == "baumgarte") return Stabilization::Kind::baumgarte;

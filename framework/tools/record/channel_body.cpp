@@ -36,28 +36,27 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
 }  // namespace
 
 void of_frame(const Frame& f, Entries& out) {
-  add_vector(out, "", "m", "origin in the world", [f](const Sample& s) { return motion_of(f, s.state).x; });
-  add_vector(out, "v", "m/s", "velocity of the origin, world",
-             [f](const Sample& s) { return motion_of(f, s.state).v; });
+  add_vector(out, "", "m", "origin in the world", [f](const Sample& s) { return motion_of(f, s).x; });
+  add_vector(out, "v", "m/s", "velocity of the origin, world", [f](const Sample& s) { return motion_of(f, s).v; });
   add_vector(out, "a", "m/s^2", "acceleration of the origin, world",
              [f](const Sample& s) { return acceleration_of(f, s).a; });
-  const auto q = [f](const Sample& s) { return motion_of(f, s.state).q; };
+  const auto q = [f](const Sample& s) { return motion_of(f, s).q; };
   add_quaternion(out, "quaternion to world axes", q);
   add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes",
-             [f](const Sample& s) { return motion_of(f, s.state).w; });
+             [f](const Sample& s) { return motion_of(f, s).w; });
   add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [f](const Sample& s) {
-    const FrameMotion m = motion_of(f, s.state);
+    const FrameMotion m = motion_of(f, s);
     return Vec3(m.A.transpose() * m.w);
   });
   add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
              [f](const Sample& s) { return acceleration_of(f, s).alpha; });
   add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
-             [f](const Sample& s) { return Vec3(motion_of(f, s.state).A.transpose() * acceleration_of(f, s).alpha); });
+             [f](const Sample& s) { return Vec3(motion_of(f, s).A.transpose() * acceleration_of(f, s).alpha); });
   for (int k = 0; k < 3; ++k)
     add_angle(out, std::string("angle_") + kAxisName[k],
               fmt::format("turn about the world's {}, of the own {} axis, counted past full turns", kAxisName[k],
                           kAxisName[(k + 1) % 3]),
-              [f, k](const Sample& s) { return turn_about(k, motion_of(f, s.state)); });
+              [f, k](const Sample& s) { return turn_about(k, motion_of(f, s)); });
   add_sequences(out, q);
 }
 
@@ -66,15 +65,15 @@ void of_body(const Body& body, Entries& out) {
   if (body.fixed) return;
   const Body* const b = &body;  // the mass centre is the slot's origin
   add_vector(out, "center_", "m", "mass centre in the world",
-             [b](const Sample& s) { return s.state.slot_pose(b->slot).x; });
+             [b](const Sample& s) { return Vec3(s.inputs().slot(b->slot).x); });
   add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
-             [b](const Sample& s) { return s.state.slot_twist(b->slot).v; });
+             [b](const Sample& s) { return Vec3(s.inputs().slot(b->slot).v); });
   add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
              [b](const Sample& s) { return Vec3(s.values().a.segment<3>(6 * b->slot)); });
 }
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
-  const auto y = [m, n](const Sample& s) { return relative(m, n, s.state); };
+  const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
   add_vector(out, "", "m", "origin, in the other's axes", [y](const Sample& s) { return Vec3(y(s).y.head<3>()); });
   add_vector(out, "v", "m/s", "rate of that", [y](const Sample& s) { return Vec3(y(s).yd.head<3>()); });
   add_vector(out, "a", "m/s^2", "second rate of that",

@@ -36,11 +36,14 @@ void of_force(const Force& force, Entries& out) {
   if (free("power"))
     add(out, "power", "W", "power that the force gives to the bodies", [f, reacting, scratch](const Sample& s) {
       const Inputs& in = s.values().in;
-      scratch->setZero(s.state.v.size());
+      scratch->setZero(6 * s.system().n_slots());
       WrenchSum sum(in.motions, *scratch);
       f->apply(in, sum);
       if (reacting) reacting->react(in, Reactions(s.values()), sum);
-      return scratch->dot(s.state.v);
+      double power = 0;
+      for (int k = 0; k < s.system().n_slots(); ++k)
+        power += scratch->segment<3>(6 * k).dot(in.slot(k).v) + scratch->segment<3>(6 * k + 3).dot(in.slot(k).w);
+      return power;
     });
   if (free("potential"))
     add(out, "potential", "J", "energy stored in the force",

@@ -20,7 +20,7 @@ Turn turn(int k, const Relative& r) {
 }
 
 void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
-  const auto y = [p, s](const Sample& x) { return relative(p, s, x.state); };
+  const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
   const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
   add_vector(out, "", "m", "origin of P, S axes", [y](const Sample& x) { return Vec3(y(x).y.head<3>()); });
   add_vector(out, "v", "m/s", "rate of that", [y](const Sample& x) { return Vec3(y(x).yd.head<3>()); });

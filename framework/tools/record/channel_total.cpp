@@ -12,7 +12,7 @@ double kinetic(const Sample& s) {
   double twice = 0;
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
-    const Twist O = s.state.slot_twist(k);
+    const Motion& O = s.inputs().slot(k);
     twice += b.mass * O.v.squaredNorm() + O.w.dot(b.J * O.w);
   }
   return 0.5 * twice;
@@ -21,7 +21,7 @@ double kinetic(const Sample& s) {
 double potential(const Sample& s) {
   double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k)
-    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.state.slot_pose(k).x);
+    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x);
   if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.values().in); });
   return sum;
@@ -29,7 +29,7 @@ double potential(const Sample& s) {
 
 Vec3 momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.state.slot_twist(k).v;
+  for (int k = 0; k < s.system().n_slots(); ++k) sum += s.system().slot(k).mass * s.inputs().slot(k).v;
   return sum;
 }
 
@@ -37,7 +37,7 @@ Vec3 angular_momentum(const Sample& s) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
-    const Motion O = slot_motion(s.state, k);
+    const Motion& O = s.inputs().slot(k);
     sum += cross(O.x, Vec3(b.mass * O.v)) + O.A * (b.J * O.w);
   }
   return sum;

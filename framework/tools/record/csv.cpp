@@ -10,8 +10,9 @@
 #include <ostream>
 #include <string_view>
 
-#include <lockstep/recorder.h>
 #include <lockstep/error.h>
+#include <lockstep/recorder.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -33,12 +34,6 @@ void append_number(std::string& line, double value) {
   line.append(text, end.ptr);
 }
 
-std::string_view trimmed(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
-}
-
 // Cells of one line; a quoted cell may hold commas.
 void split(std::string_view line, std::vector<std::string>& cells) {
   cells.assign(1, {});
@@ -54,7 +49,7 @@ void split(std::string_view line, std::vector<std::string>& cells) {
     else
       cells.back() += c;
   }
-  for (std::string& cell : cells) cell = std::string(trimmed(cell));
+  for (std::string& cell : cells) cell = std::string(text::trimmed(cell));
 }
 
 // "Bx [N]" -> Bx, N
@@ -63,7 +58,7 @@ void add_titled_column(Table& table, const std::string& text) {
   if (open == std::string::npos || text.back() != ']')
     table.add_column(text);
   else
-    table.add_column(std::string(trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
+    table.add_column(std::string(text::trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
 }
 
 double read_number(std::string_view cell, const std::string& file, int line, const std::string& column) {
@@ -124,7 +119,7 @@ Table read_csv(std::istream& in, const std::string& file) {
   }
   std::vector<double> row(table.n_columns());
   for (int line = 2; std::getline(in, text); ++line) {
-    if (trimmed(text).empty()) continue;
+    if (text::trimmed(text).empty()) continue;
     split(text, cells);
     if (cells.size() != row.size())
       throw FileError(

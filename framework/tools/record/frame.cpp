@@ -10,9 +10,9 @@ Vec3 slot_alpha(const VecX& a, int slot) {
   return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3));
 }
 
-RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const State& s) {
+RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const Inputs& in) {
   const bool moving = m.translation_law || m.rotation_law || n.translation_law || n.rotation_law;
-  return relative_kinematics(slot_motion(s, m.slot), slot_motion(s, n.slot), m.at(s.t), n.at(s.t), moving ? 1u : 0u);
+  return relative_kinematics(in.slot(m.slot), in.slot(n.slot), m.at(in.t), n.at(in.t), moving ? 1u : 0u);
 }
 
 }  // namespace
@@ -26,10 +26,10 @@ MarkerFrame Frame::folded() const {
   return f;
 }
 
-FrameMotion motion_of(const Frame& frame, const State& s) {
+FrameMotion motion_of(const Frame& frame, const Sample& sample) {
   const MarkerFrame f = frame.folded();
-  const Motion O = slot_motion(s, f.slot);
-  const MarkerMotion m = f.at(s.t);
+  const Motion& O = sample.inputs().slot(f.slot);
+  const MarkerMotion m = f.at(sample.state.t);
   FrameMotion r;
   r.q = O.e * m.q;
   r.A = O.A * m.A;
@@ -41,10 +41,9 @@ FrameMotion motion_of(const Frame& frame, const State& s) {
 
 FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   const VecX& a = sample.values().a;
-  const State& s = sample.state;
   const MarkerFrame f = frame.folded();
-  const Motion O = slot_motion(s, f.slot);
-  const MarkerMotion m = f.at(s.t);
+  const Motion& O = sample.inputs().slot(f.slot);
+  const MarkerMotion m = f.at(sample.state.t);
   const Vec3 al = slot_alpha(a, f.slot);
   // a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  alpha = A al + A_M md + (A w) x (A_M mw)
   FrameAcceleration r;
@@ -53,9 +52,9 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   return r;
 }
 
-Relative relative(const Frame& m, const Frame& n, const State& s) {
+Relative relative(const Frame& m, const Frame& n, const Sample& s) {
   const MarkerFrame P = m.folded(), S = n.folded();
-  const RelativeKinematics L = kinematics_of(P, S, s);
+  const RelativeKinematics L = kinematics_of(P, S, s.inputs());
   Relative r;
   r.y = L.y, r.yd = L.yd, r.ydd.setZero();
   const FrameMotion p = motion_of(m, s), o = motion_of(n, s);
@@ -66,8 +65,8 @@ Relative relative(const Frame& m, const Frame& n, const State& s) {
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
   const VecX& a = sample.values().a;
   const MarkerFrame P = m.folded(), S = n.folded();
-  const RelativeKinematics L = kinematics_of(P, S, sample.state);
-  Relative r = relative(m, n, sample.state);
+  const RelativeKinematics L = kinematics_of(P, S, sample.inputs());
+  Relative r = relative(m, n, sample);
   // (2.2) ydd = Jh_y acc - Qhat_y
   r.ydd = L.Jv1 * (slot_acceleration(a, P.slot) - slot_acceleration(a, S.slot)) + L.Jw1 * slot_alpha(a, P.slot) +
           L.Jw2 * slot_alpha(a, S.slot) - L.Qhat;

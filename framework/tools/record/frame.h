@@ -23,7 +23,7 @@ struct FrameAcceleration {
   Vec3 a, alpha;
 };
 
-FrameMotion motion_of(const Frame&, const State&);
+FrameMotion motion_of(const Frame&, const Sample&);
 FrameAcceleration acceleration_of(const Frame&, const Sample&);
 
 /// Frame m relative to frame n, in n's axes: the seven coordinates of (7.1), their rates and second rates.
@@ -31,7 +31,7 @@ struct Relative {
   Vec7T<double> y, yd, ydd;
   Vec3 w;  ///< angular velocity of m relative to n
 };
-Relative relative(const Frame& m, const Frame& n, const State&);
+Relative relative(const Frame& m, const Frame& n, const Sample&);
 /// With ydd, which needs the accelerations.
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample&);
 

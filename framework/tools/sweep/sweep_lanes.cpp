@@ -28,7 +28,8 @@ std::string unsuited(const RunSettings& run) {
   if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
     return "lanes are there for dop853 and dopri5 without keys";
   if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
-  if (run.formulation != Formulation::omega) return "lanes have the formulation omega";
+  if (run.formulation != Formulation::omega && run.formulation != Formulation::automatic)
+    return "lanes have the formulation omega";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
   if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
   return {};

@@ -1,0 +1,272 @@
+#include "framework/dynamics/tree/joint_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <lockstep/lock.h>
+#include "framework/dynamics/tree/tree_motion.h"
+
+namespace lockstep {
+
+namespace {
+
+// Rows that a tree joint may hold: any translations, and none, two or all of the turns.
+bool has_closed_form(Mask mask) {
+  const int turns = count_rows(mask & Mask::e123);
+  return turns != 1;
+}
+
+// Why a link is no tree joint; "" for one that is.
+std::string refusal(const Lock& link) {
+  const std::string who = "link '" + link.name() + "' ";
+  const Jointed* joint = link.jointed();
+  if (!joint) return who + "is no lock of a mask alone";
+  if (joint->has_laws()) return who + "has laws";
+  if (link.row_count() != count_rows(joint->mask())) return who + "has rows beside those of its mask";
+  if (!has_closed_form(joint->mask())) return who + "holds one turn alone";
+  if (link.unilateral()) return who + "is unilateral";
+  return "";
+}
+
+struct Edge {
+  int link, p, s, held;  // its number, the slots of P and S, the rows that it holds
+};
+
+// One link per slot: those that hold most first, by Prim's rule from the ground, so that the tree stays shallow.
+class Spanning {
+ public:
+  Spanning(std::vector<Edge> edges, int n_slots) : edges_(std::move(edges)), at_(static_cast<std::size_t>(n_slots)) {
+    for (std::size_t k = 0; k < edges_.size(); ++k)
+      for (const int slot : {edges_[k].p, edges_[k].s})
+        (slot == kGround ? ground_ : at_[static_cast<std::size_t>(slot)]).push_back(static_cast<int>(k));
+  }
+  const std::vector<int>& at(int slot) const { return slot == kGround ? ground_ : at_[static_cast<std::size_t>(slot)]; }
+  const Edge& edge(int k) const { return edges_[static_cast<std::size_t>(k)]; }
+
+ private:
+  std::vector<Edge> edges_;
+  std::vector<int> ground_;
+  std::vector<std::vector<int>> at_;
+};
+
+}  // namespace
+
+std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::vector<bool>& modes,
+                                               std::string& why_not) {
+  why_not.clear();
+  const auto no = [&](std::string why) {
+    why_not = std::move(why);
+    return nullptr;
+  };
+  if (system.plane()) return no("the mechanism is planar");
+  if (system.n_slots() == 0) return no("nothing moves");
+  for (const auto& own : system.auxiliaries())
+    if (own->reads_solution()) return no("the integrated states '" + own->name() + "' read accelerations or reactions");
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (system.slot(k).freedoms == Freedoms::particle)
+      return no("body '" + system.body_of_slot(k).name + "' is a particle");
+  for (const auto& force : system.forces())
+    if (force->reacting()) return no("force '" + force->name() + "' reads reactions");
+
+  std::vector<Edge> edges;
+  for (const auto& link : system.links()) {
+    if (system.merged(*link)) continue;
+    if (link->unilateral()) return no("link '" + link->name() + "' is unilateral");
+    if (!modes[static_cast<std::size_t>(link->number())]) continue;
+    if (std::string why = refusal(*link); !why.empty()) return no(std::move(why));
+    const auto [p, s] = link->pairs().front();
+    edges.push_back({link->number(), p->body->slot, s->body->slot, link->row_count()});
+  }
+
+  // Depth first from the ground; a slot that no link reaches is free and begins a tree of its own.
+  const Spanning graph(std::move(edges), system.n_slots());
+  std::vector<bool> used(graph.at(kGround).size() + system.links().size(), false),
+      reached(static_cast<std::size_t>(system.n_slots()), false);
+  const auto tree = std::make_shared<JointTree>();
+  tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
+  struct Open {
+    int slot, parent, link;
+  };
+  std::vector<Open> open;
+  const auto reach = [&](int slot, int node) {  // opens what hangs on this slot
+    for (auto k = graph.at(slot).rbegin(); k != graph.at(slot).rend(); ++k) {
+      const Edge& e = graph.edge(*k);
+      const int other = e.p == slot ? e.s : e.p;
+      if (used[static_cast<std::size_t>(e.link)]) continue;
+      open.push_back({other, node, e.link});
+    }
+  };
+  const auto grow = [&]() -> int {  // number of a link that closes a loop, -1: none
+    while (!open.empty()) {
+      const Open o = open.back();
+      open.pop_back();
+      if (used[static_cast<std::size_t>(o.link)]) continue;
+      used[static_cast<std::size_t>(o.link)] = true;
+      if (o.slot == kGround || reached[static_cast<std::size_t>(o.slot)]) return o.link;
+      reached[static_cast<std::size_t>(o.slot)] = true;
+      tree->add_node(system, o.slot, o.parent, o.link);
+      reach(o.slot, static_cast<int>(tree->nodes_.size()) - 1);
+    }
+    return -1;
+  };
+  reach(kGround, -1);
+  int closing = grow();
+  for (int k = 0; k < system.n_slots() && closing < 0; ++k) {
+    if (reached[static_cast<std::size_t>(k)]) continue;
+    reached[static_cast<std::size_t>(k)] = true;
+    tree->add_node(system, k, -1, -1);
+    reach(k, static_cast<int>(tree->nodes_.size()) - 1);
+    closing = grow();
+  }
+  if (closing >= 0) return no("link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop");
+  return tree;
+}
+
+void JointTree::add_node(const System& system, int slot, int parent, int link) {
+  TreeNode node;
+  node.slot = slot, node.parent = parent, node.link = link;
+  node.first_q = n_q_, node.first_v = n_v_;
+  node.m = system.slot(slot).mass, node.J = system.slot(slot).J;
+  node.round = node.J.isApprox(node.J(0, 0) * Mat3::Identity(), 1e-15);
+  Mask held = Mask::none;
+  MarkerFrame P, S;
+  if (link < 0) {
+    P.slot = slot;  // the slot's own frame, seen from the world's
+  } else {
+    const Lock& lock = *system.links()[static_cast<std::size_t>(link)];
+    const auto [p, s] = lock.pairs().front();
+    P = MarkerFrame(*p), S = MarkerFrame(*s);
+    held = lock.jointed()->mask();
+  }
+  node.reversed = P.slot != slot;
+  const MarkerFrame &near = node.reversed ? P : S, &far = node.reversed ? S : P;
+  const double sign = node.reversed ? -1.0 : 1.0;
+  node.near_u = near.u0, node.near_q = near.q0, node.far_u = far.u0, node.far_q = far.q0;
+  node.K0 = near.q0 * conjugate(far.q0);
+  for (int k = 0; k < 3; ++k)
+    if (!includes(held, row_bit(k))) node.slide[static_cast<std::size_t>(node.n_slides++)] = sign * S.A0.col(k);
+  if (!overlaps(held, Mask::e123)) {
+    node.turn = TreeTurn::ball;
+    node.ball = sign * P.A0;
+  } else if (!includes(held, Mask::e123)) {
+    node.turn = TreeTurn::hinge;
+    const int a = !includes(held, Mask::e1) ? 0 : !includes(held, Mask::e2) ? 1 : 2;
+    node.hinge = Vec3::Unit(a);
+    node.axis = sign * (near.A0 * node.hinge);
+    node.K1 = near.q0 * Quat::from(0.0, Vec3(sign * node.hinge)) * conjugate(far.q0);
+  }
+  n_q_ += node.n_q(), n_v_ += node.n_v();
+  node_of_[static_cast<std::size_t>(slot)] = static_cast<int>(nodes_.size());
+  nodes_.push_back(node);
+}
+
+void JointTree::motions(const State& y, std::span<Motion> out) const {
+  Carried c;
+  for (const TreeNode& node : nodes_) {
+    const Motion& p = out[motion_of(node.parent)];
+    carry(node, y.q.data() + node.first_q, y.v.data() + node.first_v, p, p.A * p.w, out[motion_of(node)], c);
+  }
+}
+
+Motion JointTree::motion(const State& y, int slot) const {
+  std::vector<const TreeNode*> path;
+  for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
+    path.push_back(&nodes_[static_cast<std::size_t>(k)]);
+  Motion p, own;
+  Carried c;
+  for (; !path.empty(); path.pop_back(), p = own)
+    carry(*path.back(), y.q.data() + path.back()->first_q, y.v.data() + path.back()->first_v, p, p.A * p.w, own, c);
+  return p;
+}
+
+// d/dt of translations and angles are the velocities; e' = (1/2) e w (1.8).
+void JointTree::kinematic_rate(const State& y, VecX& qd) const {
+  qd.resize(n_q_);
+  for (const TreeNode& node : nodes_) {
+    const double* v = y.v.data() + node.first_v;
+    double* d = qd.data() + node.first_q;
+    const int n = node.n_slides + (node.turn == TreeTurn::hinge ? 1 : 0);
+    for (int k = 0; k < n; ++k) d[k] = v[k];
+    if (node.turn != TreeTurn::ball) continue;
+    const double* q = y.q.data() + node.first_q + n;
+    const Quat r = rate(Quat{q[0], q[1], q[2], q[3]}, Vec3(v[n], v[n + 1], v[n + 2]));
+    d[n] = r.w, d[n + 1] = r.x, d[n + 2] = r.y, d[n + 3] = r.z;
+  }
+}
+
+void JointTree::advance(State& y, double h, const VecX& v) const {
+  for (const TreeNode& node : nodes_) {
+    const double* u = v.data() + node.first_v;
+    double* q = y.q.data() + node.first_q;
+    const int n = node.n_slides + (node.turn == TreeTurn::hinge ? 1 : 0);
+    for (int k = 0; k < n; ++k) q[k] += h * u[k];
+    if (node.turn != TreeTurn::ball) continue;
+    const Quat e = Quat{q[n], q[n + 1], q[n + 2], q[n + 3]} * exponential(h * Vec3(u[n], u[n + 1], u[n + 2]));
+    q[n] = e.w, q[n + 1] = e.x, q[n + 2] = e.y, q[n + 3] = e.z;
+  }
+}
+
+void JointTree::normalize(State& y) const {
+  for (const TreeNode& node : nodes_)
+    if (node.turn == TreeTurn::ball) y.q.segment<4>(node.first_q + node.n_slides).normalize();
+}
+
+void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
+  const auto n = static_cast<Eigen::Index>(nodes_.size());
+  dx.resize(6 * n), dv.resize(6 * n);
+  for (const TreeNode& node : nodes_) {
+    NodeVariation p;
+    if (node.parent >= 0) {
+      const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
+      p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
+    }
+    const NodeVariation own =
+        vary(node, y.q.data() + node.first_q, y.v.data() + node.first_v, d.q.data() + node.first_q,
+             d.v.data() + node.first_v, at[motion_of(node.parent)], at[motion_of(node)], p);
+    dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
+    dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
+  }
+}
+
+// The pose of far seen from near: r and rho of P seen from S, or their inverse.
+void JointTree::read_off(const State& slots, const State* near, State& out) const {
+  out.q.resize(n_q_), out.v.resize(n_v_);
+  out.t = slots.t, out.s = slots.s, out.z = slots.z, out.modes = slots.modes, out.watched = slots.watched;
+  for (const TreeNode& node : nodes_) {
+    Motion p;
+    if (node.parent >= 0) p = slot_motion(slots, nodes_[static_cast<std::size_t>(node.parent)].slot);
+    const Motion own = slot_motion(slots, node.slot);
+    const Vec3 wp = p.A * p.w, w = own.A * own.w;
+    double *q = out.q.data() + node.first_q, *v = out.v.data() + node.first_v;
+    // The joint acts at the point X of the marker on the slot that does not carry the slides.
+    const Vec3 X = node.reversed ? Vec3(p.x + p.A * node.near_u) : Vec3(own.x + own.A * node.far_u);
+    const Motion& S = node.reversed ? own : p;
+    const Vec3 S_origin = S.x + S.A * (node.reversed ? node.far_u : node.near_u);
+    const Vec3 rho = (node.reversed ? -1.0 : 1.0) * (S.A.transpose() * (X - S_origin));
+    const Vec3 v_own = own.v + cross(w, Vec3(X - own.x)), v_parent = p.v + cross(wp, Vec3(X - p.x));
+    const Vec3 rhod = S.A.transpose() * (v_own - v_parent);
+    int k = 0;
+    for (; k < node.n_slides; ++k) {
+      const Vec3& e = node.slide[static_cast<std::size_t>(k)];
+      q[k] = e.dot(rho), v[k] = e.dot(rhod);
+    }
+    // e = e_p near r far' or e_p near r' far'
+    Quat r = conjugate(node.near_q) * (conjugate(p.e) * own.e) * node.far_q;
+    if (node.reversed) r = conjugate(r);
+    if (node.turn == TreeTurn::hinge) {
+      const Vec3 n = node.axis, along = node.hinge;
+      double angle = 2.0 * std::atan2(r.vec().dot(along), r.w);
+      const double about = near ? near->q[node.first_q + k] : 0.0;
+      q[k] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
+      v[k] = (p.A * n).dot(w - wp);
+    } else if (node.turn == TreeTurn::ball) {
+      q[k] = r.w, q[k + 1] = r.x, q[k + 2] = r.y, q[k + 3] = r.z;
+      const Mat3 B = (node.reversed ? p.A : own.A) * node.ball;
+      const Vec3 rate = B.transpose() * (w - wp);
+      v[k] = rate[0], v[k + 1] = rate[1], v[k + 2] = rate[2];
+    }
+  }
+}
+
+}  // namespace lockstep

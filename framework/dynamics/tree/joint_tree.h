@@ -1,0 +1,90 @@
+// JointTree: joint coordinates. Slots are nodes; one link carries each slot from its parent, and its free coordinates
+// are unknowns. Links in the tree have no rows.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/state.h>
+#include <lockstep/system.h>
+
+namespace lockstep {
+
+/// How the marker of a child turns against that of its parent.
+enum class TreeTurn {
+  none,   ///< not at all
+  hinge,  ///< about one axis of both: an angle, rad, unwrapped
+  ball    ///< freely: a unit quaternion
+};
+
+/// A node of the tree: a slot, and the joint that carries it. Along `near` (the marker on the parent) and `far` (the
+/// marker on the slot), P and S in one order or the other: with r = q_S' q_2' q_1 q_P the turn of P seen from S and
+/// rho the translations of P along the axes of S,
+///
+///     near is S:  e = e_p near r far',   x_far = x_near + A_S rho
+///     near is P:  e = e_p near r' far',  x_far = x_near - A_S rho
+struct TreeNode {
+  int slot = 0;      ///< whose motion this node is
+  int parent = -1;   ///< number of its parent's node; -1: the ground
+  int link = -1;     ///< number of the link; -1: none, the slot is free
+  int first_q = 0,   ///< where its coordinates begin: translations, then the angle or the quaternion
+      first_v = 0;   ///< where its velocities begin: translations, then the rate or w, in the axes of P
+  int n_slides = 0;  ///< translations
+  TreeTurn turn = TreeTurn::none;
+  bool reversed = false;  ///< near is P
+
+  Vec3 near_u = Vec3::Zero(),    ///< origin of near in the parent, m
+      far_u = Vec3::Zero();      ///< origin of far in the slot, m
+  Quat near_q, far_q;            ///< their axes
+  Quat K0, K1;                   ///< e = e_p (c K0 + s K1), c and s of half the angle; without an angle K0 alone
+  std::array<Vec3, 3> slide{};   ///< directions of the translations, in the frame that carries S
+  Vec3 hinge = Vec3::Zero(),     ///< axis of a hinge, in the axes of P and of S
+      axis = Vec3::Zero();       ///< the same in the parent's axes, with the sign of the turn
+  Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
+
+  double m = 0;           ///< mass of the slot, kg
+  Mat3 J = Mat3::Zero();  ///< its inertia, slot axes, kg m^2
+  bool round = false;     ///< J is a multiple of the unit matrix
+
+  int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
+  int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
+};
+
+/// Joint coordinates of a mechanism whose links in force make a tree. Immutable.
+class JointTree final : public Coordinates {
+ public:
+  /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
+  /// stands in the way, by name.
+  static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not);
+
+  std::string_view name() const override { return "joint"; }
+  int n_q() const override { return n_q_; }
+  int n_v() const override { return n_v_; }
+  int n_slots() const override { return static_cast<int>(nodes_.size()); }
+  void motions(const State&, std::span<Motion> out) const override;
+  Motion motion(const State&, int slot) const override;
+  void kinematic_rate(const State&, VecX& qd) const override;
+  void advance(State&, double h, const VecX& v) const override;
+  void normalize(State&) const override;
+  void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const override;
+
+  /// Reads off the coordinates of a state in the slots' own; what violates the joints is lost. Angles lie within half
+  /// a turn of those of `near`, or of zero without one.
+  void read_off(const State& slots, const State* near, State& out) const;
+
+  const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
+
+ private:
+  void add_node(const System&, int slot, int parent, int link);
+  // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
+  static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
+  std::size_t motion_of(int node) const { return node < 0 ? 0 : motion_of(nodes_[static_cast<std::size_t>(node)]); }
+
+  std::vector<TreeNode> nodes_;
+  std::vector<int> node_of_;  // of each slot
+  int n_q_ = 0, n_v_ = 0;
+};
+
+}  // namespace lockstep

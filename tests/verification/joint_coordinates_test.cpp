@@ -1,0 +1,269 @@
+// Joint coordinates against the formulation omega: accelerations at random states of random trees, motions of scenes.
+#include <cmath>
+#include <random>
+
+#include <lockstep/joints.h>
+#include <lockstep/step_loop.h>
+#include "framework/dynamics/tree/joint_tree.h"
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/configuration.h"
+#include "tests/support/messages.h"
+#include "tests/support/run_scene.h"
+
+namespace joint_coordinates_test {
+
+using namespace lockstep;
+using oracle::Draw;
+using testing::message_of;
+
+namespace {
+
+// Masks with a closed form: any translations, and none, two or all of the turns.
+std::vector<Mask> closed_forms() {
+  std::vector<Mask> all;
+  for (unsigned m = 1; m < 64; ++m)
+    if (count_rows(Mask(m) & Mask::e123) != 1) all.push_back(Mask(m));
+  return all;
+}
+
+Pose random_pose(Draw& draw) { return {draw.vector(1.0), Quat::from(draw.quaternion())}; }
+
+Mat3 random_inertia(Draw& draw) {  // of three rods along random directions: every triangle rule holds
+  Mat3 J = 0.05 * Mat3::Identity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 d = draw.vector(1.0);
+    J += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
+  }
+  return J;
+}
+
+/// n bodies, each on the ground or on an earlier one by a lock of the mask that `mask` returns for it, P on either.
+template <class MaskOf>
+System tree(std::uint64_t seed, int n, MaskOf&& mask) {
+  Draw draw(seed);
+  System system({.gravity = {0.3, -9.81, 1.2}});
+  std::vector<Body*> bodies{&system.ground()};
+  for (int k = 0; k < n; ++k) {
+    const std::string name = std::to_string(k);
+    Body& body = system.add_body("body" + name, {draw.number(0.5, 2), draw.vector(0.3), random_inertia(draw)},
+                                 random_pose(draw));
+    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    Marker &a = system.add_marker("a" + name, body, random_pose(draw)),
+           &b = system.add_marker("b" + name, on, random_pose(draw));
+    const bool turned = draw.number(0, 1) < 0.5;
+    system.add<GenericLock>("link" + name, turned ? b : a, turned ? a : b, mask(k));
+    bodies.push_back(&body);
+  }
+  return system;
+}
+
+Dynamics joint_dynamics(System& system) {
+  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
+}
+
+/// A random state in joint coordinates, which satisfies every link.
+State random_state(Dynamics& dynamics, std::uint64_t seed) {
+  Draw draw(seed);
+  State state = dynamics.system().start();
+  dynamics.to_formulation(state);
+  REQUIRE(state.coordinates);
+  for (double& x : state.q) x = draw.number(-1.5, 1.5);
+  for (double& x : state.v) x = draw.number(-2, 2);
+  dynamics.project(state);  // unit quaternions
+  return state;
+}
+
+double largest(const VecX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0; }
+
+/// Accelerations of the slots, world axes, that rates in joint coordinates mean: d/dt of velocities along them.
+VecX accelerations(Dynamics& dynamics, const State& state, const StateRate& rate) {
+  std::vector<Motion> motions;
+  dynamics.system().motions(state, motions);
+  VecX dx, dv;
+  state.coordinates->variations(state, motions, rate, dx, dv);
+  return dv;
+}
+
+/// Those of omega, turned into world axes.
+VecX accelerations(Dynamics& dynamics, const State& slots) {
+  const Solution& s = dynamics.evaluate(slots);
+  VecX a = s.a;
+  for (int k = 0; k < dynamics.system().n_slots(); ++k)
+    a.segment<3>(6 * k + 3) = s.in.slot(k).A * a.segment<3>(6 * k + 3);
+  return a;
+}
+
+void check_accelerations(System& system, std::uint64_t seed) {
+  Dynamics dynamics = joint_dynamics(system);
+  REQUIRE(dynamics.why_not_joint(system.start().modes).empty());
+  const State state = random_state(dynamics, seed);
+  StateRate rate;
+  dynamics.rates(state, rate);
+  const VecX a = accelerations(dynamics, state, rate);
+  State slots = state;
+  dynamics.to_slots(slots);
+  CHECK(dynamics.violation(slots) < 1e-12);
+  CHECK(dynamics.violation_v(slots) < 1e-11);
+  const VecX expected = accelerations(dynamics, slots);
+  CHECK(largest(a - expected) < 1e-10 * largest(expected));
+  double a2 = 0, al2 = 0;
+  for (int k = 0; k < system.n_slots(); ++k)
+    a2 = std::max(a2, expected.segment<3>(6 * k).norm()), al2 = std::max(al2, expected.segment<3>(6 * k + 3).norm());
+  CHECK(std::abs(rate.largest_a - a2) <= 1e-10 * std::max(1.0, a2));
+  CHECK(std::abs(rate.largest_alpha - al2) <= 1e-10 * std::max(1.0, al2));
+}
+
+}  // namespace
+
+TEST_CASE("every mask with a closed form, alone and in a chain, accelerates as in omega", "[verification][joint]") {
+  const std::vector<Mask> masks = closed_forms();
+  REQUIRE(masks.size() == 39);  // and the free joint
+  for (std::size_t m = 0; m < masks.size(); ++m)
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      CAPTURE(to_string(masks[m]), seed);
+      if (count_rows(masks[m]) == 6) continue;  // a weld is merged, or holds to the ground
+      System one = tree(100 * m + seed, 1, [&](int) { return masks[m]; });
+      check_accelerations(one, seed);
+      System three = tree(100 * m + seed, 3, [&](int) { return masks[m]; });
+      check_accelerations(three, seed);
+    }
+}
+
+TEST_CASE("random trees accelerate as in omega", "[verification][joint]") {
+  const std::vector<Mask> masks = closed_forms();
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    CAPTURE(seed);
+    Draw draw(1000 + seed);
+    System system = tree(seed, 12, [&](int) {
+      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
+      return count_rows(m) == 6 ? Mask::xyz : m;
+    });
+    check_accelerations(system, seed);
+  }
+}
+
+TEST_CASE("slots without a link move freely", "[verification][joint]") {
+  System system({.gravity = {0, 0, -9.81}});
+  system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});
+  Body& other =
+      system.add_body("other", MassProperties{1.0, {0.1, 0.2, 0}, Vec3(1, 2, 2.5).asDiagonal()}, {{1, 0, 0}, {}});
+  system.add<Revolute>("hinge", other, system.body("free"), pose_at(Vec3(0.5, 0, 0), Vec3(1, 1, 0)));
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) check_accelerations(system, seed);
+}
+
+TEST_CASE("a state read off gives its motions back", "[verification][joint]") {
+  const std::vector<Mask> masks = closed_forms();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    System system = tree(seed, 8, [&](int) {
+      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
+      return count_rows(m) == 6 ? Mask::xyz : m;
+    });
+    Dynamics dynamics = joint_dynamics(system);
+    State state = random_state(dynamics, seed);
+    state.q.array() *= 5;  // angles beyond half a turn
+    dynamics.project(state);
+    State there = state;
+    dynamics.to_slots(there);
+    dynamics.to_formulation(there, &state);
+    CHECK(largest(there.v - state.v) < 1e-11);
+    std::vector<Motion> a, b;
+    system.motions(state, a), system.motions(there, b);
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      CHECK((a[k].x - b[k].x).norm() < 1e-11);
+      CHECK((a[k].A - b[k].A).norm() < 1e-12);
+      CHECK((a[k].w - b[k].w).norm() < 1e-11);
+    }
+    for (const TreeNode& n : static_cast<const JointTree&>(*state.coordinates).nodes())  // turns are counted on
+      if (n.turn == TreeTurn::hinge)
+        CHECK(std::abs(there.q[n.first_q + n.n_slides] - state.q[n.first_q + n.n_slides]) < 1e-11);
+  }
+}
+
+TEST_CASE("variations are the differences of motions", "[verification][joint]") {
+  const std::vector<Mask> masks = closed_forms();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    System system = tree(seed, 6, [&](int) {
+      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
+      return count_rows(m) == 6 ? Mask::xyz : m;
+    });
+    Dynamics dynamics = joint_dynamics(system);
+    const State state = random_state(dynamics, seed);
+    StateRate d = sized_like(state);
+    for (double& x : d.q) x = draw.number(-1, 1);
+    for (double& x : d.v) x = draw.number(-1, 1);
+    std::vector<Motion> at, above, below;
+    system.motions(state, at);
+    VecX dx, dv;
+    state.coordinates->variations(state, at, d, dx, dv);
+    const double h = 1e-5;
+    State up = state, down = state;
+    up.q += h * d.q, up.v += h * d.v, down.q -= h * d.q, down.v -= h * d.v;
+    system.motions(up, above), system.motions(down, below);
+    for (int k = 0; k < system.n_slots(); ++k) {
+      const Motion &a = above[std::size_t(k + 1)], &b = below[std::size_t(k + 1)], &c = at[std::size_t(k + 1)];
+      const Mat3 turn = (a.A - b.A) * c.A.transpose() / (2 * h);
+      CHECK(((a.x - b.x) / (2 * h) - dx.segment<3>(6 * k)).norm() < 1e-7);
+      CHECK((Vec3(turn(2, 1), turn(0, 2), turn(1, 0)) - dx.segment<3>(6 * k + 3)).norm() < 1e-7);
+      CHECK(((a.v - b.v) / (2 * h) - dv.segment<3>(6 * k)).norm() < 1e-6);
+      CHECK(((a.A * a.w - b.A * b.w) / (2 * h) - dv.segment<3>(6 * k + 3)).norm() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("scenes move in joint coordinates as in omega", "[verification][joint]") {
+  const std::string scene = GENERATE("chain_10", "double_pendulum", "heavy_top", "pendulum");
+  const std::string method = GENERATE("dopri5", "dop853");
+  CAPTURE(scene, method);
+  const auto run = [&](Formulation formulation) {
+    return run_scene(scene_path(scene), [&](RunSettings& s) {
+      s.integrator = {method};
+      s.tolerance = {1e-12, 1e-14};
+      s.until = 0.2, s.times.clear(), s.output = 0.02;
+      s.formulation = formulation;
+    });
+  };
+  const SceneRun omega = run(Formulation::omega), joint = run(Formulation::joint);
+  REQUIRE(omega.table.columns().size() > 1);
+  for (const ColumnError& e : compare(joint.table, omega.table)) {
+    CAPTURE(e.name);
+    CHECK(e.error < 1e-9 * std::max(1.0, e.size));
+  }
+}
+
+TEST_CASE("what is no tree is refused in joint coordinates by name, and runs in omega by auto",
+          "[verification][joint]") {
+  const auto run = [&](const std::string& scene, Formulation formulation) {
+    return run_scene(scene_path(scene), [&](RunSettings& s) { s.until = 0.05, s.formulation = formulation; });
+  };
+  const std::string words = message_of<ModelError>([&] { run("nfourbar_2", Formulation::joint); });
+  CHECK(words.find("closes a loop") != std::string::npos);
+  CHECK(words.find("link '") != std::string::npos);
+  CHECK(run("nfourbar_2", Formulation::automatic).table.n_rows() > 0);
+}
+
+TEST_CASE("a step in joint coordinates allocates nothing", "[verification][joint]") {
+  System system({.gravity = {0, -9.81, 0}});
+  Body* last = &system.ground();
+  for (int i = 0; i < 10; ++i) {
+    Body& b =
+        system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
+                        {Vec3(i + 0.5, 0, 0), {}});
+    system.add<Revolute>("hinge" + std::to_string(i), b, *last,
+                         pose_at(Vec3(i, 0, 0), i % 2 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
+    last = &b;
+  }
+  Dynamics dynamics = joint_dynamics(system);
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  for (int i = 0; i < 20; ++i) loop.step();
+  REQUIRE(loop.state().coordinates);
+  const long before = allocations();
+  for (int i = 0; i < 20; ++i) loop.step();
+  CHECK(allocations() == before);
+}
+
+}  // namespace joint_coordinates_test
