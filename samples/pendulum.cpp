@@ -18,7 +18,7 @@ int main() {
 
   // The rod is back at rest where it began: its angular velocity about z (of the only slot) falls through zero again.
   Event back{.name = "back at the start"};
-  back.value = [](const Sample& now) { return now.state.v[5]; };
+  back.value = [](const Sample& now) { return now.inputs().slot(0).w[2]; };
   back.crossing = Event::Crossing::falling;
   back.stop = true;
   run.add_event(back);

@@ -44,7 +44,7 @@ Mask mask_from(std::string_view words) {
 std::string to_string(Mask mask) {
   std::string words;
   for (int k = 0; k < 6; ++k)
-    if (includes(mask, row_bit(k))) words += (words.empty() ? "" : " ") + std::string(row_name(k));
+    if (includes(mask, row_bit(k))) words.append(words.empty() ? "" : " ").append(row_name(k));
   return words;
 }
 

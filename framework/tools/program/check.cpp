@@ -152,7 +152,11 @@ int check_command(const Arguments& args) {
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
-  const std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
+  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
+  if (!args.full && m.run.formulation == Formulation::omega && dynamics.why_not_joint(start.modes).empty())
+    more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
+                               "velocities and no rows instead of {} and {}",
+                               r.freedoms, r.unknowns, r.rows));
 
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},

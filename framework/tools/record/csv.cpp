@@ -79,7 +79,7 @@ double read_number(std::string_view cell, const std::string& file, int line, con
 
 void write_csv(std::ostream& out, const Table& table) {
   std::string line;
-  for (const Column& c : table.columns()) line += (line.empty() ? "" : ",") + quoted(column_title(c));
+  for (const Column& c : table.columns()) line.append(line.empty() ? "" : ",").append(quoted(column_title(c)));
   line += '\n';
   out.write(line.data(), static_cast<std::streamsize>(line.size()));
   for (std::size_t i = 0; i < table.n_rows(); ++i) {
