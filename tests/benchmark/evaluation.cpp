@@ -85,18 +85,21 @@ double nanoseconds(int bodies, F&& call) {
 struct Line {
   std::string mechanism;
   int bodies = 0;
-  double schur = 0, sparse = 0, planar = 0, articulated = 0;
+  double schur = 0, sparse = 0, joint = 0, planar = 0, articulated = 0;
   int corrections = 0;
 };
 
-double time_of(System& s, bool turning, std::unique_ptr<LinearSolver> solver, int* corrections = nullptr) {
-  Dynamics dynamics(s, std::move(solver));
+double time_of(System& s, bool turning, std::unique_ptr<LinearSolver> solver, int* corrections = nullptr,
+               Formulation formulation = Formulation::omega) {
+  Dynamics dynamics(s, std::move(solver), {formulation, {}});
   State state = s.start();
   if (turning)
     for (int k = 0; k < s.n_slots(); ++k) state.v[6 * k + 5] = 0.3 + 0.1 * k;
   StateRate rate;
   dynamics.project_velocity(state);
-  const double time = nanoseconds(s.n_slots(), [&] { state.v[5] += 1e-13, dynamics.rate(state, rate); });
+  dynamics.to_formulation(state);
+  double& speed = state.v[state.coordinates ? 0 : 5];
+  const double time = nanoseconds(s.n_slots(), [&] { speed += 1e-13, dynamics.rates(state, rate); });
   if (corrections) *corrections = dynamics.rate(state, rate).report.corrections;
   return time;
 }
@@ -108,6 +111,8 @@ Line measure(const std::string& name, const std::function<System()>& make, bool 
   line.schur = time_of(s, true, std::make_unique<SchurSolver>(), &line.corrections);
   line.bodies = s.n_slots();
   if (line.bodies <= 1000) line.sparse = time_of(s, true, std::make_unique<SparseSolver>());
+  if (Dynamics(s, std::make_unique<SchurSolver>()).why_not_joint(s.start().modes).empty())
+    line.joint = time_of(s, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   if (!planar) return line;
   System flat = make();
   flat.set_planar(find_plane(flat));
@@ -146,15 +151,16 @@ int main() {
 
   const std::string file = samples::output("evaluation.csv");
   std::ofstream csv(file);
-  csv << "mechanism,bodies,schur [ns/body],corrections,sparse [ns/body],planar [ns/body],articulated body [ns/body]\n";
-  fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>12}   ns a body and evaluation\n", "", "bodies", "schur", "corr",
-             "sparse", "planar", "articulated");
+  csv << "mechanism,bodies,schur [ns/body],corrections,sparse [ns/body],joint [ns/body],planar [ns/body],articulated "
+         "body [ns/body]\n";
+  fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12}   ns a body and evaluation\n", "", "bodies", "schur",
+             "corr", "sparse", "joint", "planar", "articulated");
   const auto shown = [](double x) { return x > 0 ? fmt::format("{:.0f}", x) : std::string("-"); };
   for (const Line& l : lines) {
-    csv << fmt::format("{},{},{:.1f},{},{:.1f},{:.1f},{:.1f}\n", l.mechanism, l.bodies, l.schur, l.corrections,
-                       l.sparse, l.planar, l.articulated);
-    fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>12}\n", l.mechanism, l.bodies, shown(l.schur), l.corrections,
-               shown(l.sparse), shown(l.planar), shown(l.articulated));
+    csv << fmt::format("{},{},{:.1f},{},{:.1f},{:.1f},{:.1f},{:.1f}\n", l.mechanism, l.bodies, l.schur, l.corrections,
+                       l.sparse, l.joint, l.planar, l.articulated);
+    fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12}\n", l.mechanism, l.bodies, shown(l.schur),
+               l.corrections, shown(l.sparse), shown(l.joint), shown(l.planar), shown(l.articulated));
   }
   fmt::print("{}\n", file);
 }

@@ -235,6 +235,63 @@ TEST_CASE("scenes move in joint coordinates as in omega", "[verification][joint]
   }
 }
 
+TEST_CASE("events change states and links in joint coordinates as in omega", "[verification][joint]") {
+  const auto run = [](Formulation formulation, const std::string& what) {
+    System system({.gravity = {0, -9.81, 0}});
+    Body* last = &system.ground();
+    for (int i = 0; i < 3; ++i) {
+      Body& b =
+          system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
+                          Pose{Vec3(i + 0.5, 0, 0), {}});
+      system.add<Revolute>("hinge" + std::to_string(i), b, *last,
+                           pose_at(Vec3(i, 0, 0), i % 2 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
+      last = &b;
+    }
+    system.add<Spherical>("catch", *last, system.ground(), pose_at(Vec3(3, 0, 0)));
+    system.link("catch").set_active_at_start(what == "released");
+    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
+    Event event{.name = what, .at = 0.1};
+    if (what == "released") event.deactivate = {"catch"};
+    if (what == "cut") event.deactivate = {"hinge1"};
+    if (what == "kicked")
+      event.change = [&](State& s) { StateEditor(s).set_twist(system.body("rod2"), {{0, 1, 0}, {0, 0, 9}}); };
+    loop.add_event(event);
+    loop.run_until(0.3);
+    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::automatic));
+    State end = loop.state();
+    dynamics.to_slots(end);
+    return end;
+  };
+  const std::string what = GENERATE("released", "cut", "kicked");
+  CAPTURE(what);
+  const State omega = run(Formulation::omega, what), joint = run(Formulation::automatic, what);
+  CHECK(largest(joint.v - omega.v) < 1e-9 * largest(omega.v));
+  for (int k = 0; k < 3; ++k) CHECK((joint.slot_pose(k).x - omega.slot_pose(k).x).norm() < 1e-9);
+}
+
+TEST_CASE("turns are counted on over events, a saved state goes on elsewhere", "[verification][joint]") {
+  const auto make = [](System& system) {
+    Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
+    wheel.start.w = {0, 0, 20};
+    system.add<Revolute>("axle", wheel, system.ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 0, 1)));
+  };
+  System one, two;
+  make(one), make(two);
+  Dynamics a = joint_dynamics(one), b = joint_dynamics(two);
+  StepLoop first(a, std::make_unique<Dopri5>()), second(b, std::make_unique<Dopri5>());
+  first.add_event({.name = "nothing", .at = 1.0, .change = [](State&) {}});
+  first.run_until(2.0);
+  REQUIRE(first.state().coordinates);
+  CHECK(first.state().q[0] == Approx(40.0).epsilon(1e-12));  // six turns and more
+  second.set_state(first.state());
+  second.run_until(3.0);
+  const Vec3 w = second.state().slot_twist(0).w;
+  CHECK((w - Vec3(0, 0, 20)).norm() < 1e-12);
+  const Mat3 A = rotation(second.state().slot_pose(0).q);
+  CHECK(std::abs(A(0, 0) - std::cos(60.0)) + std::abs(A(1, 0) - std::sin(60.0)) < 1e-10);
+}
+
 TEST_CASE("what is no tree is refused in joint coordinates by name, and runs in omega by auto",
           "[verification][joint]") {
   const auto run = [&](const std::string& scene, Formulation formulation) {

@@ -59,6 +59,7 @@ struct StepLoop::Parts {
   EventLocator events;
   ContactManager contacts;
   StateRate crossing;    // scratch for cross_jump
+  State before_change;   // in the coordinates of the formulation: turns are counted on from there
   bool started = false;  // the observers
 };
 
@@ -130,7 +131,7 @@ StepReport StepLoop::step(double h) {
 
 void StepLoop::start() {
   if (begun_) return;
-  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, method_->info());
@@ -153,7 +154,7 @@ void StepLoop::start() {
 }
 
 void StepLoop::advance(double limit, double largest) {
-  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
   const double wanted = clock.step_towards(t0, target, largest);
@@ -203,9 +204,9 @@ void StepLoop::cross_jump(double t) {
 }
 
 void StepLoop::begin_method() {
-  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
   if (method_->info().joint)
-    dynamics_.to_formulation(state_, &interval.from());
+    dynamics_.to_formulation(state_, &before_change);
   else
     dynamics_.to_slots(state_);
   const double t = state_.t, horizon = clock.horizon(t);
@@ -229,7 +230,7 @@ bool StepLoop::fire_events() {
     const Event& e = events[i];
     if (e.stop) report_.stopped = true, report_.stopped_by = e.name;
     if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
-    dynamics_.to_slots(state_);
+    if (state_.coordinates) parts_->before_change = state_, dynamics_.to_slots(state_);
     apply(e);
     changed = true;
     cause += (cause.empty() ? "event '" : ", '") + e.name + "'";
@@ -283,7 +284,7 @@ void StepLoop::observe_end() {
 }
 
 void StepLoop::output_inside() {
-  auto& [clock, interval, events, contacts, crossing, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
   const double t0 = interval.from().t;
   for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
     if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
