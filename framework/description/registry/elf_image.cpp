@@ -96,6 +96,8 @@ void ElfImage::read_header() {
   need_at_least("its header is damaged: the number of segments", h.e_phnum, 1);
   need_at_most("its header is damaged: the number of segments", h.e_phnum, 64);
   segments_ = in_file<Elf64_Phdr>("its list of segments", h.e_phoff, h.e_phnum);
+  // The loader does not read sections; their list stands at the end of a file, and shows one that was cut.
+  if (h.e_shoff != 0) in_file<char>("its list of sections", h.e_shoff, std::uint64_t(h.e_shnum) * h.e_shentsize);
 }
 
 void ElfImage::check_segments() const {
