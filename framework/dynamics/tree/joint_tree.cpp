@@ -1,8 +1,6 @@
 #include "framework/dynamics/tree/joint_tree.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <lockstep/lock.h>
 #include "framework/dynamics/tree/tree_motion.h"
@@ -12,10 +10,7 @@ namespace lockstep {
 namespace {
 
 // Rows that a tree joint may hold: any translations, and none, two or all of the turns.
-bool has_closed_form(Mask mask) {
-  const int turns = count_rows(mask & Mask::e123);
-  return turns != 1;
-}
+bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 
 // Why a link is no tree joint; "" for one that is.
 std::string refusal(const Lock& link) {
@@ -29,98 +24,93 @@ std::string refusal(const Lock& link) {
   return "";
 }
 
-struct Edge {
-  int link, p, s, held;  // its number, the slots of P and S, the rows that it holds
-};
-
-// One link per slot: those that hold most first, by Prim's rule from the ground, so that the tree stays shallow.
-class Spanning {
- public:
-  Spanning(std::vector<Edge> edges, int n_slots) : edges_(std::move(edges)), at_(static_cast<std::size_t>(n_slots)) {
-    for (std::size_t k = 0; k < edges_.size(); ++k)
-      for (const int slot : {edges_[k].p, edges_[k].s})
-        (slot == kGround ? ground_ : at_[static_cast<std::size_t>(slot)]).push_back(static_cast<int>(k));
+// What stands in the way of joint coordinates, but for loops; "" for nothing.
+std::string obstacle(const System& system, const std::vector<bool>& modes) {
+  if (system.plane()) return "the mechanism is planar";
+  if (system.n_slots() == 0) return "nothing moves";
+  for (const auto& own : system.auxiliaries())
+    if (own->reads_solution()) return "the integrated states '" + own->name() + "' read accelerations or reactions";
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (system.slot(k).freedoms == Freedoms::particle)
+      return "body '" + system.body_of_slot(k).name + "' is a particle";
+  for (const auto& force : system.forces())
+    if (force->reacting()) return "force '" + force->name() + "' reads reactions";
+  for (const auto& link : system.links()) {
+    if (system.merged(*link)) continue;
+    if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
+    if (!modes[static_cast<std::size_t>(link->number())]) continue;
+    if (std::string why = refusal(*link); !why.empty()) return why;
   }
-  const std::vector<int>& at(int slot) const { return slot == kGround ? ground_ : at_[static_cast<std::size_t>(slot)]; }
-  const Edge& edge(int k) const { return edges_[static_cast<std::size_t>(k)]; }
+  return {};
+}
+
+// Links in force as edges between slots.
+class Graph {
+ public:
+  struct Edge {
+    int link, other;  // number of the link, the slot at its other end
+  };
+  Graph(const System& system, const std::vector<bool>& modes) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
+    for (const auto& link : system.links()) {
+      if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
+      const auto [p, s] = link->pairs().front();
+      const int a = p->body->slot, b = s->body->slot;
+      edges_[at(a)].push_back({link->number(), b});
+      edges_[at(b)].push_back({link->number(), a});
+    }
+  }
+  const std::vector<Edge>& of(int slot) const { return edges_[at(slot)]; }
 
  private:
-  std::vector<Edge> edges_;
-  std::vector<int> ground_;
-  std::vector<std::vector<int>> at_;
+  static std::size_t at(int slot) { return static_cast<std::size_t>(slot + 1); }  // the ground first
+  std::vector<std::vector<Edge>> edges_;
 };
 
 }  // namespace
 
 std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::vector<bool>& modes,
                                                std::string& why_not) {
-  why_not.clear();
-  const auto no = [&](std::string why) {
-    why_not = std::move(why);
-    return nullptr;
-  };
-  if (system.plane()) return no("the mechanism is planar");
-  if (system.n_slots() == 0) return no("nothing moves");
-  for (const auto& own : system.auxiliaries())
-    if (own->reads_solution()) return no("the integrated states '" + own->name() + "' read accelerations or reactions");
-  for (int k = 0; k < system.n_slots(); ++k)
-    if (system.slot(k).freedoms == Freedoms::particle)
-      return no("body '" + system.body_of_slot(k).name + "' is a particle");
-  for (const auto& force : system.forces())
-    if (force->reacting()) return no("force '" + force->name() + "' reads reactions");
-
-  std::vector<Edge> edges;
-  for (const auto& link : system.links()) {
-    if (system.merged(*link)) continue;
-    if (link->unilateral()) return no("link '" + link->name() + "' is unilateral");
-    if (!modes[static_cast<std::size_t>(link->number())]) continue;
-    if (std::string why = refusal(*link); !why.empty()) return no(std::move(why));
-    const auto [p, s] = link->pairs().front();
-    edges.push_back({link->number(), p->body->slot, s->body->slot, link->row_count()});
-  }
-
-  // Depth first from the ground; a slot that no link reaches is free and begins a tree of its own.
-  const Spanning graph(std::move(edges), system.n_slots());
-  std::vector<bool> used(graph.at(kGround).size() + system.links().size(), false),
-      reached(static_cast<std::size_t>(system.n_slots()), false);
+  why_not = obstacle(system, modes);
+  if (!why_not.empty()) return nullptr;
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
+  const int closing = tree->grow(system, Graph(system, modes));
+  if (closing < 0) return tree;
+  why_not = "link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop";
+  return nullptr;
+}
+
+// Depth first from the ground, then from every slot that no link has reached: it is free. Returns the number of a link
+// that closes a loop, -1 where none does.
+template <class G>
+int JointTree::grow(const System& system, const G& graph) {
   struct Open {
-    int slot, parent, link;
+    int slot, parent, link;  // the slot, its parent's node, the link between them
   };
   std::vector<Open> open;
-  const auto reach = [&](int slot, int node) {  // opens what hangs on this slot
-    for (auto k = graph.at(slot).rbegin(); k != graph.at(slot).rend(); ++k) {
-      const Edge& e = graph.edge(*k);
-      const int other = e.p == slot ? e.s : e.p;
-      if (used[static_cast<std::size_t>(e.link)]) continue;
-      open.push_back({other, node, e.link});
-    }
+  std::vector<bool> used(system.links().size(), false);
+  const auto hang_on = [&](int slot, int node) {
+    for (auto e = graph.of(slot).rbegin(); e != graph.of(slot).rend(); ++e)
+      if (!used[static_cast<std::size_t>(e->link)]) open.push_back({e->other, node, e->link});
   };
-  const auto grow = [&]() -> int {  // number of a link that closes a loop, -1: none
-    while (!open.empty()) {
+  const auto take = [&](const Open& o) {
+    add_node(system, o.slot, o.parent, o.link);
+    hang_on(o.slot, static_cast<int>(nodes_.size()) - 1);
+  };
+  hang_on(kGround, -1);
+  for (int next = 0;;) {
+    for (; !open.empty();) {
       const Open o = open.back();
       open.pop_back();
       if (used[static_cast<std::size_t>(o.link)]) continue;
       used[static_cast<std::size_t>(o.link)] = true;
-      if (o.slot == kGround || reached[static_cast<std::size_t>(o.slot)]) return o.link;
-      reached[static_cast<std::size_t>(o.slot)] = true;
-      tree->add_node(system, o.slot, o.parent, o.link);
-      reach(o.slot, static_cast<int>(tree->nodes_.size()) - 1);
+      if (o.slot == kGround || node_of_[static_cast<std::size_t>(o.slot)] >= 0) return o.link;
+      take(o);
     }
-    return -1;
-  };
-  reach(kGround, -1);
-  int closing = grow();
-  for (int k = 0; k < system.n_slots() && closing < 0; ++k) {
-    if (reached[static_cast<std::size_t>(k)]) continue;
-    reached[static_cast<std::size_t>(k)] = true;
-    tree->add_node(system, k, -1, -1);
-    reach(k, static_cast<int>(tree->nodes_.size()) - 1);
-    closing = grow();
+    while (next < system.n_slots() && node_of_[static_cast<std::size_t>(next)] >= 0) ++next;
+    if (next == system.n_slots()) return -1;
+    take({next, -1, -1});
   }
-  if (closing >= 0) return no("link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop");
-  return tree;
 }
 
 void JointTree::add_node(const System& system, int slot, int parent, int link) {

@@ -77,6 +77,8 @@ class JointTree final : public Coordinates {
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
 
  private:
+  template <class G>
+  int grow(const System&, const G& graph);
   void add_node(const System&, int slot, int parent, int link);
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
   static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
