@@ -1,0 +1,90 @@
+// The coordinates of a state: conversions, and the rates in joint coordinates.
+#include <lockstep/dynamics.h>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/dynamics/evaluate/joint_coordinates.h"
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+Dynamics::~Dynamics() = default;
+
+Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
+  system_.setup();
+  if (!tree_) tree_ = std::make_unique<Tree>();
+  Tree& t = *tree_;
+  if (t.revision == system_.revision() && t.modes == modes) return t;
+  t.revision = system_.revision(), t.modes = modes;
+  t.coordinates = JointTree::of(system_, modes, t.why_not);
+  if (t.coordinates) t.bodies.begin(*t.coordinates);
+  t.f.setZero(6 * system_.n_slots());
+  system_.lay_out(std::vector<bool>(modes.size(), false), t.no_rows);
+  return t;
+}
+
+std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
+
+void Dynamics::to_formulation(State& state, const State* near) {
+  if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)
+    return to_slots(state);
+  const std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
+  if (state.coordinates == wanted) return;
+  to_slots(state);
+  if (!wanted) return;
+  State out;
+  wanted->read_off(state, near && near->coordinates == wanted ? near : nullptr, out);
+  out.coordinates = wanted;
+  state = std::move(out);
+}
+
+void Dynamics::to_slots(State& state) {
+  if (!state.coordinates) return;
+  std::vector<Motion> motions;
+  system_.motions(state, motions);
+  state.coordinates = nullptr;
+  state.q.resize(7 * system_.n_slots()), state.v.resize(6 * system_.n_slots());
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    const Motion& O = motions[static_cast<std::size_t>(k + 1)];
+    state.set_slot_pose(k, {O.x, normalized(O.e)});
+    state.set_slot_twist(k, {O.v, O.w});
+  }
+}
+
+void Dynamics::rates(const State& state, StateRate& out) {
+  if (state.coordinates)
+    joint_rates(state, out);
+  else
+    rate(state, out);
+}
+
+void Dynamics::joint_rates(const State& state, StateRate& out) {
+  Tree& t = tree(state.modes);
+  if (state.coordinates != t.coordinates)
+    throw ModelError(
+        "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
+        "(Dynamics::to_slots)");
+  t.bodies.outward(*t.coordinates, state, t.motions);
+  Inputs in;
+  in.t = state.t, in.motions = t.motions;
+  in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
+  in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  system_.gather_forces(in, t.f);
+  t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  t.coordinates->kinematic_rate(state, out.q);
+  out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
+  out.s.resize(state.s.size());
+  if (state.s.size() > 0) {
+    system_.state_rates({in, t.none, t.none, t.no_rows}, out.s);
+    if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
+  }
+  ++work_.evaluations;
+  if (out.v.allFinite()) return;
+  gather(state);  // names the culprit
+  throw NonFiniteError("t = " + text::number(state.t) +
+                           " s: the accelerations are not finite although every force is; the motion has blown up: "
+                           "take a smaller step (--step) or tolerance",
+                       state.t);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,26 @@
+// What a Dynamics keeps for joint coordinates.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/dynamics.h>
+#include "framework/dynamics/tree/articulated.h"
+#include "framework/dynamics/tree/joint_tree.h"
+
+namespace lockstep {
+
+// Joint coordinates: the tree of the links that were in force last, and the recursion on it.
+struct Dynamics::Tree {
+  long revision = -1;  // of the system, and the links, that the tree was made for
+  std::vector<bool> modes;
+  std::shared_ptr<const JointTree> coordinates;  // null: there is no tree
+  std::string why_not;
+  ArticulatedBodies bodies;
+  std::vector<Motion> motions;
+  VecX f, none;
+  RowTable no_rows;  // of no link
+};
+
+}  // namespace lockstep
