@@ -1,9 +1,11 @@
 // Joint coordinates against the formulation omega: accelerations at random states of random trees, motions of scenes.
 #include <cmath>
-#include <random>
 
+#include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include <lockstep/stepping.h>
 #include "framework/dynamics/tree/joint_tree.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

@@ -167,7 +167,8 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
   const auto at = kernel::position(o1, o2, p, s);
   const auto moving = kernel::velocity(o1, o2, p, at);
   const auto row = [&](auto axis) __attribute__((always_inline)) {
-    const auto n2 = s.A * axis, n = o2.A * n2;
+    const auto n2 = s.A * axis;
+    const auto n = o2.A * n2;
     if constexpr (kWith & with::world_rows) {
       const auto world = kernel::translation_row(o1.A, p.u, at.s, axis, transpose_times(o2.A, axis));
       return kernel::Row{n, world.w1, world.w2};

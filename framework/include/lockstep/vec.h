@@ -252,8 +252,15 @@ LOCKSTEP_INLINE constexpr auto rotation(const Quaternion<W, Vector<X, Y, Z>>& q)
   const auto x2 = q.v.x + q.v.x;
   const auto y2 = q.v.y + q.v.y;
   const auto z2 = q.v.z + q.v.z;
-  const auto xx = q.v.x * x2, yy = q.v.y * y2, zz = q.v.z * z2, xy = q.v.x * y2, xz = q.v.x * z2, yz = q.v.y * z2;
-  const auto wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+  const auto xx = q.v.x * x2;
+  const auto yy = q.v.y * y2;
+  const auto zz = q.v.z * z2;
+  const auto xy = q.v.x * y2;
+  const auto xz = q.v.x * z2;
+  const auto yz = q.v.y * z2;
+  const auto wx = q.w * x2;
+  const auto wy = q.w * y2;
+  const auto wz = q.w * z2;
   return Matrix{Vector{1.0 - (yy + zz), xy - wz, xz + wy}, Vector{xy + wz, 1.0 - (xx + zz), yz - wx},
                 Vector{xz - wy, yz + wx, 1.0 - (xx + yy)}};
 }

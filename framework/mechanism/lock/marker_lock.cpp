@@ -220,7 +220,9 @@ void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out)
       if constexpr (kWith & with::world_rows) {
         kernel::for_rows(
             Mask::xyz, 0, [&]<int k>() __attribute__((always_inline)) { values.template operator()<k>(), ++at; });
-        const auto x = row(vec::Unit<0>{}), y = row(vec::Unit<1>{}), z = row(vec::Unit<2>{});
+        const auto x = row(vec::Unit<0>{});
+        const auto y = row(vec::Unit<1>{});
+        const auto z = row(vec::Unit<2>{});
         block.set_R(vec::columns(x.v, y.v, z.v));
         block.set_A(lock.side1_, vec::Matrix{x.w1, y.w1, z.w1});
         block.set_A(lock.side2_, vec::Matrix{x.w2, y.w2, z.w2});

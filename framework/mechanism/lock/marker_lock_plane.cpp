@@ -83,7 +83,8 @@ LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBl
   const kernel::Shift D{in_plane(law.p[a], law.p[b]), in_plane(law.pd[a], law.pd[b]), in_plane(law.pdd[a], law.pdd[b])};
 
   const auto at = kernel::position(B1, B2, P, S);
-  const auto C = at.rho - D.p, Ct = kernel::translation_Ct(B1, B2, P, S, D, at);
+  const auto C = at.rho - D.p;
+  const auto Ct = kernel::translation_Ct(B1, B2, P, S, D, at);
   const auto Qhat = kernel::translation_Qhat(B1, B2, P, S, D, at, kernel::velocity(B1, B2, P, at));
   block.C(0) = C.x, block.Ct(0) = Ct.x, block.Qhat(0) = Qhat.x;
   if (f.pair) {  // rows along i and j of the world
