@@ -86,7 +86,8 @@ TEST_CASE("in the plane all solvers agree, redundant or not", "[verification][pl
     const Evaluated& v = dynamics.evaluate(state);
     return std::pair<VecX, VecX>(v.a, v.lambda);
   };
-  const auto [a, lambda] = solved(std::make_unique<SchurSolver>());
+  const std::pair<VecX, VecX> schur = solved(std::make_unique<SchurSolver>());
+  const VecX &a = schur.first, &lambda = schur.second;
   const auto same = [&](std::unique_ptr<LinearSolver> solver) {
     const auto [a2, lambda2] = solved(std::move(solver));
     CHECK((a - a2).lpNorm<Eigen::Infinity>() <= 1e-9 * std::max(1.0, a.lpNorm<Eigen::Infinity>()));
