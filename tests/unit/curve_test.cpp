@@ -29,7 +29,9 @@ LawPtr<TranslationLaw> loop() {  // a closed curve in space
   return laws::translation([](auto s) { return std::array{cos(s), 0.6 * sin(s), 0.2 * sin(2.0 * s)}; });
 }
 LawPtr<RotationLaw> turning() {
-  return laws::rotation([](auto s) { return QuatT<decltype(s)>{cos(0.5 * s), 0.3 * sin(s), 0.2 * cos(s), sin(0.5 * s)}; });
+  return laws::rotation([](auto s) {
+    return QuatT<decltype(s)>{cos(0.5 * s), 0.3 * sin(s), 0.2 * cos(s), sin(0.5 * s)};
+  });
 }
 
 /// The same moved.

@@ -162,8 +162,8 @@ template <int kLaws, class Of>
 Numbers all_of(const Of& of) {
   using K = KernelInputs;
   const auto O1 = body(of, [](const K&in) { return in.O1; }), O2 = body(of, [](const K&in) { return in.O2; });
-  const auto P = [](const K&in) { return in.P; };
-  const auto S = [](const K&in) { return in.S; };
+  const auto P = [](const K& in) { return in.P; };
+  const auto S = [](const K& in) { return in.S; };
   if constexpr (kLaws == 0) return all_of(O1, O2, moving_marker(of, P), moving_marker(of, S), shift(of), turn(of));
   if constexpr (kLaws == 1) return all_of(O1, O2, still_marker(of, P), still_marker(of, S), shift(of), turn(of));
   if constexpr (kLaws == 2)
