@@ -190,7 +190,7 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
   const double R = 0.7, J = 0.01, m = 1.0, start = 2.9;
   System system({.gravity = Vec3(0, -g, 0)});
   const auto path = laws::translation([=](auto s) { return std::array{R * sin(s), -R * cos(s), 0.0 * s}; });
-  const auto turn = laws::rotation([](auto s) { return QuatT{cos(0.5 * s), 0.0 * s, 0.0 * s, sin(0.5 * s)}; });
+  const auto turn = laws::rotation([](auto s) { return QuatT<decltype(s)>{cos(0.5 * s), 0.0 * s, 0.0 * s, sin(0.5 * s)}; });
   Body& body = system.add_body("bob", kBody, {path->at(start).x, turn->at(start).q});
   system.add<PathFollower>("rail", system.add_marker("p", body), system.add_marker("s", system.ground()),
                            {.path = path, .turn = turn, .near = start});
