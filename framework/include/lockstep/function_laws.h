@@ -90,7 +90,7 @@ LawPtr<TranslationLaw> translation(F f, std::vector<double> breaks = {}) {
 }
 
 /// The law of a rotation q = f(t)/|f(t)|; f returns a QuatT of any length but zero:
-/// `[](auto t) { return QuatT{cos(t), 0.0 * t, 0.0 * t, sin(t)}; }`. `breaks` as for law().
+/// `[](auto t) { return QuatT<decltype(t)>{cos(t), 0.0 * t, 0.0 * t, sin(t)}; }`. `breaks` as for law().
 template <class F>
 LawPtr<RotationLaw> rotation(F f, std::vector<double> breaks = {}) {
   return std::make_shared<const RotationFrom<F>>(std::move(f), std::move(breaks));
