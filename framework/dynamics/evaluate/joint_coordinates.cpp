@@ -17,7 +17,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = system_.revision(), t.modes = modes;
   t.coordinates = JointTree::of(system_, modes, t.why_not);
-  if (t.coordinates) t.bodies.begin(*t.coordinates);
+  if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
   system_.lay_out(std::vector<bool>(modes.size(), false), t.no_rows);
   return t;

@@ -5,33 +5,13 @@
 #include <Eigen/Cholesky>
 
 #include "framework/dynamics/tree/tree_motion.h"
+#include "framework/foundation/math/for_size.h"
 
 namespace lockstep {
 
 namespace {
 
-// call(std::integral_constant<int, k>) for the number of a node's velocities.
-template <class Call>
-LOCKSTEP_INLINE void for_count(int k, Call&& call) {
-  switch (k) {
-    case 0:
-      return call(std::integral_constant<int, 0>());
-    case 1:
-      return call(std::integral_constant<int, 1>());
-    case 2:
-      return call(std::integral_constant<int, 2>());
-    case 3:
-      return call(std::integral_constant<int, 3>());
-    case 4:
-      return call(std::integral_constant<int, 4>());
-    case 5:
-      return call(std::integral_constant<int, 5>());
-    default:
-      return call(std::integral_constant<int, 6>());
-  }
-}
-
-// r~ B
+// r~ B and B r~, 18 products each: skew(r) has zeros.
 LOCKSTEP_INLINE Mat3 cross_columns(const Vec3& r, const Mat3& B) {
   Mat3 out;
   out.row(0) = r[1] * B.row(2) - r[2] * B.row(1);
@@ -39,7 +19,6 @@ LOCKSTEP_INLINE Mat3 cross_columns(const Vec3& r, const Mat3& B) {
   out.row(2) = r[0] * B.row(1) - r[1] * B.row(0);
   return out;
 }
-// B r~
 LOCKSTEP_INLINE Mat3 columns_cross(const Mat3& B, const Vec3& r) {
   Mat3 out;
   out.col(0) = r[2] * B.col(1) - r[1] * B.col(2);
@@ -48,18 +27,32 @@ LOCKSTEP_INLINE Mat3 columns_cross(const Mat3& B, const Vec3& r) {
   return out;
 }
 
+// Adds the inertia and the bias of a reduced node to its parent's, about the parent's mass centre; p + IA c is its bias.
+template <class N>
+LOCKSTEP_INLINE void pass_on(const N& b, N& parent) {
+  const Vec3 pf = b.pf + b.M * b.ca + b.H * b.cal;
+  const Vec3 pt = b.pt + b.H.transpose() * b.ca + b.I * b.cal;
+  const Mat3 MS = columns_cross(b.M, b.r), SH = cross_columns(b.r, b.H);
+  parent.M += b.M;
+  parent.H += b.H - MS;
+  parent.I += b.I + SH + SH.transpose() - cross_columns(b.r, MS);
+  parent.pf += pf;
+  parent.pt += pt + cross(b.r, pf);
+}
+
 }  // namespace
 
-void ArticulatedBodies::begin(const JointTree& tree) {
+void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
   nodes_.resize(tree.nodes().size());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
-  first_.clear();
-  std::size_t n = 0;
-  for (const TreeNode& node : tree.nodes()) {
-    first_.push_back(n);
-    n += static_cast<std::size_t>(node.n_v() * node.n_v());
+  std::size_t size = 0;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& n = tree.nodes()[k];
+    nodes_[k].m = system.slot(n.slot).mass, nodes_[k].J = system.slot(n.slot).J;
+    nodes_[k].D_1 = size;
+    size += static_cast<std::size_t>(n.n_v() * n.n_v());
   }
-  inverse_.resize(n);
+  inverse_.resize(size);
 }
 
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
@@ -74,8 +67,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     const Vec3& wp = root ? still : nodes_[parent].w;
     Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
     Node& b = nodes_[k];
-    Carried c;
-    carry(n, y.q.data() + n.first_q, y.v.data() + n.first_v, p, wp, own, c);
+    const Carried c = carry(n, y.q.data() + n.first_q, y.v.data() + n.first_v, p, wp, own);
     b.w = c.w;
     b.r = c.d1 + c.d2;
     // al = al_p + cal,  a = a_p + al_p x r + ca
@@ -84,14 +76,9 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     if (n.n_slides > 0) b.ca += 2.0 * cross(n.reversed ? c.w : wp, c.slide);
     Dof* dof = dofs_.data() + n.first_v;
     for (int i = 0; i < n.n_slides; ++i, ++dof)
-      dof->l = (n.reversed ? own.A : p.A) * n.slide[static_cast<std::size_t>(i)], dof->n.setZero();
-    if (n.turn == TreeTurn::hinge) {
-      dof->n = p.A * n.axis;
-      dof->l = cross(dof->n, c.d2);
-    } else if (n.turn == TreeTurn::ball) {
-      const Mat3 B = (n.reversed ? p.A : own.A) * n.ball;
-      for (int i = 0; i < 3; ++i, ++dof) dof->n = B.col(i), dof->l = cross(dof->n, c.d2);
-    }
+      dof->l = slide_axes(n, p, own) * n.slide[static_cast<std::size_t>(i)], dof->n.setZero();
+    for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof)
+      dof->n = c.turn_axes.col(i), dof->l = cross(dof->n, c.d2);
   }
 }
 
@@ -104,7 +91,7 @@ void ArticulatedBodies::eliminate(const TreeNode& n, Node& b) {
     dof[i].Ut = b.H.transpose() * dof[i].l + b.I * dof[i].n;
     dof[i].u = -(dof[i].l.dot(b.pf) + dof[i].n.dot(b.pt));
   }
-  double* inverse = inverse_.data() + first_[static_cast<std::size_t>(&b - nodes_.data())];
+  double* inverse = inverse_.data() + b.D_1;
   if constexpr (k == 1) {
     inverse[0] = 1.0 / (dof->l.dot(dof->Uf) + dof->n.dot(dof->Ut));
   } else if constexpr (k > 1) {
@@ -116,37 +103,27 @@ void ArticulatedBodies::eliminate(const TreeNode& n, Node& b) {
   }
 }
 
-// Ia = IA - U D^-1 U', pa = p + Ia c + U D^-1 u, both about the parent's mass centre
+// IA <- IA - U D^-1 U', p <- p + U D^-1 u
 template <int k>
-void ArticulatedBodies::pass_on(const TreeNode& n, const Node& b, Node& p) {
+void ArticulatedBodies::reduce(const TreeNode& n, Node& b) {
   const Dof* dof = dofs_.data() + n.first_v;
-  const double* inverse = inverse_.data() + first_[static_cast<std::size_t>(&b - nodes_.data())];
-  Mat3 M = b.M, H = b.H, I = b.I;
-  Vec3 pf = b.pf, pt = b.pt;
+  const double* inverse = inverse_.data() + b.D_1;
   for (int i = 0; i < k; ++i) {
     Vec3 Vf = dof[0].Uf * inverse[i], Vt = dof[0].Ut * inverse[i];  // column i of U D^-1
     for (int j = 1; j < k; ++j) Vf += dof[j].Uf * inverse[k * j + i], Vt += dof[j].Ut * inverse[k * j + i];
-    M -= Vf * dof[i].Uf.transpose();
-    H -= Vf * dof[i].Ut.transpose();
-    I -= Vt * dof[i].Ut.transpose();
-    pf += Vf * dof[i].u, pt += Vt * dof[i].u;
+    b.M -= Vf * dof[i].Uf.transpose();
+    b.H -= Vf * dof[i].Ut.transpose();
+    b.I -= Vt * dof[i].Ut.transpose();
+    b.pf += Vf * dof[i].u, b.pt += Vt * dof[i].u;
   }
-  pf += M * b.ca + H * b.cal;
-  pt += H.transpose() * b.ca + I * b.cal;
-  const Mat3 MS = columns_cross(M, b.r), SH = cross_columns(b.r, H);
-  p.M += M;
-  p.H += H - MS;
-  p.I += I + SH + SH.transpose() - cross_columns(b.r, MS);
-  p.pf += pf;
-  p.pt += pt + cross(b.r, pf);
 }
 
 // vd = D^-1 (u - U' a'), a' = (a_p + al_p x r + ca, al_p + cal)
 template <int k>
 void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd) {
   const Dof* dof = dofs_.data() + n.first_v;
-  const double* inverse = inverse_.data() + first_[static_cast<std::size_t>(&b - nodes_.data())];
-  double left[k > 0 ? k : 1];
+  const double* inverse = inverse_.data() + b.D_1;
+  double left[k];
   for (int i = 0; i < k; ++i) left[i] = dof[i].u - dof[i].Uf.dot(b.a) - dof[i].Ut.dot(b.al);
   for (int i = 0; i < k; ++i) {
     double x = 0;
@@ -163,22 +140,22 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
     const Mat3& A = motions[static_cast<std::size_t>(n.slot + 1)].A;
-    b.M = n.m * Mat3::Identity();
+    b.M = b.m * Mat3::Identity();
     b.H.setZero();
-    if (n.round)
-      b.I = n.J;
-    else
-      b.I = A * n.J * A.transpose();
+    b.I = A * b.J * A.transpose();
     b.pf = -f.segment<3>(6 * n.slot);
     b.pt = -(A * f.segment<3>(6 * n.slot + 3));
   }
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
-    for_count(n.n_v(), [&](auto count) {
-      eliminate<count>(n, b);
-      if (n.parent >= 0) pass_on<count>(n, b, nodes_[static_cast<std::size_t>(n.parent)]);
-    });
+    const bool root = n.parent < 0;
+    if (n.n_v() > 0)  // else a weld that was kept
+      for_size<1, 6>(n.n_v(), [&](auto count) {
+        eliminate<count>(n, b);
+        if (!root) reduce<count>(n, b);
+      });
+    if (!root) pass_on(b, nodes_[static_cast<std::size_t>(n.parent)]);
   }
   double a2 = 0, al2 = 0;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -189,7 +166,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
       const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
       b.a += p.a + cross(p.al, b.r), b.al += p.al;
     }
-    for_count(n.n_v(), [&](auto count) { solve<count>(n, b, vd); });
+    if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd); });
     a2 = std::max(a2, b.a.squaredNorm()), al2 = std::max(al2, b.al.squaredNorm());
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);

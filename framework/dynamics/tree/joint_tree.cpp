@@ -16,11 +16,10 @@ bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 std::string refusal(const Lock& link) {
   const std::string who = "link '" + link.name() + "' ";
   const Jointed* joint = link.jointed();
-  if (!joint) return who + "is no lock of a mask alone";
+  if (!joint) return who + "is not a lock of a mask";
   if (joint->has_laws()) return who + "has laws";
   if (link.row_count() != count_rows(joint->mask())) return who + "has rows beside those of its mask";
   if (!has_closed_form(joint->mask())) return who + "holds one turn alone";
-  if (link.unilateral()) return who + "is unilateral";
   return "";
 }
 
@@ -99,7 +98,7 @@ int JointTree::grow(const System& system, const G& graph) {
   };
   hang_on(kGround, -1);
   for (int next = 0;;) {
-    for (; !open.empty();) {
+    while (!open.empty()) {
       const Open o = open.back();
       open.pop_back();
       if (used[static_cast<std::size_t>(o.link)]) continue;
@@ -117,8 +116,6 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   TreeNode node;
   node.slot = slot, node.parent = parent, node.link = link;
   node.first_q = n_q_, node.first_v = n_v_;
-  node.m = system.slot(slot).mass, node.J = system.slot(slot).J;
-  node.round = node.J.isApprox(node.J(0, 0) * Mat3::Identity(), 1e-15);
   Mask held = Mask::none;
   MarkerFrame P, S;
   if (link < 0) {
@@ -152,10 +149,9 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
 }
 
 void JointTree::motions(const State& y, std::span<Motion> out) const {
-  Carried c;
   for (const TreeNode& node : nodes_) {
     const Motion& p = out[motion_of(node.parent)];
-    carry(node, y.q.data() + node.first_q, y.v.data() + node.first_v, p, p.A * p.w, out[motion_of(node)], c);
+    carry(node, y.q.data() + node.first_q, y.v.data() + node.first_v, p, p.A * p.w, out[motion_of(node)]);
   }
 }
 
@@ -164,9 +160,8 @@ Motion JointTree::motion(const State& y, int slot) const {
   for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
     path.push_back(&nodes_[static_cast<std::size_t>(k)]);
   Motion p, own;
-  Carried c;
   for (; !path.empty(); path.pop_back(), p = own)
-    carry(*path.back(), y.q.data() + path.back()->first_q, y.v.data() + path.back()->first_v, p, p.A * p.w, own, c);
+    carry(*path.back(), y.q.data() + path.back()->first_q, y.v.data() + path.back()->first_v, p, p.A * p.w, own);
   return p;
 }
 
@@ -244,17 +239,15 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     // e = e_p near r far' or e_p near r' far'
     Quat r = conjugate(node.near_q) * (conjugate(p.e) * own.e) * node.far_q;
     if (node.reversed) r = conjugate(r);
+    const Vec3 turn = turn_axes(node, p, own).transpose() * (w - wp);
     if (node.turn == TreeTurn::hinge) {
-      const Vec3 n = node.axis, along = node.hinge;
-      double angle = 2.0 * std::atan2(r.vec().dot(along), r.w);
+      const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
       const double about = near ? near->q[node.first_q + k] : 0.0;
       q[k] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
-      v[k] = (p.A * n).dot(w - wp);
+      v[k] = turn[0];
     } else if (node.turn == TreeTurn::ball) {
       q[k] = r.w, q[k + 1] = r.x, q[k + 2] = r.y, q[k + 3] = r.z;
-      const Mat3 B = (node.reversed ? p.A : own.A) * node.ball;
-      const Vec3 rate = B.transpose() * (w - wp);
-      v[k] = rate[0], v[k + 1] = rate[1], v[k + 2] = rate[2];
+      v[k] = turn[0], v[k + 1] = turn[1], v[k + 2] = turn[2];
     }
   }
 }

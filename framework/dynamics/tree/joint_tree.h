@@ -4,7 +4,9 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/state.h>
@@ -12,7 +14,7 @@
 
 namespace lockstep {
 
-/// How the marker of a child turns against that of its parent.
+/// How far turns against near.
 enum class TreeTurn {
   none,   ///< not at all
   hinge,  ///< about one axis of both: an angle, rad, unwrapped
@@ -32,7 +34,7 @@ struct TreeNode {
   int first_q = 0,   ///< where its coordinates begin: translations, then the angle or the quaternion
       first_v = 0;   ///< where its velocities begin: translations, then the rate or w, in the axes of P
   int n_slides = 0;  ///< translations
-  TreeTurn turn = TreeTurn::none;
+  TreeTurn turn = TreeTurn::none;  ///< how far turns against near
   bool reversed = false;  ///< near is P
 
   Vec3 near_u = Vec3::Zero(),    ///< origin of near in the parent, m
@@ -43,10 +45,6 @@ struct TreeNode {
   Vec3 hinge = Vec3::Zero(),     ///< axis of a hinge, in the axes of P and of S
       axis = Vec3::Zero();       ///< the same in the parent's axes, with the sign of the turn
   Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
-
-  double m = 0;           ///< mass of the slot, kg
-  Mat3 J = Mat3::Zero();  ///< its inertia, slot axes, kg m^2
-  bool round = false;     ///< J is a multiple of the unit matrix
 
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }

@@ -7,25 +7,51 @@
 
 namespace lockstep {
 
+/// The axes of a slot that carry the joint's translations, to world axes.
+LOCKSTEP_INLINE const Mat3& slide_axes(const TreeNode& n, const Motion& p, const Motion& own) {
+  return n.reversed ? own.A : p.A;
+}
+/// Angular velocities of the slot against its parent per unit of the turn's velocities, world axes: three columns of a
+/// ball, the first of a hinge.
+LOCKSTEP_INLINE Mat3 turn_axes(const TreeNode& n, const Motion& p, const Motion& own) {
+  Mat3 B = Mat3::Zero();
+  if (n.turn == TreeTurn::hinge)
+    B.col(0) = p.A * n.axis;
+  else if (n.turn == TreeTurn::ball)
+    B = (n.reversed ? p.A : own.A) * n.ball;
+  return B;
+}
+/// A sum of the directions of the translations, by the numbers x.
+LOCKSTEP_INLINE Vec3 along_slides(const TreeNode& n, const double* x) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < n.n_slides; ++k) sum += n.slide[static_cast<std::size_t>(k)] * x[k];
+  return sum;
+}
+/// The turn's velocities, or their variations, after those of the translations: of a hinge the first number.
+LOCKSTEP_INLINE Vec3 turn_numbers(const TreeNode& n, const double* v) {
+  const double* a = v + n.n_slides;
+  if (n.turn == TreeTurn::ball) return {a[0], a[1], a[2]};
+  return {n.turn == TreeTurn::hinge ? a[0] : 0.0, 0.0, 0.0};
+}
+
 /// What a joint adds to its parent's motion, world axes. The joint acts at a point that is fixed in the slot that does
 /// not carry the slides.
 struct Carried {
-  Vec3 d1,    ///< from the parent's mass centre to that point, m
-      d2,     ///< from there to the slot's mass centre, m
-      slide,  ///< velocity of the translations, m/s
-      turn,   ///< angular velocity against the parent, rad/s
-      w;      ///< angular velocity of the slot, rad/s
+  Mat3 turn_axes;  ///< as the function
+  Vec3 d1,         ///< from the parent's mass centre to that point, m
+      d2,          ///< from there to the slot's mass centre, m
+      slide,       ///< velocity of the translations, m/s
+      turn,        ///< angular velocity against the parent, rad/s
+      w;           ///< angular velocity of the slot, rad/s
 };
 
-/// Writes the motion of a node at its coordinates q and velocities v (those of the node alone). `p`, `wp`: motion of
-/// the parent, its angular velocity in world axes, rad/s.
-LOCKSTEP_INLINE void carry(const TreeNode& n, const double* q, const double* v, const Motion& p, const Vec3& wp,
-                           Motion& out, Carried& c) {
-  const double *a = q + n.n_slides, *ad = v + n.n_slides;
+/// Writes the orientation of a node at its coordinates q.
+LOCKSTEP_INLINE void orient(const TreeNode& n, const double* q, const Motion& p, Motion& out) {
+  const double* a = q + n.n_slides;
   if (n.turn == TreeTurn::hinge) {
-    const double co = std::cos(0.5 * a[0]), s = std::sin(0.5 * a[0]);
-    out.e = p.e * Quat{co * n.K0.w + s * n.K1.w, co * n.K0.x + s * n.K1.x, co * n.K0.y + s * n.K1.y,
-                       co * n.K0.z + s * n.K1.z};
+    const double c = std::cos(0.5 * a[0]), s = std::sin(0.5 * a[0]);
+    out.e = p.e * Quat{c * n.K0.w + s * n.K1.w, c * n.K0.x + s * n.K1.x, c * n.K0.y + s * n.K1.y,
+                       c * n.K0.z + s * n.K1.z};
   } else if (n.turn == TreeTurn::none) {
     out.e = p.e * n.K0;
   } else {
@@ -36,26 +62,40 @@ LOCKSTEP_INLINE void carry(const TreeNode& n, const double* q, const double* v, 
   const double unit = 1.5 - 0.5 * norm2(out.e);
   out.e = {unit * out.e.w, unit * out.e.x, unit * out.e.y, unit * out.e.z};
   out.A = rotation(out.e);
+}
 
+/// What the joint of a node adds at its coordinates q and velocities v. `p`, `own`: motions of the parent and, of which
+/// the orientation is read, of the node; `wp`: angular velocity of the parent, world axes, rad/s.
+LOCKSTEP_INLINE Carried carried(const TreeNode& n, const double* q, const double* v, const Motion& p, const Vec3& wp,
+                                const Motion& own) {
+  Carried c;
+  c.turn_axes = turn_axes(n, p, own);
   c.d1 = p.A * n.near_u;
-  c.d2 = -(out.A * n.far_u);
-  c.slide.setZero(), c.turn.setZero();
+  c.d2 = -(own.A * n.far_u);
+  c.slide.setZero();
   if (n.n_slides > 0) {
-    Vec3 rho = n.slide[0] * q[0], rhod = n.slide[0] * v[0];
-    for (int k = 1; k < n.n_slides; ++k)
-      rho += n.slide[static_cast<std::size_t>(k)] * q[k], rhod += n.slide[static_cast<std::size_t>(k)] * v[k];
-    const Mat3& S = n.reversed ? out.A : p.A;
-    (n.reversed ? c.d2 : c.d1) += S * rho;
-    c.slide = S * rhod;
+    const Mat3& S = slide_axes(n, p, own);
+    (n.reversed ? c.d2 : c.d1) += S * along_slides(n, q);
+    c.slide = S * along_slides(n, v);
   }
   if (n.turn == TreeTurn::hinge)
-    c.turn = (p.A * n.axis) * ad[0];
-  else if (n.turn == TreeTurn::ball)
-    c.turn = (n.reversed ? p.A : out.A) * (n.ball * Vec3(ad[0], ad[1], ad[2]));
+    c.turn = c.turn_axes.col(0) * v[n.n_slides];
+  else
+    c.turn = c.turn_axes * turn_numbers(n, v);
   c.w = wp + c.turn;
+  return c;
+}
+
+/// Writes the motion of a node at its coordinates q and velocities v (those of the node alone), and returns what its
+/// joint adds. `p`, `wp`: motion of the parent, its angular velocity in world axes, rad/s.
+LOCKSTEP_INLINE Carried carry(const TreeNode& n, const double* q, const double* v, const Motion& p, const Vec3& wp,
+                              Motion& out) {
+  orient(n, q, p, out);
+  const Carried c = carried(n, q, v, p, wp, out);
   out.w = out.A.transpose() * c.w;
   out.x = p.x + c.d1 + c.d2;
   out.v = p.v + cross(wp, c.d1) + c.slide + cross(c.w, c.d2);
+  return c;
 }
 
 /// Variation of a node's motion, world axes.
@@ -66,36 +106,26 @@ struct NodeVariation {
       w = Vec3::Zero();    ///< of the angular velocity
 };
 
-/// The variation of a node under dq and dv of its own coordinates. `p`, `own`: motions of the parent and the node.
+/// The variation of a node under dq and dv of its own coordinates. `p`, `own`: motions of the parent and the node, `dp`:
+/// the variation of the parent's.
 inline NodeVariation vary(const TreeNode& n, const double* q, const double* v, const double* dq, const double* dv,
                           const Motion& p, const Motion& own, const NodeVariation& dp) {
-  Motion again;
-  Carried c;
   const Vec3 wp = p.A * p.w;
-  carry(n, q, v, p, wp, again, c);
-  const double *a = q + n.n_slides, *da = dq + n.n_slides, *dad = dv + n.n_slides;
-  NodeVariation d;
-  Vec3 turn = Vec3::Zero();  // d of c.turn but for the motion of its axes
-  d.phi = dp.phi;
-  if (n.turn == TreeTurn::hinge) {
-    const Vec3 axis = p.A * n.axis;
-    d.phi += axis * da[0];
-    turn = axis * dad[0];
-  } else if (n.turn == TreeTurn::ball) {
-    const Mat3 B = (n.reversed ? p.A : own.A) * n.ball;
+  const Carried c = carried(n, q, v, p, wp, own);
+  Vec3 turned = turn_numbers(n, dq);  // of a ball: twice the vector part of r' dr
+  if (n.turn == TreeTurn::ball) {
+    const double *a = q + n.n_slides, *da = dq + n.n_slides;
     const Quat r{a[0], a[1], a[2], a[3]};
-    d.phi += B * (2.0 / norm2(r) * (conjugate(r) * Quat{da[0], da[1], da[2], da[3]}).vec());
-    turn = B * Vec3(dad[0], dad[1], dad[2]);
+    turned = 2.0 / norm2(r) * (conjugate(r) * Quat{da[0], da[1], da[2], da[3]}).vec();
   }
+  NodeVariation d;
+  d.phi = dp.phi + c.turn_axes * turned;
   const bool turns_with_child = n.turn == TreeTurn::ball && !n.reversed;
-  d.w = dp.w + turn + cross(turns_with_child ? d.phi : dp.phi, c.turn);
-  Vec3 rho = Vec3::Zero(), rhod = Vec3::Zero();
-  for (int k = 0; k < n.n_slides; ++k)
-    rho += n.slide[static_cast<std::size_t>(k)] * dq[k], rhod += n.slide[static_cast<std::size_t>(k)] * dv[k];
-  const Mat3& S = n.reversed ? own.A : p.A;
+  d.w = dp.w + c.turn_axes * turn_numbers(n, dv) + cross(turns_with_child ? d.phi : dp.phi, c.turn);
+  const Mat3& S = slide_axes(n, p, own);
   Vec3 d1 = cross(dp.phi, c.d1), d2 = cross(d.phi, c.d2);
-  (n.reversed ? d2 : d1) += S * rho;
-  const Vec3 slide = cross(n.reversed ? d.phi : dp.phi, c.slide) + S * rhod;
+  (n.reversed ? d2 : d1) += S * along_slides(n, dq);
+  const Vec3 slide = cross(n.reversed ? d.phi : dp.phi, c.slide) + S * along_slides(n, dv);
   d.x = dp.x + d1 + d2;
   d.v = dp.v + cross(dp.w, c.d1) + cross(wp, d1) + slide + cross(d.w, c.d2) + cross(c.w, d2);
   return d;
