@@ -64,7 +64,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   AdaptiveStepper::begin(dynamics, state);
   dynamics_ = &dynamics;
   stages_.begin(scheme_.tableau, state, passage_.active());
-  passage_.begin(state);
+  passage_.begin(scheme_.tableau, state);
   watch_.begin(state.v.size());
   h_ = 0;
   dense_ready_ = false;
@@ -122,7 +122,7 @@ void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   landed_t_ = landed_.t;
   report.manifold = passage_.stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
-  passage_.finish_step(stages_);
+  passage_.finish_step(stages_, report);
   if (fixed()) return;
   stages_.sum(h_, gap_w_, gap_);
   gap_.v += landed_.v - end_.v;

@@ -57,6 +57,23 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
   CHECK(fs::exists(kFolder + "/four_bar.csv"));
 }
 
+TEST_CASE("joint coordinates: proposed where scene and method take them, run with the summary", "[runner]") {
+  const std::string chain = std::string(paths::kScenes) + "/chain_10.json";
+  const auto proposed = [&](const std::string& scene, const std::string& options) {
+    return contains(call("check '" + scene + "' " + options).text, "\"formulation\": \"auto\" integrates");
+  };
+  CHECK(proposed(chain, ""));
+  CHECK(!proposed(chain, "--full"));
+  CHECK(!proposed(kFourBar, ""));
+  const std::string pendulum = kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2, "integrator": ")";
+  CHECK(proposed(scene_file("explicit", pendulum + "dopri5\"}"), ""));
+  CHECK(!proposed(scene_file("implicit", pendulum + "radau5\"}"), ""));
+  const Called r = call("run '" + chain + "' --formulation joint --until 0.2 --record joint.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, "conserved"));
+}
+
 TEST_CASE("every verb has help with an example", "[runner]") {
   for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise", "sweep"}) {
     const Called r = call(std::string(verb) + " --help");

@@ -91,7 +91,10 @@ Answer by_paper(RandomMechanism& m, const State& state) {
       right[row++] = lock.Qc[j];
     }
   }
-  const VecX x = K.fullPivLu().solve(right);
+  // Rows in metres beside inertias and quaternions: the unscaled matrix is ill-conditioned, and solved with more digits.
+  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Long more = K.cast<long double>().fullPivLu().solve(right.cast<long double>());
+  const VecX x = more.cast<double>();
   Answer s{VecX::Zero(6 * n), x.segment(7 * n, n_rows)};
   for (int k = 0; k < n; ++k) {
     const Body& b = *m.bodies[static_cast<std::size_t>(k)];

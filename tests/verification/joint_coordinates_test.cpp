@@ -60,6 +60,16 @@ System tree(std::uint64_t seed, int n, MaskOf&& mask) {
   return system;
 }
 
+/// The same with a mask of any closed form for each body, but no weld.
+System random_tree(std::uint64_t seed, int n) {
+  const std::vector<Mask> masks = closed_forms();
+  Draw draw(1000 + seed);
+  return tree(seed, n, [&](int) {
+    const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
+    return count_rows(m) == 6 ? Mask::xyz : m;
+  });
+}
+
 Dynamics joint_dynamics(System& system) {
   return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
 }
@@ -133,14 +143,9 @@ TEST_CASE("every mask with a closed form, alone and in a chain, accelerates as i
 }
 
 TEST_CASE("random trees accelerate as in omega", "[verification][joint]") {
-  const std::vector<Mask> masks = closed_forms();
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
-    Draw draw(1000 + seed);
-    System system = tree(seed, 12, [&](int) {
-      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
-      return count_rows(m) == 6 ? Mask::xyz : m;
-    });
+    System system = random_tree(seed, 12);
     check_accelerations(system, seed);
   }
 }
@@ -155,14 +160,9 @@ TEST_CASE("slots without a link move freely", "[verification][joint]") {
 }
 
 TEST_CASE("a state read off gives its motions back", "[verification][joint]") {
-  const std::vector<Mask> masks = closed_forms();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
-    Draw draw(seed);
-    System system = tree(seed, 8, [&](int) {
-      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
-      return count_rows(m) == 6 ? Mask::xyz : m;
-    });
+    System system = random_tree(seed, 8);
     Dynamics dynamics = joint_dynamics(system);
     State state = random_state(dynamics, seed);
     state.q.array() *= 5;  // angles beyond half a turn
@@ -185,14 +185,10 @@ TEST_CASE("a state read off gives its motions back", "[verification][joint]") {
 }
 
 TEST_CASE("variations are the differences of motions", "[verification][joint]") {
-  const std::vector<Mask> masks = closed_forms();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
-    System system = tree(seed, 6, [&](int) {
-      const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
-      return count_rows(m) == 6 ? Mask::xyz : m;
-    });
+    System system = random_tree(seed, 6);
     Dynamics dynamics = joint_dynamics(system);
     const State state = random_state(dynamics, seed);
     StateRate d = sized_like(state);
@@ -303,6 +299,47 @@ TEST_CASE("what is no tree is refused in joint coordinates by name, and runs in 
   CHECK(words.find("closes a loop") != std::string::npos);
   CHECK(words.find("link '") != std::string::npos);
   CHECK(run("nfourbar_2", Formulation::automatic).table.n_rows() > 0);
+
+  const auto by = [&](const std::string& method, Formulation formulation) {
+    return run_scene(scene_path("chain_10"), [&](RunSettings& s) {
+      s.integrator = {method}, s.step = 1e-3, s.tolerance = {};
+      s.until = 0.005, s.times.clear(), s.output = 0.001, s.formulation = formulation;
+    });
+  };
+  for (const char* method : {"radau5", "rattle2"}) {  // state their formulation
+    CAPTURE(method);
+    const std::string refused = message_of<ModelError>([&] { by(method, Formulation::joint); });
+    CHECK(refused.find("joint coordinates (formulation joint) are not possible") != std::string::npos);
+    CHECK(refused.find(method) != std::string::npos);
+    const Table omega = by(method, Formulation::omega).table, automatic = by(method, Formulation::automatic).table;
+    for (const ColumnError& e : compare(automatic, omega)) CHECK(e.error == 0);
+  }
+}
+
+TEST_CASE("a mass changed in mid-run counts from there on", "[verification][joint]") {
+  const auto run = [](Formulation formulation) {
+    System system({.gravity = {0, -9.81, 0}});
+    Body* last = &system.ground();
+    for (int i = 0; i < 3; ++i) {
+      Body& b =
+          system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
+                          {Vec3(i + 0.5, 0, 0), {}});
+      system.add<Revolute>("hinge" + std::to_string(i), b, *last, pose_at(Vec3(i, 0, 0), Vec3(0, i % 2, 1)));
+      last = &b;
+    }
+    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
+    loop.run_until(0.1);
+    system.body("rod1").mass.mass = 5, system.body("rod1").mass.J *= 5;
+    system.changed();
+    loop.run_until(0.3);
+    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::joint));
+    State end = loop.state();
+    dynamics.to_slots(end);
+    return end;
+  };
+  const State omega = run(Formulation::omega), joint = run(Formulation::joint);
+  CHECK(largest(joint.v - omega.v) < 1e-9 * largest(omega.v));
 }
 
 TEST_CASE("a step in joint coordinates allocates nothing", "[verification][joint]") {

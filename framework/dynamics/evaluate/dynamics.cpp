@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"  // complete where a Dynamics is made
@@ -42,7 +45,14 @@ std::string to_string(Formulation f) {
 Formulation formulation_from(std::string_view word) {
   for (const auto& [formulation, name] : kFormulations)
     if (word == name) return formulation;
-  throw ModelError("there is no formulation '" + std::string(word) + "'; there are omega, quaternion, joint and auto");
+  throw ModelError("there is no formulation '" + std::string(word) + "'; there are " +
+                   fmt::format("{}", fmt::join(formulation_names(), ", ")));
+}
+
+std::vector<std::string> formulation_names() {
+  std::vector<std::string> names;
+  for (const auto& [formulation, name] : kFormulations) names.emplace_back(name);
+  return names;
 }
 
 SolveReport Solution::full_report() const {

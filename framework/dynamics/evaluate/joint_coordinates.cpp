@@ -38,6 +38,10 @@ void Dynamics::to_formulation(State& state, const State* near) {
   state = std::move(out);
 }
 
+bool Dynamics::has_current_coordinates(const State& state) {
+  return !state.coordinates || state.coordinates == tree(state.modes).coordinates;
+}
+
 void Dynamics::to_slots(State& state) {
   if (!state.coordinates) return;
   std::vector<Motion> motions;

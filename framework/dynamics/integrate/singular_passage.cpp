@@ -21,6 +21,7 @@ constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations 
 constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
 constexpr int kShifts = 12;          // attempted this many times; then the best of them is taken,
 constexpr double kCross = 100;       // with an error up to this
+constexpr double kLeast = 0.1;       // of the step: one that only leads to where the next should begin
 
 // Time in which the body that turns fastest at y turns by this angle, s.
 double time_to_turn(const State& y, double angle) {
@@ -31,15 +32,24 @@ double time_to_turn(const State& y, double angle) {
 
 }  // namespace
 
-void SingularPassage::begin(const State& state) {
+void SingularPassage::begin(const Tableau& tableau, const State& state) {
   near_ = probed_ = false;
+  ahead_ = HUGE_VAL;
+  const double* c = tableau.c;
+  nodes_.assign(c, c + tableau.n_stages);
+  std::ranges::sort(nodes_);
+  nodes_.erase(std::ranges::unique(nodes_).begin(), nodes_.end());
+  last_ = static_cast<int>(std::max_element(c, c + tableau.n_stages) - c);
+  inner_ = 0;
+  for (int i = 0; i < tableau.n_stages; ++i)
+    if (c[i] < c[last_] && c[i] > c[inner_]) inner_ = i;
   both_sides_.begin(state);
   rate_ = sized_like(state);
 }
 
 void SingularPassage::start_step() {
   on_ = when_ == StagesWhen::manifold || near_ ? StagesOn::manifold : StagesOn::plain;
-  shifts_ = 0, limit_ = 1, best_ = {0, kCross};
+  shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross};
 }
 
 // A start in a singular position looks like one with redundant rows until both sides have been probed.
@@ -63,8 +73,26 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   return true;
 }
 
-double SingularPassage::longest(const State& y, double h) const {
-  return on_ == StagesOn::plain ? h : std::min(h, time_to_turn(y, kTurn));
+double SingularPassage::longest(const State& y, double h) {
+  if (on_ == StagesOn::plain) return h;
+  unplaced_ = std::min(h, time_to_turn(y, kTurn));
+  return straddle(unplaced_);
+}
+
+// At most h: the step whose nodes are farthest from the position ahead, or one to where such a step begins.
+double SingularPassage::straddle(double h) const {
+  if (!(ahead_ < 2 * h)) return h;
+  double widest = 0, before = 0, farthest = 0, best = h;
+  for (std::size_t i = 1; i < nodes_.size(); ++i) {
+    const double half = 0.5 * (nodes_[i] - nodes_[i - 1]), middle = 0.5 * (nodes_[i] + nodes_[i - 1]);
+    if (half > widest) widest = half, before = ahead_ - middle * h;
+    const double with = ahead_ / middle;  // a step of this length has the position in the middle of the gap
+    if (with > h || half * with <= farthest) continue;
+    farthest = half * with;
+    best = i == 1 ? h : with;  // the position is next to the start: any long step keeps away
+  }
+  if (before >= h) return h;
+  return before > 0 ? std::max(before, kLeast * h) : best;
 }
 
 bool SingularPassage::enters(const Stages& stages) {
@@ -86,7 +114,14 @@ double SingularPassage::shift(const Stages& stages, int late_stage, double h, do
   return best_.h;
 }
 
-void SingularPassage::finish_step(const Stages& stages) {
+// The indicator falls as the square of the distance: its root is found along the last two nodes.
+void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
+  if (report.rejected == 0) report.h_next = std::max(report.h_next, unplaced_);
+  const double* c = stages.tableau().c;
+  const double s0 = std::sqrt(stages.conditioning(inner_).detector),
+               s1 = std::sqrt(stages.conditioning(last_).detector);
+  const bool falls = s1 < s0 && std::isfinite(s0);
+  ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
   if (when_ == StagesWhen::automatic) near_ = stages.indicator() < (on_ == StagesOn::manifold ? kRegular : kSingular);
 }
 

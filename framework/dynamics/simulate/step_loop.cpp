@@ -155,6 +155,7 @@ void StepLoop::start() {
 
 void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
+  if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
   const double wanted = clock.step_towards(t0, target, largest);

@@ -112,6 +112,8 @@ enum class Formulation {
 LOCKSTEP_API std::string to_string(Formulation);
 /// The formulation of such a word. Throws ModelError for any other.
 LOCKSTEP_API Formulation formulation_from(std::string_view word);
+/// These words, in the order of the enumeration.
+LOCKSTEP_API std::vector<std::string> formulation_names();
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
 //
@@ -335,6 +337,8 @@ class LOCKSTEP_API Dynamics {
   void to_formulation(State&, const State* near = nullptr);
   /// Converts the state to the slots' own coordinates, in which poses and twists can be set.
   void to_slots(State&);
+  /// Whether the state can be read as it is: a change of masses, joints or links in force makes other joint coordinates.
+  bool has_current_coordinates(const State&);
   /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does.
   std::string why_not_joint(const std::vector<bool>& modes);
 

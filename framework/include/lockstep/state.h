@@ -138,8 +138,8 @@ inline Motion slot_motion(const State& state, int slot) {
 LOCKSTEP_API void advance_state(State&, double h, const VecX& v);
 /// Scales the quaternions of q to length one.
 LOCKSTEP_API void normalize_state(State&);
-/// dq/dt at the state's velocities; in the slots' own coordinates 7 per slot: dx = v, de = (1/2) e w (1.8), from the quaternion as it is stored, so
-/// that the exact flow keeps its length.
+/// dq/dt at the state's velocities; in the slots' own coordinates 7 per slot: dx = v, de = (1/2) e w (1.8), from the
+/// quaternion as it is stored, so that the exact flow keeps its length.
 LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
 /// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w.

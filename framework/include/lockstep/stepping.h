@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -101,6 +102,7 @@ class LOCKSTEP_API Stages {
   const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
   /// Smallest Conditioning::indicator of the stages of the step.
   double indicator() const;
+  const Tableau& tableau() const { return tableau_; }  ///< the coefficients
 
  private:
   Tableau tableau_;
@@ -313,8 +315,10 @@ class LOCKSTEP_API SingularRate {
 
 // SingularPassage: how an explicit method passes singular positions, where the rows do not determine the accelerations.
 //
-// Near one its stages are evaluated on the constraints; a step whose late stage is ill-conditioned, or whose estimate
-// is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
+// Near one its stages are evaluated on the constraints. Where the indicator of the last stages says when the position
+// will be reached, the steps are placed so that it falls into the widest gap between the nodes of the method: round-off
+// in the accelerations grows with a high power of the nearness. A step whose late stage is ill-conditioned all the same,
+// or whose estimate is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
 
 /// When stages are evaluated on the constraints (see StagesOn).
 enum class StagesWhen {
@@ -328,7 +332,7 @@ class LOCKSTEP_API SingularPassage {
  public:
   /// `method`: its name, for messages; it lives as long as the program.
   SingularPassage(StagesWhen when, const char* method) : when_(when), method_(method) {}
-  void begin(const State&);  ///< sizes the scratch and forgets the history
+  void begin(const Tableau&, const State&);  ///< sizes the scratch and forgets the history
   /// Whether it needs the conditioning of the stages.
   bool active() const { return when_ != StagesWhen::plain; }
   void set_tolerance(double relative) { relative_ = relative; }  ///< sets the relative tolerance of the method
@@ -340,8 +344,9 @@ class LOCKSTEP_API SingularPassage {
   /// False: it could not be brought onto the constraints. Throws StepError where several motions continue from the
   /// start of a run.
   bool first_stage(Dynamics&, const State& y, Stages& stages);
-  /// The longest step, s, at most h: with its stages on the constraints a step turns no body by more than 0.5 rad.
-  double longest(const State& y, double h) const;
+  /// The step to attempt, s, at most h: with its stages on the constraints a step turns no body by more than 0.5 rad and
+  /// keeps its stages away from a singular position ahead.
+  double longest(const State& y, double h);
   /// Whether an attempt came near a singular position and must be repeated with its stages on the constraints, as
   /// stages_on() then says.
   bool enters(const Stages&);
@@ -351,18 +356,20 @@ class LOCKSTEP_API SingularPassage {
   double shift(const Stages&, int late_stage, double h, double error);
   /// Errors up to this are accepted, in tolerances.
   double limit() const { return limit_; }
-  /// After acceptance: decides where the stages of the next step are evaluated.
-  void finish_step(const Stages&);
+  /// After acceptance: decides where the stages of the next step are evaluated, and reckons when a singular position will
+  /// be reached. The next step is as long as this one would have been.
+  void finish_step(const Stages&, StepReport&);
 
   /// First step from y, s, at most `largest`: `guess`, or in a singular position a step that leads out of it.
   double first_step(Dynamics&, const State& y, Stages&, double guess, double largest);
   bool near(const Stages& stages) const;  ///< whether one of these stages is near a singular position
 
-  void save(Snapshot& out) const { out.put(near_ ? 1 : 0); }   ///< saves where the next stages are evaluated
-  void restore(const Snapshot& in) { near_ = in.get() != 0; }  ///< takes back what save() wrote
+  void save(Snapshot& out) const { out.put(near_ ? 1 : 0), out.put(ahead_); }  ///< saves what it knows of the next step
+  void restore(const Snapshot& in) { near_ = in.get() != 0, ahead_ = in.get(); }  ///< takes back what save() wrote
 
  private:
   bool ill_conditioned(const Stages&, int stage) const;
+  double straddle(double h) const;
 
   StagesWhen when_;
   const char* method_;
@@ -371,6 +378,11 @@ class LOCKSTEP_API SingularPassage {
   StateRate rate_;
   StagesOn on_ = StagesOn::plain;
   bool near_ = false;             // automatic: the next step begins with its stages on the constraints
+  double ahead_ = HUGE_VAL;       // time until a singular position is reached, s
+  double unplaced_ = 0;           // the present step, s, had it not been placed
+  std::vector<double> nodes_;     // as parts of the step, ascending
+  int inner_ = 0;                 // the stage of the last node before the end of the step,
+  int last_ = 0;                  // and one at the end
   bool probed_ = false;           // whether the start of the run was probed for a singular position
   bool from_both_sides_ = false;  // the first stage's rates are SingularRate's
   int shifts_ = 0;                // of the present step,

@@ -153,7 +153,8 @@ int check_command(const Arguments& args) {
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
   std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
-  if (!args.full && m.run.formulation == Formulation::omega && dynamics.why_not_joint(start.modes).empty())
+  if (!args.full && m.run.formulation == Formulation::omega && dynamics.why_not_joint(start.modes).empty() &&
+      make_integrator(m.run, loaded.registry)->info().joint)
     more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
                                "velocities and no rows instead of {} and {}",
                                r.freedoms, r.unknowns, r.rows));

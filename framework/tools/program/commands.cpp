@@ -18,7 +18,7 @@ namespace lockstep {
 namespace {
 
 using Choices = std::vector<std::string>;
-const Choices kFormulations{"omega", "quaternion", "joint", "auto"}, kStabilizations{"project", "baumgarte", "none"};
+const Choices kStabilizations{"project", "baumgarte", "none"};
 
 CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help) {
   return verb.add_option(name, to, help)->type_name(type);
@@ -50,7 +50,10 @@ void add_settings(CLI::App& verb, Arguments& a) {
   add(verb, "--tolerance", a.tolerance, "T", "relative tolerance of adaptive integrators")->excludes(step);
   add(verb, "--until", a.until, "T", "end of the run, s");
   add(verb, "--formulation", a.formulation, "F",
-      "6 velocities per body, the paper's 7 coordinates, or those of the joints", kFormulations);
+      "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
+      "joints "
+      "where that can be, else omega",
+      formulation_names());
   add(verb, "--stabilization", a.stabilization, "S", "constraint stabilisation", kStabilizations);
   add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
 }
@@ -105,8 +108,8 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
     return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
   };
   list("--integrators", a.integrators, "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
-  list("--formulations", a.formulations, "only these: omega, quaternion; default: both")
-      ->check(CLI::IsMember(kFormulations));
+  list("--formulations", a.formulations, "only these: omega, quaternion, joint, auto; default: omega, quaternion")
+      ->check(CLI::IsMember(formulation_names()));
   list("--stabilizations,--stabilisations", a.stabilizations, "only these: project, baumgarte, none; default: all")
       ->check(CLI::IsMember(kStabilizations));
   list("--solvers", a.solvers, "only these; default: all of `lockstep list solvers`");
