@@ -38,7 +38,7 @@ void SingularPassage::begin(const Tableau& tableau, const State& state) {
   const double* c = tableau.c;
   nodes_.assign(c, c + tableau.n_stages);
   std::ranges::sort(nodes_);
-  nodes_.erase(std::ranges::unique(nodes_).begin(), nodes_.end());
+  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
   last_ = static_cast<int>(std::max_element(c, c + tableau.n_stages) - c);
   inner_ = 0;
   for (int i = 0; i < tableau.n_stages; ++i)
