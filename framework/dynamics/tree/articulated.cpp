@@ -2,57 +2,39 @@
 
 #include <algorithm>
 
-#include <Eigen/Cholesky>
-
+#include "framework/dynamics/tree/column_algebra.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
 
 namespace lockstep {
 
-namespace {
-
-// r~ B and B r~, 18 products each: skew(r) has zeros.
-LOCKSTEP_INLINE Mat3 cross_columns(const Vec3& r, const Mat3& B) {
-  Mat3 out;
-  out.row(0) = r[1] * B.row(2) - r[2] * B.row(1);
-  out.row(1) = r[2] * B.row(0) - r[0] * B.row(2);
-  out.row(2) = r[0] * B.row(1) - r[1] * B.row(0);
-  return out;
-}
-LOCKSTEP_INLINE Mat3 columns_cross(const Mat3& B, const Vec3& r) {
-  Mat3 out;
-  out.col(0) = r[2] * B.col(1) - r[1] * B.col(2);
-  out.col(1) = r[0] * B.col(2) - r[2] * B.col(0);
-  out.col(2) = r[1] * B.col(0) - r[0] * B.col(1);
-  return out;
-}
-
-// Adds the inertia and the bias of a reduced node to its parent's, about the parent's mass centre; p + IA c is its bias.
-template <class N>
-LOCKSTEP_INLINE void pass_on(const N& b, N& parent) {
-  const Vec3 pf = b.pf + b.M * b.ca + b.H * b.cal;
-  const Vec3 pt = b.pt + b.H.transpose() * b.ca + b.I * b.cal;
-  const Mat3 MS = columns_cross(b.M, b.r), SH = cross_columns(b.r, b.H);
-  parent.M += b.M;
-  parent.H += b.H - MS;
-  parent.I += b.I + SH + SH.transpose() - cross_columns(b.r, MS);
-  parent.pf += pf;
-  parent.pt += pt + cross(b.r, pf);
-}
-
-}  // namespace
-
 void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
-  nodes_.resize(tree.nodes().size());
+  const std::size_t n = tree.nodes().size();
+  nodes_.assign(n, Node());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
-  std::size_t size = 0;
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const TreeNode& n = tree.nodes()[k];
-    nodes_[k].m = system.slot(n.slot).mass, nodes_[k].J = system.slot(n.slot).J;
+  int size = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const TreeNode& t = tree.nodes()[k];
+    nodes_[k].m = system.slot(t.slot).mass, nodes_[k].J = system.slot(t.slot).J;
     nodes_[k].D_1 = size;
-    size += static_cast<std::size_t>(n.n_v() * n.n_v());
+    size += t.n_v() * t.n_v();
   }
-  inverse_.resize(size);
+  inverse_.resize(static_cast<std::size_t>(size));
+
+  // Nodes stand depth first: from the last to the first, who waits longest is asked for last.
+  std::vector<int> stack;  // nodes whose children have passed something on
+  std::size_t deepest = 0;
+  for (std::size_t k = n; k-- > 0;) {
+    Node& b = nodes_[k];
+    if (!stack.empty() && stack.back() == static_cast<int>(k)) stack.pop_back(), b.own = static_cast<int>(stack.size());
+    const int parent = tree.nodes()[k].parent;
+    if (parent < 0) continue;
+    b.first = stack.empty() || stack.back() != parent;
+    if (b.first) stack.push_back(parent);
+    b.to = static_cast<int>(stack.size()) - 1;
+    deepest = std::max(deepest, stack.size());
+  }
+  waiting_.resize(deepest);
 }
 
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
@@ -69,93 +51,142 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     Node& b = nodes_[k];
     const Carried c = carry(n, y.q.data() + n.first_q, y.v.data() + n.first_v, p, wp, own);
     b.w = c.w;
-    b.r = c.d1 + c.d2;
+    b.r = column(c.d1 + c.d2);
     // al = al_p + cal,  a = a_p + al_p x r + ca
-    b.cal = cross(wp, c.turn);
-    b.ca = cross(wp, cross(wp, c.d1)) + cross(c.w, cross(c.w, c.d2)) + cross(b.cal, c.d2);
-    if (n.n_slides > 0) b.ca += 2.0 * cross(n.reversed ? c.w : wp, c.slide);
+    const Vec3 cal = cross(wp, c.turn);
+    Vec3 ca = cross(wp, cross(wp, c.d1)) + cross(c.w, cross(c.w, c.d2)) + cross(cal, c.d2);
+    if (n.n_slides > 0) ca += 2.0 * cross(n.reversed ? c.w : wp, c.slide);
+    b.cal = column(cal), b.ca = column(ca);
     Dof* dof = dofs_.data() + n.first_v;
     for (int i = 0; i < n.n_slides; ++i, ++dof)
-      dof->l = slide_axes(n, p, own) * n.slide[static_cast<std::size_t>(i)], dof->n.setZero();
-    for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof)
-      dof->n = c.turn_axes.col(i), dof->l = cross(dof->n, c.d2);
+      dof->l = column(slide_axes(n, p, own) * n.slide[static_cast<std::size_t>(i)]), dof->n = Column{};
+    for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof) {
+      const Vec3 axis = c.turn_axes.col(i);
+      dof->n = column(axis), dof->l = column(cross(axis, c.d2));
+    }
   }
+}
+
+namespace {
+
+// The inverse of a positive definite matrix, by one sweep a row.
+template <int k>
+LOCKSTEP_INLINE void invert(double (&D)[k][k]) {
+  for (int p = 0; p < k; ++p) {
+    const double d = 1.0 / D[p][p];
+    for (int i = 0; i < k; ++i) {
+      if (i == p) continue;
+      const double f = D[i][p] * d;
+      for (int j = 0; j < k; ++j) D[i][j] = j == p ? -f : D[i][j] - f * D[p][j];
+    }
+    for (int j = 0; j < k; ++j) D[p][j] = j == p ? d : D[p][j] * d;
+  }
+}
+
+}  // namespace
+
+LOCKSTEP_INLINE void ArticulatedBodies::Inertia::add(const Inertia& b) {
+  for (int k = 0; k < 3; ++k) M.c[k] += b.M.c[k], H.c[k] += b.H.c[k], H_t.c[k] += b.H_t.c[k], I.c[k] += b.I.c[k];
+  pf += b.pf, pt += b.pt;
+}
+
+// Of a slot and what its children have passed on: M = m 1, H = 0, I = A J A', p = -f.
+LOCKSTEP_INLINE ArticulatedBodies::Inertia ArticulatedBodies::inertia_of(const Node& b, const Motion& motion,
+                                                                         const double* f) const {
+  const Columns A = columns(motion.A);
+  Columns AJ;
+  for (int k = 0; k < 3; ++k) AJ.c[k] = A * b.J.col(k);
+  Inertia I = b.own < 0 ? Inertia{} : waiting_[static_cast<std::size_t>(b.own)];
+  for (int k = 0; k < 3; ++k) {
+    I.M.c[k][k] += b.m;
+    I.I.c[k] += AJ * motion.A.row(k);
+  }
+  I.pf -= Column{f[0], f[1], f[2], 0.0};
+  I.pt -= A.c[0] * f[3] + A.c[1] * f[4] + A.c[2] * f[5];
+  return I;
 }
 
 // U = IA S, D = S' U, u = -S' p
 template <int k>
-void ArticulatedBodies::eliminate(const TreeNode& n, Node& b) {
+LOCKSTEP_INLINE void ArticulatedBodies::eliminate(const TreeNode& n, const Node& b, const Inertia& I) {
   Dof* dof = dofs_.data() + n.first_v;
   for (int i = 0; i < k; ++i) {
-    dof[i].Uf = b.M * dof[i].l + b.H * dof[i].n;
-    dof[i].Ut = b.H.transpose() * dof[i].l + b.I * dof[i].n;
-    dof[i].u = -(dof[i].l.dot(b.pf) + dof[i].n.dot(b.pt));
+    dof[i].Uf = I.M * dof[i].l + I.H * dof[i].n;
+    dof[i].Ut = I.H_t * dof[i].l + I.I * dof[i].n;
+    dof[i].u = -dot(dof[i].l, I.pf) - dot(dof[i].n, I.pt);
   }
-  double* inverse = inverse_.data() + b.D_1;
-  if constexpr (k == 1) {
-    inverse[0] = 1.0 / (dof->l.dot(dof->Uf) + dof->n.dot(dof->Ut));
-  } else if constexpr (k > 1) {
-    Eigen::Matrix<double, k, k> D = Eigen::Matrix<double, k, k>::Zero();
-    for (int i = 0; i < k; ++i)
-      for (int j = 0; j <= i; ++j) D(i, j) = dof[i].l.dot(dof[j].Uf) + dof[i].n.dot(dof[j].Ut);
-    Eigen::Map<Eigen::Matrix<double, k, k>> out(inverse);
-    out = D.template selfadjointView<Eigen::Lower>().llt().solve(Eigen::Matrix<double, k, k>::Identity());
-  }
+  double D[k][k];
+  for (int i = 0; i < k; ++i)
+    for (int j = 0; j <= i; ++j) D[i][j] = D[j][i] = dot(dof[i].l, dof[j].Uf) + dot(dof[i].n, dof[j].Ut);
+  invert(D);
+  std::copy_n(&D[0][0], k * k, inverse_.data() + b.D_1);
 }
 
 // IA <- IA - U D^-1 U', p <- p + U D^-1 u
 template <int k>
-void ArticulatedBodies::reduce(const TreeNode& n, Node& b) {
+LOCKSTEP_INLINE void ArticulatedBodies::reduce(const TreeNode& n, const Node& b, Inertia& I) {
   const Dof* dof = dofs_.data() + n.first_v;
   const double* inverse = inverse_.data() + b.D_1;
   for (int i = 0; i < k; ++i) {
-    Vec3 Vf = dof[0].Uf * inverse[i], Vt = dof[0].Ut * inverse[i];  // column i of U D^-1
+    Column Vf = dof[0].Uf * inverse[i], Vt = dof[0].Ut * inverse[i];  // column i of U D^-1
     for (int j = 1; j < k; ++j) Vf += dof[j].Uf * inverse[k * j + i], Vt += dof[j].Ut * inverse[k * j + i];
-    b.M -= Vf * dof[i].Uf.transpose();
-    b.H -= Vf * dof[i].Ut.transpose();
-    b.I -= Vt * dof[i].Ut.transpose();
-    b.pf += Vf * dof[i].u, b.pt += Vt * dof[i].u;
+    subtract_dyad(I.M, Vf, dof[i].Uf), subtract_dyad(I.H, Vf, dof[i].Ut);
+    subtract_dyad(I.H_t, Vt, dof[i].Uf), subtract_dyad(I.I, Vt, dof[i].Ut);
+    I.pf += Vf * dof[i].u, I.pt += Vt * dof[i].u;
   }
 }
 
+namespace {
+
+// p <- p + IA c, then all about the parent's mass centre: X' IA X and X' p with X = [1 -r~; 0 1].
+template <class N, class I>
+LOCKSTEP_INLINE void shift(const N& b, I& IA) {
+  IA.pf += IA.M * b.ca + IA.H * b.cal;
+  IA.pt += IA.H_t * b.ca + IA.I * b.cal;
+  const Skew r(b.r);
+  subtract_product(IA.I, IA.H_t, r);
+  subtract_product(IA.H, IA.M, r);
+  add_product(IA.I, r, IA.H);
+  add_product(IA.H_t, r, IA.M);
+  IA.pt += r * IA.pf;
+}
+
+}  // namespace
+
 // vd = D^-1 (u - U' a'), a' = (a_p + al_p x r + ca, al_p + cal)
 template <int k>
-void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd) {
+LOCKSTEP_INLINE void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd) {
   const Dof* dof = dofs_.data() + n.first_v;
   const double* inverse = inverse_.data() + b.D_1;
   double left[k];
-  for (int i = 0; i < k; ++i) left[i] = dof[i].u - dof[i].Uf.dot(b.a) - dof[i].Ut.dot(b.al);
+  for (int i = 0; i < k; ++i) left[i] = dof[i].u - dot(dof[i].Uf, b.a) - dot(dof[i].Ut, b.al);
   for (int i = 0; i < k; ++i) {
     double x = 0;
     for (int j = 0; j < k; ++j) x += inverse[k * i + j] * left[j];
     vd[n.first_v + i] = x;
+    b.a += dof[i].l * x, b.al += dof[i].n * x;
   }
-  for (int i = 0; i < k; ++i) b.a += dof[i].l * vd[n.first_v + i], b.al += dof[i].n * vd[n.first_v + i];
 }
 
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
                                                         const VecX& f, VecX& vd) {
   vd.resize(tree.n_v());
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const TreeNode& n = tree.nodes()[k];
-    Node& b = nodes_[k];
-    const Mat3& A = motions[static_cast<std::size_t>(n.slot + 1)].A;
-    b.M = b.m * Mat3::Identity();
-    b.H.setZero();
-    b.I = A * b.J * A.transpose();
-    b.pf = -f.segment<3>(6 * n.slot);
-    b.pt = -(A * f.segment<3>(6 * n.slot + 3));
-  }
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     const TreeNode& n = tree.nodes()[k];
-    Node& b = nodes_[k];
-    const bool root = n.parent < 0;
+    const Node& b = nodes_[k];
+    Inertia I = inertia_of(b, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
     if (n.n_v() > 0)  // else a weld that was kept
       for_size<1, 6>(n.n_v(), [&](auto count) {
-        eliminate<count>(n, b);
-        if (!root) reduce<count>(n, b);
+        eliminate<count>(n, b, I);
+        if (b.to >= 0) reduce<count>(n, b, I);
       });
-    if (!root) pass_on(b, nodes_[static_cast<std::size_t>(n.parent)]);
+    if (b.to < 0) continue;
+    shift(b, I);
+    Inertia& there = waiting_[static_cast<std::size_t>(b.to)];
+    if (b.first)
+      there = I;
+    else
+      there.add(I);
   }
   double a2 = 0, al2 = 0;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -164,10 +195,10 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
     b.a = b.ca, b.al = b.cal;
     if (n.parent >= 0) {
       const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
-      b.a += p.a + cross(p.al, b.r), b.al += p.al;
+      b.a += p.a - Skew(b.r) * p.al, b.al += p.al;
     }
     if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd); });
-    a2 = std::max(a2, b.a.squaredNorm()), al2 = std::max(al2, b.al.squaredNorm());
+    a2 = std::max(a2, dot(b.a, b.a)), al2 = std::max(al2, dot(b.al, b.al));
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <lockstep/memory.h>
+#include "framework/dynamics/tree/columns.h"
 #include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
@@ -23,32 +24,41 @@ class ArticulatedBodies {
   double largest_alpha() const { return largest_alpha_; }
 
  private:
-  // force = M a + H al + pf, moment = H' a + I al + pt
-  struct Node {
-    Mat3 M, H, I;
-    Vec3 pf, pt;
-    Vec3 r;               // from the parent's mass centre
-    Vec3 ca, cal;         // accelerations where the coordinates' own are zero
-    Vec3 w;               // world axes
-    Vec3 a, al;           // found
-    double m = 0;         // mass of the slot alone,
-    Mat3 J;               // and its inertia, slot axes
-    std::size_t D_1 = 0;  // where D^-1 begins in inverse_
+  // An articulated inertia and its bias: force = M a + H al + pf, moment = H' a + I al + pt. H' has its own columns.
+  struct alignas(kColumn) Inertia {
+    Columns M, H, H_t, I;
+    Column pf, pt;
+    void add(const Inertia&);
+  };
+  struct alignas(kColumn) Node {
+    Column r;        // from the parent's mass centre
+    Column ca, cal;  // accelerations where the coordinates' own are zero
+    Column a, al;    // found
+    Vec3 w;          // world axes
+    double m = 0;    // mass of the slot alone,
+    Mat3 J;          // and its inertia, slot axes
+    int D_1 = 0;     // where D^-1 begins in inverse_
+    // Inward, what children have passed on waits on a stack: the place of the node's own, -1 of a leaf; that of its
+    // parent's, -1 of a root; whether it is the first there.
+    int own = -1, to = -1;
+    bool first = false;
   };
   // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n).
-  struct Dof {
-    Vec3 l, n, Uf, Ut;
+  struct alignas(kColumn) Dof {
+    Column l, n, Uf, Ut;
     double u;
   };
+  Inertia inertia_of(const Node&, const Motion&, const double* f) const;
   template <int k>
-  void eliminate(const TreeNode&, Node&);
+  void eliminate(const TreeNode&, const Node&, const Inertia&);
   template <int k>
-  void reduce(const TreeNode&, Node&);
+  void reduce(const TreeNode&, const Node&, Inertia&);
   template <int k>
   void solve(const TreeNode&, Node&, VecX& vd);
 
   std::vector<Node> nodes_;
   std::vector<Dof> dofs_;
+  std::vector<Inertia> waiting_;
   std::vector<double> inverse_;  // D^-1 of all nodes, row by row
   double largest_a_ = 0, largest_alpha_ = 0;
 };
