@@ -59,15 +59,24 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 
 TEST_CASE("joint coordinates: proposed where scene and method take them, run with the summary", "[runner]") {
   const std::string chain = std::string(paths::kScenes) + "/chain_10.json";
-  const auto proposed = [&](const std::string& scene, const std::string& options) {
-    return contains(call("check '" + scene + "' " + options).text, "\"formulation\": \"auto\" integrates");
+  const auto says = [](const std::string& scene, const std::string& options, const std::string& words) {
+    const Called checked = call("check '" + scene + "' " + options);
+    INFO(checked.text);
+    return checked.exit == 0 && contains(checked.text, words);
   };
-  CHECK(proposed(chain, ""));
-  CHECK(!proposed(chain, "--full"));
-  CHECK(!proposed(kFourBar, ""));
+  CHECK(says(chain, "", "formulation         joint: 10 unknown velocities, no rows"));
+  CHECK(says(chain, "--full", "formulation         omega\n"));
+  CHECK(!says(chain, "", "\"formulation\": \"auto\""));
+  CHECK(says(kFourBar, "", "formulation         omega: link '"));
   const std::string pendulum = kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2, "integrator": ")";
-  CHECK(proposed(scene_file("explicit", pendulum + "dopri5\"}"), ""));
-  CHECK(!proposed(scene_file("implicit", pendulum + "radau5\"}"), ""));
+  CHECK(says(scene_file("explicit", pendulum + "dopri5\"}"), "", "formulation         joint: 1 unknown"));
+  CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "",
+             "formulation         omega: integrator radau5 does not take joint coordinates"));
+  const std::string omega = "\", \"formulation\": \"omega\"}",
+                    proposal = "\"formulation\": \"auto\" integrates the joints'";
+  CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));
+  CHECK(!says(scene_file("named", pendulum + "radau5" + omega), "", proposal));
+  CHECK(says(scene_file("solved", pendulum + "dopri5\", \"solver\": \"sparse\"}"), "", "formulation         omega\n"));
   const Called r = call("run '" + chain + "' --formulation joint --until 0.2 --record joint.csv");
   INFO(r.text);
   CHECK(r.exit == 0);

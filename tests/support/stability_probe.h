@@ -28,7 +28,7 @@ inline const Limit kLimits[] = {
     {"semi_implicit_euler", [] { return std::make_unique<SemiImplicitEuler>(); }, 2.0 * std::sqrt(2.0) - 2.0}};
 
 inline DynamicsOptions baumgarte(double gain) {
-  DynamicsOptions options;
+  DynamicsOptions options{.formulation = Formulation::omega, .stabilization = {}};  // of rows and their drift
   options.stabilization.kind = Stabilization::Kind::baumgarte;
   options.stabilization.alpha = options.stabilization.beta = gain;
   return options;
@@ -65,7 +65,7 @@ inline Vec3 swung() {
   Dynamics dynamics(p.sys, std::make_unique<SchurSolver>());
   StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
   run.run_until(kSwing);
-  return run.state().q.head<3>();
+  return run.state().slot_pose(0).x;
 }
 
 enum Verdict { kWorks, kInaccurate, kFails };

@@ -31,7 +31,9 @@ State pushed(LawPtr<MotionLaw> force, double end, const std::string& method, dou
   Dynamics dynamics(sys, std::make_unique<DenseSolver>());
   StepLoop run(dynamics, method_named(method), {.step = h, .tolerance = {1e-9, 1e-11}});
   run.run_until(end);
-  return run.state();
+  State state = run.state();
+  dynamics.to_slots(state);
+  return state;
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ TEST_CASE("events are located in the dense output of implicit methods", "[unit][
   std::vector<double> met;
   Event floor;
   floor.name = "floor";
-  floor.value = [](const Sample& s) { return s.state.q[2]; };
+  floor.value = [](const Sample& s) { return s.state.slot_pose(0).x[2]; };
   floor.crossing = Event::Crossing::falling;
   floor.once = false;
   floor.tolerance = 1e-12;

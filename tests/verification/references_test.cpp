@@ -50,8 +50,9 @@ TEST_CASE("free-running references hold to 1e-8 over the whole history", "[verif
       Reference{"moving_marker_free", "moving_marker_free", {"u_dd", "f", "f_d", "f_dd"}},  // the laws themselves
       Reference{"sliding_block", "sliding_block", {}}, Reference{"bouncing_pendulum", "bouncing_pendulum", {}},
       Reference{"andrews_ivp", "andrews_ivp", {"energy_balance", "torque_check"}});
-  CAPTURE(r.scene);
-  for (const ColumnError& e : errors_of(r)) {
+  const Formulation formulation = GENERATE(Formulation::omega, Formulation::automatic);
+  CAPTURE(r.scene, to_string(formulation));
+  for (const ColumnError& e : errors_of(r, [&](RunSettings& s) { s.formulation = formulation; })) {
     CAPTURE(e.name, e.error, e.size);
     CHECK(e.error <= 1e-8 * std::max(1.0, e.size));
   }

@@ -133,6 +133,7 @@ RunSettings read_run(const Value& v) {
   run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   run.times = read_times(p);
   run.formulation = formulation_from(p.text("formulation"));
+  if (p.has("solver") && !p.has("formulation")) run.formulation = Formulation::omega;  // joint coordinates need none
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
   run.stabilization = read_stabilization(p);
   run.assemble = p.boolean("assemble");

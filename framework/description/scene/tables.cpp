@@ -280,9 +280,9 @@ std::vector<SceneTable> runs() {
          {"until", Form::number, Unit::time, kOptional, "end of the run"},
          {"output", Form::number, Unit::time, kOptional, "interval of the recorded instants; default: every step"},
          {"times", Form::numbers, Unit::time, kOptional, "or these instants, rising"},
-         {"formulation", Form::choice, Unit::none, "omega",
+         {"formulation", Form::choice, Unit::none, "auto",
           "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
-          "joints where that can be, else omega",
+          "joints where that can be and no solver is named, else omega",
           formulation_names()},
          any("stabilization", "how drift off the constraints is corrected; default \"project\"",
              {"project", "baumgarte", "none"}),

@@ -147,6 +147,8 @@ void StepLoop::start() {
   for (Observer* o : observers_) o->start(sample);
   if (clock.output_due(state_.t)) output(sample);
   begin_method();
+  if (state_.coordinates && dynamics_.options().stabilization.kind != Stabilization::Kind::project)
+    warn("nothing to stabilise: in joint coordinates the links hold by themselves");
   const bool changed = fire_events();
   if (contacts.empty()) return;
   if (changed) settle_contacts();

@@ -279,7 +279,7 @@ class LOCKSTEP_API ReactionIteration {
 
 /// Formulation and stabilisation.
 struct DynamicsOptions {
-  Formulation formulation = Formulation::omega;  ///< unknowns of the equations of motion
+  Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
   Stabilization stabilization;                   ///< how drift off the constraints is removed
 };
 

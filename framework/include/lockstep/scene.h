@@ -31,7 +31,7 @@ struct RunSettings {
       output = 0;                                ///< interval of output times, s
   std::vector<double> times{};                   ///< output times in place of an interval, s, rising
   Tolerance tolerance;                           ///< error of a step, for adaptive integrators
-  Formulation formulation = Formulation::omega;  ///< unknowns of the equations of motion
+  Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
   Stabilization stabilization;                   ///< how drift off the constraints is removed
   bool assemble = true;                          ///< the start is assembled
   std::vector<ChannelRequest> record{};          ///< channels to record

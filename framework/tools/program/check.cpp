@@ -73,6 +73,17 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
   return all;
 }
 
+/// The formulation of a run, and what it makes of the mechanism.
+std::string formulation_of(const Mechanism& m, Dynamics& dynamics, const State& start, const MobilityReport& r,
+                           const Registry& registry) {
+  const Formulation asked = m.run.formulation;
+  if (asked == Formulation::omega || asked == Formulation::quaternion) return to_string(asked);
+  const IntegratorInfo method = make_integrator(m.run, registry)->info();
+  std::string why = dynamics.why_not_joint(start.modes);
+  if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
+  return why.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms) : "omega: " + why;
+}
+
 /// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
 std::string owner_of(const ChannelHelp& channel, const System& system) {
   std::string owner;
@@ -159,6 +170,8 @@ int check_command(const Arguments& args) {
                                "velocities and no rows instead of {} and {}",
                                r.freedoms, r.unknowns, r.rows));
 
+  const std::string formulation = formulation_of(m, dynamics, start, r, loaded.registry);
+
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
                                 {"title", loaded.scene.title},
@@ -169,6 +182,7 @@ int check_command(const Arguments& args) {
                                 {"freedoms", r.freedoms},
                                 {"redundant", r.redundant},
                                 {"redundant_links", r.redundant_links},
+                                {"formulation", formulation},
                                 {"violation", violation},
                                 {"violation_v", violation_v},
                                 {"columns", recorder->table().names()},
@@ -181,6 +195,7 @@ int check_command(const Arguments& args) {
   fmt::print("{}\n", loaded.title());
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
+  fmt::print("  formulation         {}\n", formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, text::join(r.redundant_links));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");

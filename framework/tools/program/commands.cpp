@@ -39,7 +39,7 @@ void add_scene(CLI::App& verb, Arguments& a) {
   add_plugins(verb, a);
   add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
       {"off", "auto", "x", "y", "z"});
-  verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies");
+  verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
 }
 
 // What run and sweep share.

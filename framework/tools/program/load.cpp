@@ -52,7 +52,10 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
     run.tolerance.relative = positive_number("--tolerance", args.tolerance, Unit::none);
     run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   }
-  if (!args.formulation.empty()) run.formulation = formulation_from(args.formulation);
+  if (!args.formulation.empty())
+    run.formulation = formulation_from(args.formulation);
+  else if ((args.full || !args.solver.empty()) && run.formulation == Formulation::automatic)
+    run.formulation = Formulation::omega;
   if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
   if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
