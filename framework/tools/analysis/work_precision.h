@@ -71,6 +71,7 @@ struct WorkPrecisionRun {
 struct WorkPrecisionOptions {
   std::vector<MethodChoice> integrators;
   std::vector<SolverChoice> solvers;
+  /// With joint coordinates only the first stabilisation and the first solver run: there are no rows.
   std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
   std::vector<Stabilization::Kind> stabilizations{Stabilization::Kind::project, Stabilization::Kind::baumgarte,
                                                   Stabilization::Kind::none};

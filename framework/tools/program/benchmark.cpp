@@ -214,8 +214,9 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
     o.solvers.push_back({to_word(spec), [&registry, own] { return make_solver(own, registry); }});
   }
   using Kind = Stabilization::Kind;
-  o.formulations =
-      values_of(args.formulations, run.formulation, {Formulation::omega, Formulation::quaternion}, read_formulation);
+  std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
+  if (dynamics.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
+  o.formulations = values_of(args.formulations, run.formulation, formulations, read_formulation);
   o.stabilizations = values_of(args.stabilizations, benchmark.imposed ? Kind::none : run.stabilization.kind,
                                {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
   o.separately = args.separately;

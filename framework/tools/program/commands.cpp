@@ -108,7 +108,8 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
     return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
   };
   list("--integrators", a.integrators, "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
-  list("--formulations", a.formulations, "only these: omega, quaternion, joint, auto; default: omega, quaternion")
+  list("--formulations", a.formulations,
+       "only these: omega, quaternion, joint, auto; default: all of these that the mechanism allows")
       ->check(CLI::IsMember(formulation_names()));
   list("--stabilizations,--stabilisations", a.stabilizations, "only these: project, baumgarte, none; default: all")
       ->check(CLI::IsMember(kStabilizations));
