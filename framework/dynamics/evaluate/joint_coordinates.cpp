@@ -1,6 +1,8 @@
 // The coordinates of a state: conversions, and the rates in joint coordinates.
 #include <lockstep/dynamics.h>
 
+#include <algorithm>
+
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"
@@ -19,16 +21,28 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.coordinates = JointTree::of(system_, modes, t.why_not);
   if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
-  system_.lay_out(std::vector<bool>(modes.size(), false), t.no_rows);
+  const bool laws = t.coordinates && t.coordinates->has_laws();
+  system_.lay_out(laws ? modes : std::vector<bool>(modes.size(), false), t.rows);
+  t.solves = laws && std::ranges::any_of(system_.auxiliaries(), [](const auto& own) { return own->reads_solution(); });
   return t;
 }
 
-std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
+std::string Dynamics::why_not_joint(const std::vector<bool>& modes) {
+  const Tree& t = tree(modes);
+  if (t.coordinates && !takes(*t.coordinates)) return "links have laws, whose work takes the reactions of omega";
+  return t.why_not;
+}
+
+// By itself a tree with laws stays in omega, whether their work is recorded or not.
+bool Dynamics::takes(const Coordinates& tree) const {
+  return options_.formulation == Formulation::joint || !tree.has_laws();
+}
 
 void Dynamics::to_formulation(State& state, const State* near) {
   if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)
     return to_slots(state);
-  const std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
+  std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
+  if (wanted && !takes(*wanted)) wanted = nullptr;
   if (state.coordinates == wanted) return;
   to_slots(state);
   if (!wanted) return;
@@ -79,7 +93,10 @@ void Dynamics::joint_rates(const State& state, StateRate& out) {
   out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    system_.state_rates({in, t.none, t.none, t.no_rows}, out.s);
+    if (t.solves)
+      system_.state_rates(evaluate(state), out.s);
+    else
+      system_.state_rates({in, t.none, t.none, t.rows}, out.s);
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
   ++work_.evaluations;

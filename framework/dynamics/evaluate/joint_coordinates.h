@@ -20,7 +20,8 @@ struct Dynamics::Tree {
   ArticulatedBodies bodies;
   std::vector<Motion> motions;
   VecX f, none;
-  RowTable no_rows;  // of no link
+  RowTable rows;        // of the links in force where there are laws, else of none: the powers of laws are zero
+  bool solves = false;  // works of laws are recorded: reactions are needed
 };
 
 }  // namespace lockstep

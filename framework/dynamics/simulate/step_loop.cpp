@@ -179,7 +179,10 @@ void StepLoop::advance(double limit, double largest) {
   report_.largest_violation = std::max(report_.largest_violation, step.violation_after);
   output_inside();
   observe_end();
-  if (jump) make_consistent("the jump of a law");
+  if (jump) {
+    make_consistent("the jump of a law");
+    if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
+  }
   if (landed || met || touched) clock.set_anchor(state_.t);
   const bool changed = !events.empty() && fire_events();
   const bool moved = changed || met || touched || jump;
@@ -192,8 +195,13 @@ void StepLoop::advance(double limit, double largest) {
   for (Observer* o : observers_) o->jumped(sample);
 }
 
-// Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length.
+// Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
+// the laws of a tree do on that side becomes the bodies' own.
 void StepLoop::cross_jump(double t) {
+  if (state_.coordinates && state_.coordinates->has_laws()) {
+    parts_->before_change = state_;
+    dynamics_.to_slots(state_);
+  }
   const double h = t - state_.t;
   if (h > 0) {
     StateRate& rate = parts_->crossing;

@@ -49,13 +49,19 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     const Vec3& wp = root ? still : nodes_[parent].w;
     Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
     Node& b = nodes_[k];
-    const Carried c = carry(n, y.q.data() + n.first_q, y.v.data() + n.first_v, p, wp, own);
+    Imposed now;
+    if (n.imposed) laws_at(n, y.t, y.s, now);
+    const Carried c = carry(n, now, y, p, wp, own);
     b.w = c.w;
     b.r = column(c.d1 + c.d2);
     // al = al_p + cal,  a = a_p + al_p x r + ca
-    const Vec3 cal = cross(wp, c.turn);
+    Vec3 cal = cross(wp, c.turn);
+    if (n.imposed)
+      cal +=
+          slide_axes(n, p, own) * now.a + cross(wp, c.law) + (n.reversed ? cross(c.turn, c.law) : cross(c.law, c.turn));
     Vec3 ca = cross(wp, cross(wp, c.d1)) + cross(c.w, cross(c.w, c.d2)) + cross(cal, c.d2);
-    if (n.n_slides > 0) ca += 2.0 * cross(n.reversed ? c.w : wp, c.slide);
+    if (n.n_slides > 0 || n.imposed) ca += 2.0 * cross(n.reversed ? c.w : wp, c.slide);
+    if (n.imposed) ca += slide_axes(n, p, own) * now.pdd;
     b.cal = column(cal), b.ca = column(ca);
     Dof* dof = dofs_.data() + n.first_v;
     for (int i = 0; i < n.n_slides; ++i, ++dof)

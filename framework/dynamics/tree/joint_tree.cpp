@@ -4,6 +4,7 @@
 
 #include <lockstep/lock.h>
 #include "framework/dynamics/tree/tree_motion.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -17,9 +18,11 @@ std::string refusal(const Lock& link) {
   const std::string who = "link '" + link.name() + "' ";
   const Jointed* joint = link.jointed();
   if (!joint) return who + "is not a lock of a mask";
-  if (joint->has_laws()) return who + "has laws";
-  if (link.row_count() != count_rows(joint->mask())) return who + "has rows beside those of its mask";
-  if (!has_closed_form(joint->mask())) return who + "holds one turn alone";
+  for (const auto& [p, s] : link.pairs())
+    for (const Marker* m : {p, s})
+      if (m->translation_law || m->rotation_law) return who + "has a marker that moves on its body";
+  if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
+  if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
   return "";
 }
 
@@ -28,7 +31,8 @@ std::string obstacle(const System& system, const std::vector<bool>& modes) {
   if (system.plane()) return "the mechanism is planar";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& own : system.auxiliaries())
-    if (own->reads_solution()) return "the integrated states '" + own->name() + "' read accelerations or reactions";
+    if (own->reads_solution() && own->controls_error())  // what is only recorded is solved for (Dynamics::rates)
+      return "the integrated states '" + own->name() + "' read accelerations or reactions";
   for (int k = 0; k < system.n_slots(); ++k)
     if (system.slot(k).freedoms == Freedoms::particle)
       return "body '" + system.body_of_slot(k).name + "' is a particle";
@@ -74,7 +78,8 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const int closing = tree->grow(system, Graph(system, modes));
-  if (closing < 0) return tree;
+  if (closing < 0 && tree->n_v_ > 0) return tree;
+  if (closing < 0) return why_not = "no coordinate is free, so that nothing would choose the steps", nullptr;
   why_not = "link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop";
   return nullptr;
 }
@@ -124,7 +129,12 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     const Lock& lock = *system.links()[static_cast<std::size_t>(link)];
     const auto [p, s] = lock.pairs().front();
     P = MarkerFrame(*p), S = MarkerFrame(*s);
-    held = lock.jointed()->mask();
+    held = lock.jointed()->rows();
+    if (const ImposedMotion& laws = lock.jointed()->imposed(); !laws.empty()) {
+      node.imposed = std::make_shared<const ImposedMotion>(laws);
+      node.lock = &lock, node.rows = held, has_laws_ = true;
+      node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
+    }
   }
   node.reversed = P.slot != slot;
   const MarkerFrame &near = node.reversed ? P : S, &far = node.reversed ? S : P;
@@ -151,8 +161,27 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
 void JointTree::motions(const State& y, std::span<Motion> out) const {
   for (const TreeNode& node : nodes_) {
     const Motion& p = out[motion_of(node.parent)];
-    carry(node, y.q.data() + node.first_q, y.v.data() + node.first_v, p, p.A * p.w, out[motion_of(node)]);
+    carry(node, y, p, p.A * p.w, out[motion_of(node)]);
   }
+}
+
+void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now) {
+  const std::span<const double> own =
+      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
+                : std::span<const double>();
+  ImposedTranslation x;
+  ImposedRotation D;
+  named(*n.lock, t, [&] { x = n.imposed->translation(t, own), D = n.imposed->rotation(t, own); });
+  if (!(x.p + x.pd + x.pdd + D.w + D.a + D.q.vec()).allFinite()) refuse_laws(*n.lock, t);
+  const double sign = n.reversed ? -1.0 : 1.0;
+  const Mat3 S = rotation(n.reversed ? n.far_q : n.near_q), SD = S * D.A;
+  now.p.setZero(), now.pd.setZero(), now.pdd.setZero();
+  for (int k = 0; k < 3; ++k)  // on a free axis the law holds nothing
+    if (includes(n.rows, row_bit(k)))
+      now.p += sign * x.p[k] * S.col(k), now.pd += sign * x.pd[k] * S.col(k), now.pdd += sign * x.pdd[k] * S.col(k);
+  now.q = D.q;
+  now.w = sign * (SD * D.w), now.a = sign * (SD * D.a);
+  now.axis = n.reversed ? n.axis : Vec3(SD * n.hinge);
 }
 
 Motion JointTree::motion(const State& y, int slot) const {
@@ -160,8 +189,7 @@ Motion JointTree::motion(const State& y, int slot) const {
   for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
     path.push_back(&nodes_[static_cast<std::size_t>(k)]);
   Motion p, own;
-  for (; !path.empty(); path.pop_back(), p = own)
-    carry(*path.back(), y.q.data() + path.back()->first_q, y.v.data() + path.back()->first_v, p, p.A * p.w, own);
+  for (; !path.empty(); path.pop_back(), p = own) carry(*path.back(), y, p, p.A * p.w, own);
   return p;
 }
 
@@ -206,9 +234,7 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
       const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
       p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
     }
-    const NodeVariation own =
-        vary(node, y.q.data() + node.first_q, y.v.data() + node.first_v, d.q.data() + node.first_q,
-             d.v.data() + node.first_v, at[motion_of(node.parent)], at[motion_of(node)], p);
+    const NodeVariation own = vary(node, y, d, at[motion_of(node.parent)], at[motion_of(node)], p);
     dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
     dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
   }
@@ -239,7 +265,10 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     // e = e_p near r far' or e_p near r' far'
     Quat r = conjugate(node.near_q) * (conjugate(p.e) * own.e) * node.far_q;
     if (node.reversed) r = conjugate(r);
-    const Vec3 turn = turn_axes(node, p, own).transpose() * (w - wp);
+    Imposed now;
+    if (node.imposed) laws_at(node, slots.t, slots.s, now), r = conjugate(now.q) * r;
+    const Vec3 law = node.imposed ? Vec3(slide_axes(node, p, own) * now.w) : Vec3::Zero();
+    const Vec3 turn = turn_axes(node, now, p, own).transpose() * (w - wp - law);
     if (node.turn == TreeTurn::hinge) {
       const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
       const double about = near ? near->q[node.first_q + k] : 0.0;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <lockstep/lock.h>
 #include <lockstep/state.h>
 #include <lockstep/system.h>
 
@@ -27,6 +28,8 @@ enum class TreeTurn {
 ///
 ///     near is S:  e = e_p near r far',   x_far = x_near + A_S rho
 ///     near is P:  e = e_p near r' far',  x_far = x_near - A_S rho
+///
+/// Laws of the lock are part of both: r is q_D before the free turn, rho is p beside the free translations.
 struct TreeNode {
   int slot = 0;      ///< whose motion this node is
   int parent = -1;   ///< number of its parent's node; -1: the ground
@@ -35,16 +38,21 @@ struct TreeNode {
       first_v = 0;   ///< where its velocities begin: translations, then the rate or w, in the axes of P
   int n_slides = 0;  ///< translations
   TreeTurn turn = TreeTurn::none;  ///< how far turns against near
-  bool reversed = false;  ///< near is P
+  bool reversed = false;           ///< near is P
+  /// Laws of the lock, its rows, and where its states begin in State::s; null: none. The lock itself names errors only.
+  std::shared_ptr<const ImposedMotion> imposed{};
+  const Lock* lock = nullptr;
+  Mask rows = Mask::none;
+  int first_s = 0, n_s = 0;
 
   Vec3 near_u = Vec3::Zero(),    ///< origin of near in the parent, m
       far_u = Vec3::Zero();      ///< origin of far in the slot, m
-  Quat near_q, far_q;            ///< their axes
   Quat K0, K1;                   ///< e = e_p (c K0 + s K1), c and s of half the angle; without an angle K0 alone
+  Vec3 axis = Vec3::Zero();      ///< axis of a hinge, in the parent's axes, with the sign of the turn
   std::array<Vec3, 3> slide{};   ///< directions of the translations, in the frame that carries S
-  Vec3 hinge = Vec3::Zero(),     ///< axis of a hinge, in the axes of P and of S
-      axis = Vec3::Zero();       ///< the same in the parent's axes, with the sign of the turn
   Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
+  Vec3 hinge = Vec3::Zero();     ///< axis of a hinge, in the axes of P and of D
+  Quat near_q, far_q;            ///< axes of near and far
 
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
@@ -61,6 +69,7 @@ class JointTree final : public Coordinates {
   int n_q() const override { return n_q_; }
   int n_v() const override { return n_v_; }
   int n_slots() const override { return static_cast<int>(nodes_.size()); }
+  bool has_laws() const override { return has_laws_; }
   void motions(const State&, std::span<Motion> out) const override;
   Motion motion(const State&, int slot) const override;
   void kinematic_rate(const State&, VecX& qd) const override;
@@ -85,6 +94,7 @@ class JointTree final : public Coordinates {
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
   int n_q_ = 0, n_v_ = 0;
+  bool has_laws_ = false;
 };
 
 }  // namespace lockstep

@@ -339,7 +339,8 @@ class LOCKSTEP_API Dynamics {
   void to_slots(State&);
   /// Whether the state can be read as it is: a change of masses, joints or links in force makes other joint coordinates.
   bool has_current_coordinates(const State&);
-  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does.
+  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does. By
+  /// Formulation::automatic that includes laws and drives.
   std::string why_not_joint(const std::vector<bool>& modes);
 
   // -- moving a state. In joint coordinates a tree has nothing to project.
@@ -366,6 +367,7 @@ class LOCKSTEP_API Dynamics {
  private:
   struct Tree;
 
+  bool takes(const Coordinates& tree) const;  // rather than the slots' own
   Formulation kkt_formulation() const {
     return options_.formulation == Formulation::quaternion ? Formulation::quaternion : Formulation::omega;
   }

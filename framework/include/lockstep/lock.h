@@ -55,6 +55,27 @@ class LOCKSTEP_API Driven {
   ~Driven() = default;
 };
 
+/// A drive: a law on a coordinate that the mask leaves free. It adds exactly one row.
+struct Drive {
+  Axis axis = Axis::rz;   ///< the coordinate
+  LawPtr<MotionLaw> law;  ///< its value, m or rad, or its speed, m/s or rad/s
+  bool speed = false;     ///< whether the law is the speed; the coordinate is then integrated in State::s
+  int state = 0;          ///< of a speed: which of the link's states
+};
+
+/// The laws of a lock: where P is held on the rows of the mask, and what its drives do.
+struct LOCKSTEP_API ImposedMotion {
+  LawPtr<TranslationLaw> move{};  ///< p(t), or null
+  LawPtr<RotationLaw> turn{};     ///< q_D(t), or null
+  std::vector<Drive> drives{};    ///< on free axes
+
+  bool empty() const { return !move && !turn && drives.empty(); }  ///< whether there is none
+  /// p and its rates: by `move` and the drives along axes. `s`: the integrated states of the link.
+  ImposedTranslation translation(double t, std::span<const double> s) const;
+  /// q_D and its rates: by `turn` and the drive about an axis.
+  ImposedRotation rotation(double t, std::span<const double> s) const;
+};
+
 /// Facet of a link of one pair of markers that holds coordinates by a mask and takes laws on held and on free ones.
 /// Laws are given before the system is set up: move, turn, drive and drive_speed throw ModelError afterwards.
 class LOCKSTEP_API Jointed {
@@ -64,6 +85,7 @@ class LOCKSTEP_API Jointed {
   virtual bool turned() const = 0;  ///< whether turn() imposed a law
   /// After setup: whether laws act on it: imposed ones, drives, or those of its markers.
   virtual bool has_laws() const = 0;
+  virtual const ImposedMotion& imposed() const = 0;  ///< the laws of the lock itself
   /// Imposes p(t), S axes, m: where P is held on the rows x y z. Throws ModelError: the mask has none of them.
   virtual void move(LawPtr<TranslationLaw> law) = 0;
   /// Imposes q_D(t): P is held at S turned by it. Throws ModelError: the mask has none of e1 e2 e3.
@@ -296,14 +318,6 @@ void check_facets() {
 
 // MarkerLock: the paper's lock, the one constraint from which the joints are made.
 
-/// A drive: a law on a coordinate that the mask leaves free. It adds exactly one row.
-struct Drive {
-  Axis axis = Axis::rz;   ///< the coordinate
-  LawPtr<MotionLaw> law;  ///< its value, m or rad, or its speed, m/s or rad/s
-  bool speed = false;     ///< whether the law is the speed; the coordinate is then integrated in State::s
-  int state = 0;          ///< of a speed: which of the link's states
-};
-
 /// The lock of one pair of markers P and S: rows by a mask, imposed laws, drives.
 class LOCKSTEP_API MarkerLock : public Lock,
                                 public Jointed,
@@ -322,23 +336,24 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void drive(Axis axis, LawPtr<MotionLaw> law) override;
   void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
 
-  bool turned() const override { return turn_ != nullptr; }
+  bool turned() const override { return imposed_.turn != nullptr; }
   bool has_laws() const override { return (laws_ & with::all_laws) != 0; }
+  const ImposedMotion& imposed() const override { return imposed_; }
   Mask mask() const override { return mask_; }
   Mask rows() const override { return rows_; }
   /// with::Bits of its laws, and of parallel markers; after setup().
   unsigned laws() const { return laws_; }
   /// p and its rates at these inputs, by move() and the drives along axes.
-  ImposedTranslation imposed_translation(const Inputs&) const;
+  ImposedTranslation imposed_translation(const Inputs& in) const { return imposed_.translation(in.t, own_states(in)); }
   /// q_D and its rates at these inputs, by turn() and the drive about an axis.
-  ImposedRotation imposed_rotation(const Inputs&) const;
+  ImposedRotation imposed_rotation(const Inputs& in) const { return imposed_.rotation(in.t, own_states(in)); }
   const Marker& p() const { return *p_; }  ///< marker on body 1
   const Marker& s() const { return *s_; }  ///< marker on body 2
 
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
   void gather(Group, const Inputs&, RowSpan out) const override;
   bool is_weld() const override {
-    return rows_ == Mask::all && !move_ && !turn_ && drives_.empty() && !p_->translation_law && !p_->rotation_law &&
+    return rows_ == Mask::all && imposed_.empty() && !p_->translation_law && !p_->rotation_law &&
            !s_->translation_law && !s_->rotation_law;
   }
 
@@ -351,7 +366,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   Planar* planar() override { return this; }
   const TangentFormula* tangent_formula() const override { return this; }
 
-  int n_drives() const override { return static_cast<int>(drives_.size()); }
+  int n_drives() const override { return static_cast<int>(imposed_.drives.size()); }
   Quantity drive(int d) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   std::string diagnose(double t) const override;
@@ -375,7 +390,10 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void add_drive(Drive drive);
   double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
   void refuse_when_set_up(const std::string& what) const;
-  LawValue value(const Drive&, const Inputs&) const;
+  std::span<const double> own_states(const Inputs& in) const {
+    if (n_speeds_ == 0) return {};
+    return in.s.subspan(static_cast<std::size_t>(first_state()), static_cast<std::size_t>(n_speeds_));
+  }
   template <unsigned kWith>
   static void gather_translations(Group, const Inputs&, RowSpan out);
   template <unsigned kWith>
@@ -390,9 +408,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   Marker* p_;
   Marker* s_;
   Mask mask_, rows_;
-  LawPtr<TranslationLaw> move_;
-  LawPtr<RotationLaw> turn_;
-  std::vector<Drive> drives_;
+  ImposedMotion imposed_;
   int n_speeds_ = 0;
 
   // made by setup()

@@ -308,8 +308,9 @@ class LOCKSTEP_API Auxiliary {
   virtual int size() const = 0;                      ///< number of its states
   /// Whether its error controls the step of an adaptive integrator; that of a mere quadrature should not.
   virtual bool controls_error() const { return true; }
-  /// Whether rates() reads accelerations, or multipliers of links without laws. In joint coordinates there are none, and
-  /// a mechanism with such states is run in others.
+  /// Whether rates() reads accelerations or multipliers. In joint coordinates they are solved for at every evaluation
+  /// where laws act and the states are only recorded (controls_error()); if they control the error, the mechanism is run
+  /// in other coordinates.
   virtual bool reads_solution() const { return true; }
   /// Writes its states at the start; default: zeros.
   virtual void start(std::span<double> s) const;

@@ -30,7 +30,7 @@ void MarkerLock::move(LawPtr<TranslationLaw> law) {
   if (!overlaps(mask_, Mask::xyz))
     throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
-  move_ = std::move(law);
+  imposed_.move = std::move(law);
 }
 
 void MarkerLock::turn(LawPtr<RotationLaw> law) {
@@ -38,7 +38,7 @@ void MarkerLock::turn(LawPtr<RotationLaw> law) {
   if (!overlaps(mask_, Mask::e123))
     throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
-  turn_ = std::move(law);
+  imposed_.turn = std::move(law);
 }
 
 void MarkerLock::drive(Axis axis, LawPtr<MotionLaw> law) { add_drive({axis, std::move(law), false, 0}); }
@@ -62,29 +62,29 @@ void MarkerLock::add_drive(Drive drive) {
     throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
                      "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
   rows_ = rows_ | bit;
-  drives_.push_back(std::move(drive));
+  imposed_.drives.push_back(std::move(drive));
 }
 
 std::string MarkerLock::diagnose(double t) const {
-  for (const Drive& d : drives_)
+  for (const Drive& d : imposed_.drives)
     if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), d.law, t); !f.empty()) return f;
-  if (std::string f = law_fault("the imposed translation law", move_, t); !f.empty()) return f;
-  if (std::string f = law_fault("the imposed rotation law", turn_, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed translation law", imposed_.move, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed rotation law", imposed_.turn, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() ? marker_fault(*s_, t) : at_p;
 }
 
 Quantity MarkerLock::drive(int d) const {
-  const Axis axis = drives_[static_cast<std::size_t>(d)].axis;
+  const Axis axis = imposed_.drives[static_cast<std::size_t>(d)].axis;
   return {std::string(to_string(axis)), is_rotation(axis) ? "rad" : "m"};
 }
 
 void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) const {
   MarkerFrame(*p_).breakpoints(t0, t1, out);
   MarkerFrame(*s_).breakpoints(t0, t1, out);
-  if (move_) move_->breakpoints(t0, t1, out);
-  if (turn_) turn_->breakpoints(t0, t1, out);
-  for (const Drive& d : drives_) d.law->breakpoints(t0, t1, out);
+  if (imposed_.move) imposed_.move->breakpoints(t0, t1, out);
+  if (imposed_.turn) imposed_.turn->breakpoints(t0, t1, out);
+  for (const Drive& d : imposed_.drives) d.law->breakpoints(t0, t1, out);
 }
 
 RowPlan MarkerLock::plan_rows() {
@@ -104,10 +104,10 @@ RowPlan MarkerLock::plan_rows() {
   for (int k = 0; k < 6; ++k) {
     if (!includes(rows_, row_bit(k))) continue;
     row_[static_cast<std::size_t>(n_rows_++)] = k;
-    const auto driven =
-        std::find_if(drives_.begin(), drives_.end(), [k](const Drive& d) { return axis_index(d.axis) == k; });
+    const auto driven = std::find_if(imposed_.drives.begin(), imposed_.drives.end(),
+                                     [k](const Drive& d) { return axis_index(d.axis) == k; });
     plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
-                         driven == drives_.end() ? -1 : static_cast<int>(driven - drives_.begin())});
+                         driven == imposed_.drives.end() ? -1 : static_cast<int>(driven - imposed_.drives.begin())});
   }
 
   laws_ = with::nothing;
@@ -115,9 +115,9 @@ RowPlan MarkerLock::plan_rows() {
   if (P_.rotation_law) laws_ |= with::qP;
   if (S_.translation_law) laws_ |= with::uS;
   if (S_.rotation_law) laws_ |= with::qS;
-  if (move_) laws_ |= with::p;
-  if (turn_) laws_ |= with::qD;
-  for (const Drive& d : drives_) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
+  if (imposed_.move) laws_ |= with::p;
+  if (imposed_.turn) laws_ |= with::qD;
+  for (const Drive& d : imposed_.drives) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
   if (P_.parallel() && S_.parallel()) laws_ |= with::parallel;
   const auto grounded = static_cast<unsigned char>((side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0));
   plan.pattern = {laws_, rows_, mask_, grounded};
@@ -125,7 +125,7 @@ RowPlan MarkerLock::plan_rows() {
   plan.sign = side1_ >= 0 ? 1.0 : -1.0;
 
   speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
-  for (const Drive& d : drives_)
+  for (const Drive& d : imposed_.drives)
     if (d.speed) speed_start_[static_cast<std::size_t>(d.state)] = coordinate(d, pose_at_start(*p_, *s_, P_, S_), 0.0);
   return plan;
 }
@@ -134,7 +134,7 @@ RowPlan MarkerLock::plan_rows() {
 double MarkerLock::coordinate(const Drive& d, Pose rel, double t) const {
   const int k = axis_index(d.axis) % 3;
   if (!is_rotation(d.axis)) return rel.x[k];
-  if (turn_) rel.q = conjugate(turn_->at(t).q) * rel.q;
+  if (imposed_.turn) rel.q = conjugate(imposed_.turn->at(t).q) * rel.q;
   return 2.0 * std::atan2(rel.q.vec()[k], rel.q.w);
 }
 
@@ -145,7 +145,7 @@ void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
     return Pose{O.x, O.e} * Pose{m.u, m.q};
   };
   const Pose rel = inverse(pose_of(S_)) * pose_of(P_);
-  for (const Drive& d : drives_)
+  for (const Drive& d : imposed_.drives)
     if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, in.t);
 }
 
@@ -154,51 +154,54 @@ void MarkerLock::start_states(std::span<double> s) const {
 }
 
 void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
-  for (const Drive& d : drives_)
+  for (const Drive& d : imposed_.drives)
     if (d.speed) sd[static_cast<std::size_t>(d.state)] = d.law->at(in.t).y;
 }
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
 
-LawValue MarkerLock::value(const Drive& d, const Inputs& in) const {
-  const LawValue l = d.law->at(in.t);
-  if (!d.speed) return l;
-  return {in.s[static_cast<std::size_t>(first_state() + d.state)], l.y, l.yd};
+namespace {
+
+LawValue value(const Drive& d, double t, std::span<const double> s) {
+  const LawValue l = d.law->at(t);
+  return d.speed ? LawValue{s[static_cast<std::size_t>(d.state)], l.y, l.yd} : l;
 }
 
-ImposedTranslation MarkerLock::imposed_translation(const Inputs& in) const {
+}  // namespace
+
+ImposedTranslation ImposedMotion::translation(double t, std::span<const double> s) const {
   ImposedTranslation D;
-  if (move_) {
-    const TranslationValue l = move_->at(in.t);
+  if (move) {
+    const TranslationValue l = move->at(t);
     D.p = l.x, D.pd = l.v, D.pdd = l.a;
   }
-  for (const Drive& d : drives_) {
+  for (const Drive& d : drives) {
     if (is_rotation(d.axis)) continue;
     const int k = axis_index(d.axis);
-    const LawValue l = value(d, in);
+    const LawValue l = value(d, t, s);
     D.p[k] = l.y, D.pd[k] = l.yd, D.pdd[k] = l.ydd;
   }
   return D;
 }
 
-ImposedRotation MarkerLock::imposed_rotation(const Inputs& in) const {
+ImposedRotation ImposedMotion::rotation(double t, std::span<const double> s) const {
   ImposedRotation D;
-  if (turn_) {
-    const RotationValue l = turn_->at(in.t);
+  if (turn) {
+    const RotationValue l = turn->at(t);
     D.q = l.q, D.w = l.w, D.a = l.a;
   }
-  for (const Drive& d : drives_) {  // q_D <- q_D Rot_k(y): at most one, since the other two turns are held
+  for (const Drive& d : drives) {  // q_D <- q_D Rot_k(y): at most one, since the other two turns are held
     if (!is_rotation(d.axis)) continue;
     const Vec3 n = Vec3::Unit(axis_index(d.axis) % 3);
-    const LawValue l = value(d, in);
-    const Quat turn = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
-    const Mat3 At = rotation(turn).transpose();
+    const LawValue l = value(d, t, s);
+    const Quat r = Quat::from(std::cos(0.5 * l.y), Vec3(std::sin(0.5 * l.y) * n));
+    const Mat3 At = lockstep::rotation(r).transpose();
     const Vec3 w = At * D.w;
     D.a = At * D.a + cross(w, Vec3(l.yd * n)) + l.ydd * n;
     D.w = w + l.yd * n;
-    D.q = D.q * turn;
+    D.q = D.q * r;
   }
-  D.A = rotation(D.q);
+  D.A = lockstep::rotation(D.q);
   return D;
 }
 

@@ -95,6 +95,10 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
   }
 }
 
+void refuse_laws(const Lock& link, double t) {
+  refuse_number(link, t, " computed a number that is not finite", "look at its laws");
+}
+
 void check_finite(const System& system, const Inputs& in, const RowTable& table, const VecX& f) {
   for (int k = 0; k < system.n_slots(); ++k) {
     const Motion& O = in.slot(k);

@@ -44,6 +44,8 @@ void set_up(T& thing) {
 /// Throws NonFiniteError naming the body, link, force or law with a number that is not finite: in the motions, the
 /// rows, or the forces `f` (6 per slot).
 LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
+/// Throws NonFiniteError: a law of the link is not finite at t.
+[[noreturn]] LOCKSTEP_API void refuse_laws(const Lock&, double t);
 /// The same for the rates `sd` of State::s, one of which is not finite.
 [[noreturn]] LOCKSTEP_API void diagnose_rates(const System&, double t, const VecX& sd);
 

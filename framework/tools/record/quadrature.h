@@ -14,7 +14,7 @@ class LOCKSTEP_API Quadrature final : public Auxiliary {
   Quadrature(std::string name, std::function<double(const Evaluated&)> rate, bool of_reactions = false)
       : Auxiliary(std::move(name)), rate_(std::move(rate)), of_reactions_(of_reactions) {}
   int size() const override { return 1; }
-  bool reads_solution() const override { return false; }  // power of laws, dampers and supplies
+  bool reads_solution() const override { return of_reactions_; }
   bool controls_error() const override { return false; }  // what is only recorded must not change the run
   void rates(const Evaluated& values, std::span<double> sd) const override { sd[0] = rate_(values); }
   void impact(const Evaluated& impulses, std::span<double> s) const override {
