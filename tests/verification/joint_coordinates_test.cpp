@@ -1,8 +1,11 @@
 // Joint coordinates against the formulation omega: accelerations at random states of random trees, motions of scenes.
 #include <cmath>
 
+#include <lockstep/assembly.h>
+#include <lockstep/body.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/laws.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/stepping.h>
