@@ -1,26 +1,18 @@
-// Joint coordinates against the formulation omega: accelerations at random states of random trees, motions of scenes.
+// Joint coordinates against the formulation omega at random states of random trees: accelerations, states read off,
+// variations. Runs: joint_runs_test.cpp.
 #include <cmath>
 
-#include <lockstep/assembly.h>
-#include <lockstep/body.h>
-#include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/laws.h>
 #include <lockstep/solvers.h>
-#include <lockstep/step_loop.h>
 #include <lockstep/stepping.h>
 #include "framework/dynamics/tree/joint_tree.h"
-#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
-#include "tests/support/messages.h"
-#include "tests/support/run_scene.h"
 
 namespace joint_coordinates_test {
 
 using namespace lockstep;
 using oracle::Draw;
-using testing::message_of;
 
 namespace {
 
@@ -316,187 +308,6 @@ TEST_CASE("variations are the differences of motions", "[verification][joint]") 
       CHECK(((a.A * a.w - b.A * b.w) / (2 * h) - dv.segment<3>(6 * k + 3)).norm() < 1e-6);
     }
   }
-}
-
-TEST_CASE("scenes move in joint coordinates as in omega", "[verification][joint]") {
-  const std::string scene = GENERATE("chain_10", "double_pendulum", "heavy_top", "pendulum");
-  const std::string method = GENERATE("dopri5", "dop853");
-  CAPTURE(scene, method);
-  const auto run = [&](Formulation formulation) {
-    return run_scene(scene_path(scene), [&](RunSettings& s) {
-      s.integrator = {method};
-      s.tolerance = {1e-12, 1e-14};
-      s.until = 0.2, s.times.clear(), s.output = 0.02;
-      s.formulation = formulation;
-    });
-  };
-  const SceneRun omega = run(Formulation::omega), joint = run(Formulation::joint);
-  REQUIRE(omega.table.columns().size() > 1);
-  for (const ColumnError& e : compare(joint.table, omega.table)) {
-    CAPTURE(e.name);
-    CHECK(e.error < 1e-9 * std::max(1.0, e.size));
-  }
-}
-
-TEST_CASE("events change states and links in joint coordinates as in omega", "[verification][joint]") {
-  const auto run = [](Formulation formulation, const std::string& what) {
-    System system({.gravity = {0, -9.81, 0}});
-    Body* last = &system.ground();
-    Vec3 at = Vec3::Zero();
-    for (int i = 0; i < 3; ++i) {  // bent: a straight chain that is held at both ends is singular
-      const double angle = i % 2 ? -0.4 : 0.4;
-      const Vec3 along(std::cos(angle), std::sin(angle), 0);
-      Body& b =
-          system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
-                          Pose{at + 0.5 * along, axis_angle(Vec3::UnitZ(), angle)});
-      system.add<Revolute>("hinge" + std::to_string(i), b, *last, pose_at(at, i % 2 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
-      last = &b, at += along;
-    }
-    system.add<Spherical>("catch", *last, system.ground(), pose_at(at));
-    system.link("catch").set_active_at_start(what == "released");
-    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
-    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
-    Event event{.name = what, .at = 0.1};
-    if (what == "released") event.deactivate = {"catch"};
-    if (what == "cut") event.deactivate = {"hinge1"};
-    if (what == "kicked")
-      event.change = [&](State& s) { StateEditor(s).set_twist(system.body("rod2"), {{0, 1, 0}, {0, 0, 9}}); };
-    loop.add_event(event);
-    loop.run_until(0.3);
-    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::automatic));
-    State end = loop.state();
-    dynamics.to_slots(end);
-    return end;
-  };
-  const std::string what = GENERATE("released", "cut", "kicked");
-  CAPTURE(what);
-  const State omega = run(Formulation::omega, what), joint = run(Formulation::automatic, what);
-  CHECK(largest(joint.v - omega.v) < 1e-9 * largest(omega.v));
-  for (int k = 0; k < 3; ++k) CHECK((joint.slot_pose(k).x - omega.slot_pose(k).x).norm() < 1e-9);
-}
-
-TEST_CASE("turns are counted on over events, a saved state goes on elsewhere", "[verification][joint]") {
-  const auto make = [](System& system) {
-    Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
-    wheel.start.w = {0, 0, 20};
-    system.add<Revolute>("axle", wheel, system.ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 0, 1)));
-  };
-  System one, two;
-  make(one), make(two);
-  Dynamics a = joint_dynamics(one), b = joint_dynamics(two);
-  StepLoop first(a, std::make_unique<Dopri5>()), second(b, std::make_unique<Dopri5>());
-  first.add_event({.name = "nothing", .at = 1.0, .change = [](State&) {}});
-  first.run_until(2.0);
-  REQUIRE(first.state().coordinates);
-  CHECK(first.state().q[0] == Approx(40.0).epsilon(1e-12));  // six turns and more
-  second.set_state(first.state());
-  second.run_until(3.0);
-  const Vec3 w = second.state().slot_twist(0).w;
-  CHECK((w - Vec3(0, 0, 20)).norm() < 1e-12);
-  const Mat3 A = rotation(second.state().slot_pose(0).q);
-  CHECK(std::abs(A(0, 0) - std::cos(60.0)) + std::abs(A(1, 0) - std::sin(60.0)) < 1e-10);
-}
-
-TEST_CASE("what is no tree is refused in joint coordinates by name, and runs in omega by auto",
-          "[verification][joint]") {
-  const auto run = [&](const std::string& scene, Formulation formulation) {
-    return run_scene(scene_path(scene), [&](RunSettings& s) { s.until = 0.05, s.formulation = formulation; });
-  };
-  const std::string words = message_of<ModelError>([&] { run("nfourbar_2", Formulation::joint); });
-  CHECK(words.find("closes a loop") != std::string::npos);
-  CHECK(words.find("link '") != std::string::npos);
-  CHECK(run("nfourbar_2", Formulation::automatic).table.n_rows() > 0);
-
-  const auto by = [&](const std::string& method, Formulation formulation) {
-    return run_scene(scene_path("chain_10"), [&](RunSettings& s) {
-      s.integrator = {method}, s.step = 1e-3, s.tolerance = {};
-      s.until = 0.005, s.times.clear(), s.output = 0.001, s.formulation = formulation;
-    });
-  };
-  const std::string driven = message_of<ModelError>([&] { run("robot_arm", Formulation::joint); });
-  CHECK(driven.find("no coordinate is free") != std::string::npos);
-  for (const char* method : {"radau5", "rattle2"}) {  // state their formulation
-    CAPTURE(method);
-    const std::string refused = message_of<ModelError>([&] { by(method, Formulation::joint); });
-    CHECK(refused.find("joint coordinates (formulation joint) are not possible") != std::string::npos);
-    CHECK(refused.find(method) != std::string::npos);
-    const Table omega = by(method, Formulation::omega).table, automatic = by(method, Formulation::automatic).table;
-    for (const ColumnError& e : compare(automatic, omega)) CHECK(e.error == 0);
-  }
-}
-
-TEST_CASE("a pendulum on a cart whose speed jumps moves in joint coordinates as in omega", "[verification][joint]") {
-  const auto run = [](Formulation formulation) {
-    System system({.gravity = {0, -9.81, 0}});
-    Body& cart = system.add_body("cart", shapes::box(2, {0.2, 0.1, 0.1}));
-    Body& rod = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {0.3, -0.6, 0}));
-    auto& slide = system.add<Prismatic>("slide", cart, system.ground(), pose_at(Vec3(0, 0, 0), Vec3::UnitX()));
-    slide.drive_speed(Axis::z,
-                      laws::sequence({{0.1, laws::constant(1.0)}, {0.2, laws::constant(-2.0)}, {9, laws::ramp(1.0)}}));
-    system.add<Revolute>("hinge", rod, cart, pose_at(Vec3(0, 0, 0), Vec3(0.1, 0, 1)));
-    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
-    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
-    State start = system.start();
-    assemble(dynamics, start);
-    loop.set_state(start);
-    loop.run_until(0.5);
-    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::joint));
-    CHECK(dynamics.violation(loop.state()) < 1e-12);
-    State end = loop.state();
-    dynamics.to_slots(end);
-    return end;
-  };
-  const State omega = run(Formulation::omega), joint = run(Formulation::joint);
-  CAPTURE(joint.s[0], omega.s[0], joint.t, omega.t, joint.v, omega.v);
-  CHECK(largest(joint.v - omega.v) < 1e-9 * largest(omega.v));
-  CHECK(std::abs(joint.s[0] - omega.s[0]) < 1e-12);
-  CHECK((joint.slot_pose(1).x - omega.slot_pose(1).x).norm() < 1e-9);
-}
-
-TEST_CASE("a mass changed in mid-run counts from there on", "[verification][joint]") {
-  const auto run = [](Formulation formulation) {
-    System system({.gravity = {0, -9.81, 0}});
-    Body* last = &system.ground();
-    for (int i = 0; i < 3; ++i) {
-      Body& b =
-          system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
-                          {Vec3(i + 0.5, 0, 0), {}});
-      system.add<Revolute>("hinge" + std::to_string(i), b, *last, pose_at(Vec3(i, 0, 0), Vec3(0, i % 2, 1)));
-      last = &b;
-    }
-    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
-    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
-    loop.run_until(0.1);
-    system.body("rod1").mass.mass = 5, system.body("rod1").mass.J *= 5;
-    system.changed();
-    loop.run_until(0.3);
-    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::joint));
-    State end = loop.state();
-    dynamics.to_slots(end);
-    return end;
-  };
-  const State omega = run(Formulation::omega), joint = run(Formulation::joint);
-  CHECK(largest(joint.v - omega.v) < 1e-9 * largest(omega.v));
-}
-
-TEST_CASE("a step in joint coordinates allocates nothing", "[verification][joint]") {
-  System system({.gravity = {0, -9.81, 0}});
-  Body* last = &system.ground();
-  for (int i = 0; i < 10; ++i) {
-    Body& b =
-        system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()},
-                        {Vec3(i + 0.5, 0, 0), {}});
-    system.add<Revolute>("hinge" + std::to_string(i), b, *last,
-                         pose_at(Vec3(i, 0, 0), i % 2 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));
-    last = &b;
-  }
-  Dynamics dynamics = joint_dynamics(system);
-  StepLoop loop(dynamics, std::make_unique<Dopri5>());
-  for (int i = 0; i < 20; ++i) loop.step();
-  REQUIRE(loop.state().coordinates);
-  const long before = allocations();
-  for (int i = 0; i < 20; ++i) loop.step();
-  CHECK(allocations() == before);
 }
 
 }  // namespace joint_coordinates_test

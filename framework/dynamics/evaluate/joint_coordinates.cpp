@@ -29,8 +29,10 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) {
   const Tree& t = tree(modes);
-  if (t.coordinates && !takes(*t.coordinates)) return "links have laws, whose work takes the reactions of omega";
-  return t.why_not;
+  if (!t.coordinates || takes(*t.coordinates)) return t.why_not;
+  const auto driven =
+      std::ranges::find_if(t.coordinates->nodes(), [](const TreeNode& n) { return n.imposed != nullptr; });
+  return "link '" + driven->lock->name() + "' has laws, whose work takes the reactions of omega";
 }
 
 // By itself a tree with laws stays in omega, whether their work is recorded or not.

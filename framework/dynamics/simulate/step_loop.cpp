@@ -148,7 +148,9 @@ void StepLoop::start() {
   if (clock.output_due(state_.t)) output(sample);
   begin_method();
   if (state_.coordinates && dynamics_.options().stabilization.kind != Stabilization::Kind::project)
-    warn("nothing to stabilise: in joint coordinates the links hold by themselves");
+    warn(
+        "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
+        "drift");
   const bool changed = fire_events();
   if (contacts.empty()) return;
   if (changed) settle_contacts();
