@@ -133,18 +133,67 @@ TEST_CASE("a number that is none stops the run, what was computed is kept", "[ru
   const std::string blow = scene_file("blow", kArm + R"("links": [{)" + kHinge + R"(,
     "drive": {"axis": "rz", "law": {"type": "sequence", "laws": [{"type": "constant", "value": 0}, {"type": "polynomial", "coefficients": [0, 1e308, 1e308]}],
     "durations": [0.5, 9]}}}], "run": {"integrator": "rk4", "step": 0.1, "until": 2, "record": ["arm.x"]})");
+  fs::remove(kFolder + "/blow.csv");  // of an earlier run
   const Called r = call("run '" + blow + "' --record blow.csv");
   INFO(r.text);
   CHECK(r.exit == 7);
   CHECK(contains(r.text, "link 'A'"));
   CHECK(contains(r.text, "t = 0.5 s"));
   CHECK(contains(r.text, "rows up to there are in"));
-  CHECK(read_csv(kFolder + "/blow.csv").n_rows() >= 5);
+  CHECK(read_csv(kFolder + "/blow.csv.partial").n_rows() >= 5);
+  CHECK_FALSE(fs::exists(kFolder + "/blow.csv"));
   const Called full = call("run '" + blow + "' --record /dev/full");
   INFO(full.text);
   CHECK(full.exit == 7);  // the run's own error, not the disk's
   CHECK(contains(full.text, "could not be written"));
   CHECK(contains(full.text, "link 'A'"));
+}
+
+TEST_CASE("results replace neither what a scene is read from nor what another run writes", "[runner]") {
+  const std::string arm = scene_file("input_arm", kArm + R"("links": [{)" + kHinge + R"(,
+    "drive": {"axis": "rz", "law": {"type": "spline", "file": "input_law.csv"}}}], "run": {"until": 0.1})");
+  const std::string law = kFolder + "/input_law.csv", text = "t,y\n0,0\n1,1\n2,0\n";
+  std::ofstream(law) << text;
+  const auto bytes = [](const std::string& file) {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  for (const char* record : {"input_law.csv", "input_arm.json", "./input_law.csv"}) {
+    const std::string scene = bytes(arm);
+    const Called r = call("run '" + arm + "' --record " + record);
+    INFO(r.text);
+    CHECK(r.exit == 2);
+    CHECK(contains(r.text, "would replace"));
+    CHECK(bytes(law) == text);
+    CHECK(bytes(arm) == scene);
+  }
+  const std::string busy = kFolder + "/busy.csv";
+  fs::remove(busy);
+  const Called two = shell("cd '" + kFolder + "' && (lockstep run '" + kFourBar +
+                           "' --until 1000 --quiet --record busy.csv & sleep 0.5; lockstep run '" + kFourBar +
+                           "' --quiet --record busy.csv; echo second $?; kill %1)");
+  INFO(two.text);
+  CHECK(contains(two.text, "being written by another run"));
+  CHECK(contains(two.text, "second 8"));
+}
+
+TEST_CASE("a run whose energy is not conserved ends with its own status", "[runner]") {
+  const std::string scene = scene_file("coarse", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
+    "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1})");
+  const Called r = call("run '" + scene + "'");
+  INFO(r.text);
+  CHECK(r.exit == 9);
+  CHECK(contains(r.text, "NOT CONSERVED"));
+  CHECK(contains(r.text, "--tolerance"));
+  const std::string wide = scene_file("wide", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
+    "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1, "energy_limit": 100})");
+  CHECK(call("run '" + wide + "'").exit == 0);
+  const std::string drifts = scene_file("drifts", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
+    "run": {"integrator": "rk4", "step": 0.1, "until": 20, "formulation": "omega", "stabilization": "none", "violation_limit": "1 um"})");
+  const Called d = call("run '" + drifts + "'");
+  INFO(d.text);
+  CHECK(d.exit == 9);
+  CHECK(contains(d.text, "DRIFTED"));
 }
 
 // `timeout --foreground` signals the program once; without it the group is signalled too, and a second signal ends the
@@ -259,6 +308,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   INFO(torn.text);
   CHECK(torn.exit == 8);
   CHECK(contains(torn.text, "energy balance"));
+  CHECK(fs::is_character_file("/dev/full"));  // a device is written to, and never replaced
 }
 
 TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {

@@ -1,6 +1,7 @@
 #include "tests/support/solver_checks.h"
 
 #include <Eigen/QR>
+#include <cmath>
 
 #include "tests/support/catch.h"
 
@@ -112,6 +113,48 @@ void check_singular_place(const LinearSolver& solver) {
   CHECK_FALSE(report.contradictory);
   CHECK(report.residual > 1e-2);
   CHECK(report.smallest_pivot < 1e-6);
+}
+
+void check_detector(const LinearSolver& solver) {
+  const bool slender = GENERATE(false, true);
+  KktBuilder b(9);
+  b.slot();
+  const int n = slender ? 3 : 2;
+  const std::size_t twin = b.link({0}, slender ? rows_of(1, 2) : rows_of(2, 0));
+  b.doubled(twin);  // redundant everywhere: n small pivots, always
+  b.link({0}, rows_of(0, 0, 1));
+  b.link({0}, rows_of(0, 0, 1));
+  KktSystem system = b.finish();
+  MatX regular = system.J();
+  if (slender) {  // the twins hold a thin and a thick axis: their scale is that of the thin one
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 6; ++k) {
+        const double m = i != k ? 0.0 : i == 3 ? 1e-4 : 1.0;
+        system.kkt.M[static_cast<std::size_t>(6 * i + k)] = m;
+        system.kkt.Minv[static_cast<std::size_t>(6 * i + k)] = m == 0 ? 0.0 : 1.0 / m;
+      }
+    constexpr int held[] = {1, 3, 4, 0, 5};
+    for (int k = 0; k < 3; ++k) regular.row(k) = regular.row(3 + k) = VecX::Unit(6, held[k]);
+    for (int k = 3; k < 5; ++k) regular.row(3 + k) = VecX::Unit(6, held[k]);
+  }
+  const auto factor = solver.analyse(system.kkt.pattern);
+  const auto detector_at = [&](double angle) {
+    MatX J = regular;
+    J.row(2 * n + 1) = std::cos(angle) * regular.row(2 * n) + std::sin(angle) * regular.row(2 * n + 1);
+    system.write_J(J);
+    system.kkt.update_scales();
+    factor->compute(system.kkt);
+    VecX a, lambda;
+    SolveReport report = factor->solve(system.kkt, system.f, J * VecX::Ones(6), a, lambda);
+    factor->complete(report);
+    CHECK(report.smallest_pivot < 1e-6);
+    return report.detector;
+  };
+  CAPTURE(slender);
+  CHECK(detector_at(kPi / 2) > 1e-2);
+  const double far = detector_at(0.01), near = detector_at(0.001);
+  CHECK(far < 1e-3);
+  CHECK(std::log10(far / near) == Approx(2).margin(0.03));  // the proximal term is 4 % of the smaller one
 }
 
 void check_rows_without_scale(const LinearSolver& solver) {

@@ -71,6 +71,11 @@ TEST_CASE("block tells contradictory rows from a singular place", "[unit][kkt]")
   check_singular_place(solver);
 }
 
+TEST_CASE("block's detector falls as the square of the way to a singular place", "[unit][kkt]") {
+  BlockSolver solver;
+  check_detector(solver);
+}
+
 TEST_CASE("block meets the rule where rows have no scale", "[unit][kkt]") {
   BlockSolver solver;
   check_rows_without_scale(solver);
@@ -173,35 +178,6 @@ TEST_CASE("block loses no digits on a long tree driven all along", "[unit][kkt]"
   CHECK(found.report.residual <= 1e-12);
   CHECK(found.a[5] == Approx(1.0).epsilon(1e-10));              // the first body: turns by c alone
   CHECK(found.a[6 * 199 + 5] == Approx(200.0).epsilon(1e-10));  // the last: by all of them
-}
-
-TEST_CASE("block's detector falls as the square of the way to a singular place", "[unit][kkt]") {
-  KktBuilder b(9);
-  b.slot();
-  const std::size_t twin = b.link({0}, rows_of(2, 0));
-  b.doubled(twin);  // redundant everywhere: two small pivots, always
-  b.link({0}, rows_of(0, 0, 1));
-  b.link({0}, rows_of(0, 0, 1));
-  KktSystem system = b.finish();
-  const MatX regular = system.J();
-  BlockSolver solver;
-  const auto factor = solver.analyse(system.kkt.pattern);
-  const auto detector_at = [&](double angle) {
-    MatX J = regular;
-    J.row(5) = std::cos(angle) * regular.row(4) + std::sin(angle) * regular.row(5);
-    system.write_J(J);
-    system.kkt.update_scales();
-    factor->compute(system.kkt);
-    VecX a, lambda;
-    SolveReport report = factor->solve(system.kkt, system.f, J * VecX::Ones(6), a, lambda);
-    factor->complete(report);
-    CHECK(report.smallest_pivot < 1e-6);
-    return report.detector;
-  };
-  CHECK(detector_at(kPi / 2) > 1e-2);
-  const double far = detector_at(0.01), near = detector_at(0.001);
-  CHECK(far < 1e-3);
-  CHECK(std::log10(far / near) == Approx(2).margin(0.03));  // the proximal term is 4 % of the smaller one
 }
 
 }  // namespace block_solver_test

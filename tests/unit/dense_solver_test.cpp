@@ -39,6 +39,11 @@ TEST_CASE("dense tells contradictory rows from a singular place", "[unit][kkt]")
   check_singular_place(solver);
 }
 
+TEST_CASE("dense's detector falls as the square of the way to a singular place", "[unit][kkt]") {
+  DenseSolver solver;
+  check_detector(solver);
+}
+
 TEST_CASE("dense meets the rule where rows have no scale", "[unit][kkt]") {
   DenseSolver solver;
   check_rows_without_scale(solver);

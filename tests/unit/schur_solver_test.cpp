@@ -45,6 +45,11 @@ TEST_CASE("schur tells contradictory rows from a singular place", "[unit][kkt]")
   check_singular_place(solver);
 }
 
+TEST_CASE("schur's detector falls as the square of the way to a singular place", "[unit][kkt]") {
+  SchurOnKkt solver;
+  check_detector(solver);
+}
+
 TEST_CASE("schur meets the rule where rows have no scale", "[unit][kkt]") {
   SchurOnKkt solver;
   check_rows_without_scale(solver);

@@ -35,6 +35,11 @@ TEST_CASE("sparse tells contradictory rows from a singular place", "[unit][kkt]"
   check_singular_place(solver);
 }
 
+TEST_CASE("sparse's detector falls as the square of the way to a singular place", "[unit][kkt]") {
+  SparseSolver solver;
+  check_detector(solver);
+}
+
 TEST_CASE("sparse meets the rule where rows have no scale", "[unit][kkt]") {
   SparseSolver solver;
   check_rows_without_scale(solver);

@@ -15,6 +15,10 @@ using namespace lockstep;
 
 namespace {
 
+std::string own_scene(const std::string& name) {
+  return std::string(paths::kSource) + "/tests/verification/scenes/" + name + ".json";
+}
+
 struct Passage {
   double error = 0, energy = 0;  ///< largest of the first upright's top, m, and of the energy, J
   SimulationReport report;
@@ -84,6 +88,39 @@ TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][inte
     CAPTURE(stages, tolerance, p.error, p.energy);
     CHECK(p.error <= 50 * tolerance);
   }
+}
+
+// In space three rows are redundant, and the moments about the axes of the rods have a scale a thousand times as large
+// as others. The angles: of one rod of the inertia of all three, which the parallelogram is.
+TEST_CASE("a parallelogram in space passes its flat positions on its branch", "[verification][integrators]") {
+  const auto [solver, tolerance] =
+      GENERATE(table<std::string, double>({{"schur", 1e-6}, {"schur", 1e-9}, {"schur", 1e-11}, {"sparse", 1e-9}}));
+  const SceneRun run =
+      run_scene(own_scene("parallelogram"), [&, solver = solver, tolerance = tolerance](RunSettings& s) {
+        s.integrator.keys = Value::object({{"stages", "auto"}});
+        s.solver = {solver};
+        s.tolerance = {tolerance, 1e-2 * tolerance};
+      });
+  CAPTURE(solver, tolerance, run.report.steps, run.report.manifold_steps);
+  CHECK(run.table.last("left") == Approx(-11.1550241736).margin(200 * tolerance));
+  CHECK(run.table.last("right") == Approx(-11.1550241736).margin(200 * tolerance));
+  CHECK(std::abs(run.table.last("energy.balance")) < 100 * tolerance);
+  CHECK(run.report.manifold_steps < run.report.steps);
+}
+
+// Crank and rod of one length: the slider stands still at the crank's axis, where the rod may turn on alone. The values:
+// of the mechanism's one equation.
+TEST_CASE("a slider-crank of equal arms passes the crank's axis on its branch", "[verification][integrators]") {
+  const std::string solver = GENERATE("schur", "sparse", "dense");
+  const SceneRun run = run_scene(own_scene("slider_crank_equal_arms"), [&](RunSettings& s) {
+    s.integrator.keys = Value::object({{"stages", "auto"}});
+    s.solver = {solver};
+    s.tolerance = {1e-8, 1e-10};
+  });
+  CAPTURE(solver, run.report.steps, run.report.manifold_steps);
+  CHECK(run.table.last("crank.angle_z") == Approx(8.27529815873).margin(1e-7));
+  CHECK(run.table.last("slider.x") == Approx(-0.16358488).margin(2e-8));
+  CHECK(run.report.manifold_steps < run.report.steps);
 }
 
 }  // namespace singular_test

@@ -132,6 +132,10 @@ RunSettings read_run(const Value& v) {
   run.tolerance.relative = positive(p, "tolerance", "tolerance");
   run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   run.times = read_times(p);
+  if (p.has("max_steps")) run.max_steps = p.integer("max_steps");
+  if (p.has("max_steps") && run.max_steps < 1) p.refuse("max_steps", "a number of steps is at least 1");
+  run.limits.energy = positive(p, "energy_limit", "limit");
+  if (p.has("violation_limit")) run.limits.violation = positive(p, "violation_limit", "limit");
   run.formulation = formulation_from(p.text("formulation"));
   if (p.has("solver") && !p.has("formulation")) run.formulation = Formulation::omega;  // joint coordinates need none
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";

@@ -280,6 +280,12 @@ std::vector<SceneTable> runs() {
          {"until", Form::number, Unit::time, kOptional, "end of the run"},
          {"output", Form::number, Unit::time, kOptional, "interval of the recorded instants; default: every step"},
          {"times", Form::numbers, Unit::time, kOptional, "or these instants, rising"},
+         {"energy_limit", Form::number, Unit::none, 1e-3,
+          "an energy balance off by more, relative to the energy exchanged, is an error of the run"},
+         {"violation_limit", Form::number, Unit::length, kOptional,
+          "a larger violation of the constraints is an error of the run; default: a thousandth of the mechanism's "
+          "size"},
+         {"max_steps", Form::integer, Unit::none, kOptional, "the run ends with an error after so many steps"},
          {"formulation", Form::choice, Unit::none, "auto",
           "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
           "joints where that can be and no solver is named, else omega",

@@ -13,28 +13,39 @@ namespace {
 
 constexpr double kTurn = 0.5;        // rad per step, with the stages on the constraints
 constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
-constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints,
-constexpr double kRegular = 3e-2;    // and above which they leave them again
+constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints: this,
+constexpr double kUnusual = 0.1;     // or this part of the usual one, if that is less;
+constexpr double kRegular = 3;       // and times which they leave them again
+constexpr double kKnown = 0.5;       // rad: turn after which the largest indicator counts as the usual one
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
+constexpr double kShrunk = 0.3;      // of the longest plain step
 constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
 constexpr int kShifts = 12;          // attempted this many times; then the best of them is taken,
 constexpr double kCross = 100;       // with an error up to this
 constexpr double kLeast = 0.1;       // of the step: one that only leads to where the next should begin
 
-// Time in which the body that turns fastest at y turns by this angle, s.
-double time_to_turn(const State& y, double angle) {
+// Angular velocity of the body that turns fastest at y, rad/s.
+double fastest_turn(const State& y) {
   double w2 = 0;
   for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
-  return w2 > 0 ? angle / std::sqrt(w2) : HUGE_VAL;
+  return std::sqrt(w2);
+}
+
+// Time in which it turns by this angle, s.
+double time_to_turn(const State& y, double angle) {
+  const double w = fastest_turn(y);
+  return w > 0 ? angle / w : HUGE_VAL;
 }
 
 }  // namespace
 
 void SingularPassage::begin(const Tableau& tableau, const State& state) {
-  near_ = probed_ = false;
+  near_ = probed_ = entered_ = false;
+  longest_plain_ = 0;
   ahead_ = HUGE_VAL;
+  largest_ = turned_ = 0;
   const double* c = tableau.c;
   nodes_.assign(c, c + tableau.n_stages);
   std::ranges::sort(nodes_);
@@ -49,11 +60,12 @@ void SingularPassage::begin(const Tableau& tableau, const State& state) {
 
 void SingularPassage::start_step() {
   on_ = when_ == StagesWhen::manifold || near_ ? StagesOn::manifold : StagesOn::plain;
-  shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross};
+  shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross}, entered_ = false;
 }
 
 // A start in a singular position looks like one with redundant rows until both sides have been probed.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
+  rate_of_turn_ = active() ? fastest_turn(y) : 0;
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
   const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
@@ -98,6 +110,7 @@ double SingularPassage::straddle(double h) const {
 bool SingularPassage::enters(const Stages& stages) {
   if (when_ != StagesWhen::automatic || on_ == StagesOn::manifold || !near(stages)) return false;
   on_ = StagesOn::manifold;
+  entered_ = true;
   return true;
 }
 
@@ -116,13 +129,26 @@ double SingularPassage::shift(const Stages& stages, int late_stage, double h, do
 
 // The indicator falls as the square of the distance: its root is found along the last two nodes.
 void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
+  // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as
+  // before.
+  if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
+  if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
   if (report.rejected == 0) report.h_next = std::max(report.h_next, unplaced_);
   const double* c = stages.tableau().c;
   const double s0 = std::sqrt(stages.conditioning(inner_).detector),
                s1 = std::sqrt(stages.conditioning(last_).detector);
   const bool falls = s1 < s0 && std::isfinite(s0);
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
-  if (when_ == StagesWhen::automatic) near_ = stages.indicator() < (on_ == StagesOn::manifold ? kRegular : kSingular);
+  if (when_ != StagesWhen::automatic) return;
+  const double now = stages.indicator();
+  near_ = now < (on_ == StagesOn::manifold ? kRegular : 1.0) * singular();
+  largest_ = std::max(largest_, std::min(now, 1.0));
+  turned_ += report.h * rate_of_turn_;
+}
+
+// Bodies of very different inertia have small pivots in every position: a start in a singular position looks the same.
+double SingularPassage::singular() const {
+  return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL);
 }
 
 double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& stages, double guess, double largest) {
@@ -133,7 +159,7 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(y, kFirstTurn))) : guess;
 }
 
-bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < kSingular; }
+bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < singular(); }
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {

@@ -13,6 +13,10 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMostSteps = 1e9;      // a run that would take more of them has no end in sight,
+constexpr long kSlow = 1000;            // if it says so at this many steps in a row
+constexpr long kPaced = 10000;          // steps over which the pace is measured
+constexpr double kLongRun = 1e7;        // steps left of which the run warns
 constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
 
 }  // namespace
@@ -21,6 +25,7 @@ void Clock::start(double t) {
   adaptive_ = method_.info().adaptive;
   t_start_ = t;
   breakpoints_to_ = -kInfinity;
+  pace_from_ = t, n_paced_ = n_slow_ = 0, warned_ = false;
   last_output_ = -kInfinity;
   next_output_ = 0;
   while (output_time(next_output_) < t) ++next_output_;
@@ -64,7 +69,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   const double scale = std::max(std::abs(t), span());
-  if (h < 1e-14 * scale)
+  if (h < 1e-13 * scale)
     throw StepError(
         fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
@@ -76,6 +81,37 @@ double Clock::step_towards(double t, const Target& target, double largest) const
 void Clock::count_step(double asked, const StepReport& report) {
   ++n_from_anchor_;
   if (adaptive_) advised_ = advised_after(advised_, asked, report.h, report.h_next);
+}
+
+std::string Clock::watch_pace(double t, long n) {
+  if (options_.max_steps > 0 && n >= options_.max_steps && t < t_end_)
+    throw StepError(
+        fmt::format("{}: the run has made its {} steps and stands at t = {:.9g} s; allow more (max_steps), or find out "
+                    "why its steps are short",
+                    method_.info().name, n, t),
+        t);
+  if (!std::isfinite(t_end_)) return {};
+  const double left = t_end_ - t;
+  n_slow_ = left > kMostSteps * advised_ ? n_slow_ + 1 : 0;
+  if (n_slow_ > kSlow)
+    throw StepError(
+        fmt::format(
+            "{}: at t = {:.9g} s it advises steps of {:.3g} s, by which the rest of the run would take {:.2g} of "
+            "them; {}",
+            method_.info().name, t, advised_, left / advised_,
+            adaptive_ ? "use another method (--integrator), a wider tolerance, or look for a singular position "
+                        "(lockstep check)"
+                      : "take a larger step (--step)"),
+        t);
+  if (++n_paced_ < kPaced) return {};
+  const double pace = (t - pace_from_) / static_cast<double>(n_paced_);
+  pace_from_ = t, n_paced_ = 0;
+  if (warned_ || left <= kLongRun * pace) return {};
+  warned_ = true;
+  return fmt::format(
+      "the run is slow: by the last {} steps, of {:.2g} s on average up to t = {:.6g} s, the rest of it will "
+      "take {:.2g} steps",
+      kPaced, pace, t, left / pace);
 }
 
 void Clock::refresh_breakpoints(double t, double limit, double largest) {

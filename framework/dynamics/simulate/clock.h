@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <lockstep/step_loop.h>
@@ -20,7 +21,7 @@ class LOCKSTEP_API Clock {
   };
 
   /// The end of the run; infinity: single steps.
-  void set_end(double t) { t_end_ = t; }
+  void set_end(double t) { t_end_ = t, n_slow_ = 0; }
   double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);
@@ -40,6 +41,9 @@ class LOCKSTEP_API Clock {
   double step_towards(double t, const Target&, double largest) const;
   /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
+  /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take
+  /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
+  std::string watch_pace(double t, long n);
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left
@@ -64,6 +68,9 @@ class LOCKSTEP_API Clock {
   double advised_ = 0;  // the method's next step
   double anchor_ = 0;   // fixed steps: the n-th ends at anchor + n step
   long n_from_anchor_ = 0;
+  double pace_from_ = 0;  // when the present steps for the pace began
+  long n_paced_ = 0, n_slow_ = 0;
+  bool warned_ = false;
   long next_output_ = 0;
   double last_output_ = -std::numeric_limits<double>::infinity();
   std::vector<double> breakpoints_;

@@ -3,17 +3,30 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 
-#include "framework/dynamics/simulate/root_finder.h"
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/root_finder.h"
+#include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 Event& EventLocator::add(Event event) {
   if (!event.value && !(event.at >= 0))
     throw ModelError(
         fmt::format("event '{}' has neither an instant (at >= 0) nor a condition (value); give one", event.name));
+  if (event.value && event.at >= 0)
+    throw ModelError(fmt::format(
+        "event '{}' has an instant (at {} s) and a condition (value); give one, and make a second event of the other",
+        event.name, event.at));
   if (!(event.tolerance > 0))
     throw ModelError(fmt::format("event '{}': its tolerance of {} s must be > 0", event.name, event.tolerance));
   const System& system = dynamics_.system();
@@ -52,16 +65,19 @@ void EventLocator::watch(const State& state) {
 }
 
 double EventLocator::value_of(std::size_t event, const State& state) {
-  const double g = events_[event].value(Sample(dynamics_, state, interval_.report()));
+  const Sample sample(dynamics_, state, interval_.report());
+  const std::string& name = events_[event].name;
+  const double g = user_code("event", name, state.t, [&] { return events_[event].value(sample); });
   if (std::isfinite(g)) return g;
-  throw NonFiniteError(fmt::format("the condition of event '{}' is {} at t = {:.9g} s; it must be a finite number",
-                                   events_[event].name, g, state.t),
-                       state.t);
+  throw NonFiniteError(
+      fmt::format("the condition of event '{}' is {} at t = {:.9g} s; it must be a finite number", name, g, state.t),
+      state.t);
 }
 
-// Strictly from one side: a condition that is zero at the start of a step is not crossed in it.
-bool EventLocator::crosses(std::size_t event, double now) const {
-  const double was = watched_[event].value;
+EventLocator::Point EventLocator::point(std::size_t event, double t) { return {t, value_of(event, interval_.at(t))}; }
+
+// Strictly from one side: a condition that is zero at first does not cross.
+bool EventLocator::crosses(std::size_t event, double was, double now) const {
   const bool rises = was < 0 && now >= 0, falls = was > 0 && now <= 0;
   switch (events_[event].crossing) {
     case Event::Crossing::rising:
@@ -73,28 +89,61 @@ bool EventLocator::crosses(std::size_t event, double now) const {
   }
 }
 
-double EventLocator::locate_crossing(std::size_t event, double t1) {
-  const Watched& w = watched_[event];
-  const double sign = w.value > 0 ? 1 : -1;
+double EventLocator::root_between(std::size_t event, const Point& a, const Point& b) {
+  const double sign = a.g > 0 ? 1 : -1;
   const double tolerance =
-      std::max(events_[event].tolerance, 4 * std::numeric_limits<double>::epsilon() * std::abs(t1));
-  return falling_root(interval_.from().t, sign * w.value, t1, sign * w.now, tolerance, 0.0,
-                      [&](double t) { return sign * value_of(event, interval_.at(t)); });
+      std::max(events_[event].tolerance, 4 * std::numeric_limits<double>::epsilon() * std::abs(b.t));
+  return falling_root(a.t, sign * a.g, b.t, sign * b.g, tolerance, 0.0,
+                      [&](double t) { return sign * point(event, t).g; });
+}
+
+// The first crossing between the ends a and b of a step; infinity: none. The condition is sampled in the middle, and in
+// the quarters too where it comes near zero: within what it changes by over the step.
+double EventLocator::locate_inside(std::size_t event, const Point& a, const Point& b) {
+  if (!interval_.has_dense()) return crosses(event, a.g, b.g) ? root_between(event, a, b) : kNever;
+  const double h = b.t - a.t;
+  std::array<Point, 5> p{a, {}, point(event, a.t + 0.5 * h), {}, b};
+  const auto [least, most] = std::minmax({a.g, p[2].g, b.g});
+  if (least > most - least || most < least - most) return kNever;
+  p[1] = point(event, a.t + 0.25 * h), p[3] = point(event, a.t + 0.75 * h);
+  double first = kNever;
+  for (std::size_t k = 1; k < p.size() && !(first <= p[k - 1].t); ++k) {
+    if (crosses(event, p[k - 1].g, p[k].g))
+      first = std::min(first, root_between(event, p[k - 1], p[k]));
+    else if (k + 1 < p.size())
+      first = std::min(first, locate_turn(event, p[k - 1], p[k], p[k + 1]));
+  }
+  return first;
+}
+
+// The crossing about a turning point next to the middle one of three points on one side of zero; infinity: none.
+double EventLocator::locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b) {
+  const double sign = middle.g > 0 ? 1 : -1;
+  if (!(sign * a.g >= sign * middle.g && sign * middle.g > 0 && sign * b.g >= sign * middle.g)) return kNever;
+  std::uintmax_t most = 30;
+  const auto [t, g] = boost::math::tools::brent_find_minima([&](double at) { return sign * point(event, at).g; }, a.t,
+                                                            b.t, std::numeric_limits<double>::digits / 2, most);
+  if (g > 0) return kNever;
+  const Point turn{t, sign * g};
+  return crosses(event, a.g, turn.g)   ? root_between(event, a, turn)
+         : crosses(event, turn.g, b.g) ? root_between(event, turn, b)
+                                       : kNever;
 }
 
 bool EventLocator::locate(State& state) {
   const double t1 = state.t;
   double first = std::numeric_limits<double>::infinity();
-  bool crossed = false;
+  bool kept = false;
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
     w.met = false;
     if (!events_[i].value || w.over) continue;
     w.now = value_of(i, state);
-    if (!crosses(i, w.now)) continue;
-    if (!crossed) interval_.keep_method();
-    crossed = true;
-    w.at = locate_crossing(i, t1);
+    if (!interval_.has_dense() && !crosses(i, w.value, w.now)) continue;
+    if (!kept) interval_.keep_method();
+    kept = true;
+    w.at = locate_inside(i, {interval_.from().t, w.value}, {t1, w.now});
+    if (w.at == kNever) continue;
     w.met = w.at - w.last > 2 * events_[i].tolerance;  // the same instant again does not count
     if (w.met) first = std::min(first, w.at);
   }
@@ -104,25 +153,38 @@ bool EventLocator::locate(State& state) {
       Watched& w = watched_[i];
       if (!events_[i].value || w.over) continue;
       const double g = value_of(i, state);
-      w.met = w.met && (w.at <= first || crosses(i, g));
+      w.met = w.met && (w.at <= first || crosses(i, w.value, g));
       w.now = g;
     }
-  } else if (crossed) {
+  } else if (kept) {
     interval_.restore_method();
   }
   for (Watched& w : watched_) w.value = w.now;
   return std::isfinite(first);
 }
 
-EventLocator::Due EventLocator::take(std::size_t i, double t) {
-  const Event& event = events_[i];
+EventLocator::Due EventLocator::due(std::size_t i, double t) const {
+  if (events_[i].value) return watched_[i].met ? Due::by_condition : Due::no;
+  return !watched_[i].over && events_[i].at <= t ? Due::by_time : Due::no;
+}
+
+void EventLocator::done(std::size_t i, double t) {
   Watched& w = watched_[i];
-  const bool met = w.met;
-  if (!(event.value ? met : !w.over && event.at <= t)) return Due::no;
   w.met = false;
   w.last = t;
-  w.over = event.once || !event.value;
-  return met ? Due::by_condition : Due::by_time;
+  w.over = events_[i].once || !events_[i].value;
+}
+
+std::vector<std::string> EventLocator::past_at_start() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const double g = watched_[i].value;
+    if (!events_[i].value) continue;
+    if (events_[i].crossing == Event::Crossing::rising ? g > 0
+                                                       : events_[i].crossing == Event::Crossing::falling && g < 0)
+      names.push_back(events_[i].name);
+  }
+  return names;
 }
 
 }  // namespace lockstep

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <lockstep/step_loop.h>
@@ -33,8 +34,12 @@ class EventLocator {
   bool locate(State& state);
 
   enum class Due { no, by_time, by_condition };
-  /// Whether event i happens at t; if so, marks it as done.
-  Due take(std::size_t i, double t);
+  /// Whether event i happens at t.
+  Due due(std::size_t i, double t) const;
+  /// Event i has happened at t.
+  void done(std::size_t i, double t);
+  /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
+  std::vector<std::string> past_at_start() const;
 
  private:
   struct Watched {
@@ -43,9 +48,15 @@ class EventLocator {
     double at = 0;                                           ///< where the present step meets it
     bool over = false, met = false;
   };
+  struct Point {
+    double t, g;  // the condition's value there
+  };
   double value_of(std::size_t event, const State&);
-  bool crosses(std::size_t event, double now) const;
-  double locate_crossing(std::size_t event, double t1);
+  Point point(std::size_t event, double t);
+  bool crosses(std::size_t event, double was, double now) const;
+  double root_between(std::size_t event, const Point& a, const Point& b);
+  double locate_inside(std::size_t event, const Point& a, const Point& b);
+  double locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b);
 
   Dynamics& dynamics_;
   StepInterval& interval_;

@@ -20,7 +20,13 @@ void StepInterval::begin(const State& state) {
 void StepInterval::make(State& state, double h) {
   from_ = state;
   if (!has_dense_) before_.clear(), method_.save(before_);
-  report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
+  try {
+    report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
+    watch_.check(from_, state, h, report_);
+  } catch (...) {
+    state = from_;
+    throw;
+  }
 }
 
 const State& StepInterval::at(double t) {
@@ -41,7 +47,9 @@ const State& StepInterval::at(double t) {
   before_.rewind();
   method_.restore(before_);
   for (double left = t - from_.t; left > 0; left = t - inside_.t) {
-    const StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
+    before_part_ = inside_;
+    StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
+    watch_.check(before_part_, inside_, left, part);
     if (part.h >= left) break;
   }
   inside_.t = t;

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <lockstep/integrator.h>
+#include "framework/dynamics/simulate/step_watch.h"
 
 namespace lockstep {
 
 class StepInterval {
  public:
-  StepInterval(Dynamics& dynamics, Integrator& method) : dynamics_(dynamics), method_(method) {}
+  StepInterval(Dynamics& dynamics, Integrator& method)
+      : dynamics_(dynamics), method_(method), watch_(dynamics, method) {}
 
   /// Starts a new run from this state.
   void start(const State&);
   /// Restarts the method at this state.
   void begin(const State&);
-  /// One step of the method, at most h, from `state`, which becomes its end.
+  /// One step of the method, at most h, from `state`, which becomes its end; checked. What it throws leaves the state as
+  /// it was.
   void make(State& state, double h);
 
   const State& from() const { return from_; }
@@ -33,7 +36,8 @@ class StepInterval {
  private:
   Dynamics& dynamics_;
   Integrator& method_;
-  State from_, inside_;
+  StepWatch watch_;
+  State from_, inside_, before_part_;
   Snapshot before_, after_;  // the method's memory around the step
   StepReport report_;
   bool has_dense_ = false;

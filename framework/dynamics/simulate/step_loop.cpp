@@ -6,13 +6,14 @@
 #include <cmath>
 #include <exception>
 
+#include <lockstep/error.h>
+#include <lockstep/log.h>
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
-#include <lockstep/error.h>
-#include <lockstep/log.h>
+#include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
 
@@ -60,8 +61,28 @@ struct StepLoop::Parts {
   ContactManager contacts;
   StateRate crossing;    // scratch for cross_jump
   State before_change;   // in the coordinates of the formulation: turns are counted on from there
-  bool started = false;  // the observers
+  State before_events;
+  std::size_t started = 0, told = 0;  // observers that were started, and told of the present phase
+  struct {
+    bool landed = false, met = false, touched = false, jump = false, due = false, moved = false;
+  } ended;            // how the last step ended
+  std::string cause;  // of the changes at its end
 };
+
+template <class Act>
+void StepLoop::exclusively(const char* what, Act&& act) {
+  if (running_)
+    throw ModelError(fmt::format(
+        "{} was called from inside the run, by an observer, an event or progress; call it when run_until has returned",
+        what));
+  struct Running {
+    bool &running, &stale;
+    const int before = std::uncaught_exceptions();
+    ~Running() { running = false, stale = stale || std::uncaught_exceptions() > before; }
+  } guard{running_, stale_};
+  running_ = true;
+  act();
+}
 
 StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options)
     : dynamics_(dynamics), method_(std::move(method)), options_(std::move(options)) {
@@ -76,17 +97,23 @@ StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepL
 StepLoop::~StepLoop() = default;
 
 void StepLoop::set_state(State state) {
-  system().check_size(state);
-  dynamics_.to_slots(state);
-  check_start(dynamics_, state, options_.start_limit);
-  state_ = std::move(state);
-  report_ = {};
-  begun_ = false;
+  exclusively("set_state", [&] {
+    system().check_size(state);
+    dynamics_.to_slots(state);
+    check_start(dynamics_, state, options_.start_limit);
+    state_ = std::move(state);
+    report_ = {};
+    begun_ = false, phase_ = Phase::none;
+  });
 }
 
 void StepLoop::add_observer(Observer& observer) {
+  if (begun_) {
+    const Sample sample(dynamics_, state_, parts_->interval.report());
+    user_code("observer", "", state_.t, [&] { observer.start(sample); });
+    ++parts_->started;
+  }
   observers_.push_back(&observer);
-  if (begun_) observer.start(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
 Event& StepLoop::add_event(Event event) {
@@ -99,39 +126,52 @@ const SimulationReport& StepLoop::run_until(double t) {
   if (!std::isfinite(t) || t < state_.t)
     throw ModelError(
         fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
-  report_.stopped = false;
-  report_.stopped_by.clear();
-  try {
-    parts_->clock.set_end(t);
-    start();
-    while (!report_.stopped && state_.t < t) advance(t, 0);
-    output_end();
-  } catch (const SolveError& e) {
-    finish(Errors::dropped);
-    throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
-  } catch (...) {
-    finish(Errors::dropped);
-    throw;
-  }
-  finish(Errors::thrown);
+  exclusively("run_until", [&] {
+    report_.stopped = false;
+    report_.stopped_by.clear();
+    try {
+      parts_->clock.set_end(t);
+      start();
+      while (!report_.stopped && state_.t < t) advance(t, 0);
+      output_end();
+    } catch (const SolveError& e) {
+      finish(Errors::dropped);
+      throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
+    } catch (...) {
+      finish(Errors::dropped);
+      throw;
+    }
+    finish(Errors::thrown);
+  });
   return report_;
 }
 
 StepReport StepLoop::step(double h) {
   if (!std::isfinite(h) || h < 0)
     throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
-  constexpr double kOpen = std::numeric_limits<double>::infinity();
-  parts_->clock.set_end(kOpen);
-  report_.stopped = false;
-  report_.stopped_by.clear();
-  start();
-  if (!report_.stopped) advance(kOpen, h);
+  exclusively("step", [&] {
+    constexpr double kOpen = std::numeric_limits<double>::infinity();
+    parts_->clock.set_end(kOpen);
+    report_.stopped = false;
+    report_.stopped_by.clear();
+    start();
+    if (!report_.stopped) advance(kOpen, h);
+  });
   return parts_->interval.report();
 }
 
+// An error in a phase leaves it to be gone on with; what was thrown elsewhere leaves nothing to tell.
 void StepLoop::start() {
-  if (begun_) return;
-  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
+  if (!begun_) return start_run();
+  if (phase_ == Phase::none) parts_->told = 0;
+  conclude();
+  if (stale_) begin_method();
+  stale_ = false;
+}
+
+void StepLoop::start_run() {
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
+      *parts_;
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, method_->info());
@@ -141,24 +181,40 @@ void StepLoop::start() {
   events.start(state_.t);
   contacts.start(state_);
   if (!contacts.empty()) settle_contacts();
+  started = told = 0;
+  struct Begun {  // a start that fails is made again
+    bool& begun;
+    const int before = std::uncaught_exceptions();
+    ~Begun() { begun = std::uncaught_exceptions() == before; }
+  } guard{begun_};
   begun_ = true;
-  started = true;
   const Sample sample(dynamics_, state_, interval.report());
-  for (Observer* o : observers_) o->start(sample);
+  for (; started < observers_.size(); ++started)
+    user_code("observer", "", state_.t, [&] { observers_[started]->start(sample); });
   if (clock.output_due(state_.t)) output(sample);
   begin_method();
+  stale_ = false;
   if (state_.coordinates && dynamics_.options().stabilization.kind != Stabilization::Kind::project)
     warn(
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");
+  for (const std::string& name : events.past_at_start())
+    warn(fmt::format(
+        "event '{}': its condition has passed zero at the start already; it falls due only when it does so again",
+        name));
+  cause.clear();
   const bool changed = fire_events();
-  if (contacts.empty()) return;
-  if (changed) settle_contacts();
-  contacts.note(state_, true);
+  if (!contacts.empty()) {
+    if (changed) settle_contacts();
+    contacts.note(state_, true);
+  }
+  if (changed) tell_jumped();
 }
 
 void StepLoop::advance(double limit, double largest) {
-  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
+      *parts_;
+  if (const std::string slow = clock.watch_pace(state_.t, report_.steps); !slow.empty()) warn(slow);
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
@@ -168,33 +224,76 @@ void StepLoop::advance(double limit, double largest) {
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
   if (landed) state_.t = target.reach;
   clock.count_step(wanted, step);
-  const bool touched = !contacts.empty() && contacts.locate(state_);
-  const bool met = !events.empty() && events.locate(state_);
-  if ((met || touched) && state_.t < target.reach) landed = false;
-  const bool jump = landed && target.jump;
-  if (jump) cross_jump(target.t);
-  dynamics_.accept(state_);
+  try {
+    const bool touched = !contacts.empty() && contacts.locate(state_);
+    const bool met = !events.empty() && events.locate(state_);
+    if ((met || touched) && state_.t < target.reach) landed = false;
+    const bool jump = landed && target.jump;
+    if (jump) cross_jump(target.t);
+    dynamics_.accept(state_);
+    ended = {.landed = landed, .met = met, .touched = touched, .jump = jump};
+    cause = touched ? "an impact" : jump ? "the jump of a law" : "";
+  } catch (...) {
+    state_ = interval.from();
+    throw;
+  }
   ++report_.steps;
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
   report_.largest_violation = std::max(report_.largest_violation, step.violation_after);
-  output_inside();
-  observe_end();
-  if (jump) {
-    make_consistent("the jump of a law");
-    if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
+  phase_ = Phase::inside;
+  conclude();
+}
+
+// All that follows an accepted step. A phase that throws is gone on with when the run goes on.
+void StepLoop::conclude() {
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
+      *parts_;
+  const Sample sample(dynamics_, state_, interval.report());
+  switch (phase_) {
+    case Phase::none:
+      return;
+    case Phase::inside:
+      output_inside();
+      phase_ = Phase::step;
+      [[fallthrough]];
+    case Phase::step:
+      tell([&](Observer& o) { o.step(sample); });
+      ended.due = clock.output_due(state_.t);
+      phase_ = Phase::output;
+      [[fallthrough]];
+    case Phase::output:
+      if (ended.due) output(sample);
+      phase_ = Phase::progress;
+      [[fallthrough]];
+    case Phase::progress:
+      phase_ = Phase::jump;
+      ask_progress();
+      [[fallthrough]];
+    case Phase::jump:
+      if (ended.jump) {
+        make_consistent("the jump of a law");
+        if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
+      }
+      if (ended.landed || ended.met || ended.touched) clock.set_anchor(state_.t);
+      phase_ = Phase::events;
+      [[fallthrough]];
+    case Phase::events:
+      ended.moved = (!events.empty() && fire_events()) || ended.met || ended.touched || ended.jump;
+      phase_ = Phase::contacts;
+      [[fallthrough]];
+    case Phase::contacts:
+      if (!contacts.empty()) {
+        if (ended.moved) settle_contacts();
+        contacts.note(state_, ended.moved);
+      }
+      phase_ = Phase::jumped;
+      [[fallthrough]];
+    case Phase::jumped:
+      if (ended.moved) tell_jumped();
+      phase_ = Phase::none;
   }
-  if (landed || met || touched) clock.set_anchor(state_.t);
-  const bool changed = !events.empty() && fire_events();
-  const bool moved = changed || met || touched || jump;
-  if (!contacts.empty()) {
-    if (moved) settle_contacts();
-    contacts.note(state_, moved);
-  }
-  if (!moved) return;
-  const Sample sample(dynamics_, state_, step);
-  for (Observer* o : observers_) o->jumped(sample);
 }
 
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
@@ -217,7 +316,8 @@ void StepLoop::cross_jump(double t) {
 }
 
 void StepLoop::begin_method() {
-  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
+      *parts_;
   if (method_->info().joint)
     dynamics_.to_formulation(state_, &before_change);
   else
@@ -231,26 +331,50 @@ void StepLoop::begin_method() {
   events.watch(state_);
 }
 
-// Fires the events by time, and those whose condition was met, at the present state; returns whether any changed it.
+// Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
 bool StepLoop::fire_events() {
   EventLocator& events = parts_->events;
-  bool changed = false, rewound = false;
-  std::string cause;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    const EventLocator::Due due = events.take(i, state_.t);
-    if (due == EventLocator::Due::no) continue;
-    rewound = rewound || due == EventLocator::Due::by_condition;
+  const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
+  std::size_t first = 0;
+  while (first < events.size() && !due(first)) ++first;
+  if (first == events.size()) return false;
+  parts_->before_events = state_;
+  bool changed = false;
+  try {
+    changed = apply_events(first);
+  } catch (...) {
+    state_ = parts_->before_events;
+    throw;
+  }
+  bool rewound = false;
+  for (std::size_t i = first; i < events.size(); ++i) {
+    if (!due(i)) continue;
+    rewound = rewound || events.due(i, state_.t) == EventLocator::Due::by_condition;
+    if (events[i].stop) {
+      report_.stopped = true;
+      report_.stopped_by += (report_.stopped_by.empty() ? "" : ", ") + events[i].name;
+    }
+    events.done(i, state_.t);
+  }
+  if (changed || rewound) begin_method();
+  return changed;
+}
+
+bool StepLoop::apply_events(std::size_t first) {
+  const EventLocator& events = parts_->events;
+  std::string names;
+  for (std::size_t i = first; i < events.size(); ++i) {
     const Event& e = events[i];
-    if (e.stop) report_.stopped = true, report_.stopped_by = e.name;
+    if (events.due(i, state_.t) == EventLocator::Due::no) continue;
     if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
     if (state_.coordinates) parts_->before_change = state_, dynamics_.to_slots(state_);
     apply(e);
-    changed = true;
-    cause += (cause.empty() ? "event '" : ", '") + e.name + "'";
+    names += (names.empty() ? "event '" : ", '") + e.name + "'";
   }
-  if (changed) make_consistent(cause);
-  if (changed || rewound) begin_method();
-  return changed;
+  if (names.empty()) return false;
+  make_consistent(names);
+  parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;
+  return true;
 }
 
 void StepLoop::apply(const Event& e) {
@@ -262,7 +386,16 @@ void StepLoop::apply(const Event& e) {
   };
   for (const std::string& name : e.activate) put(name, true);
   for (const std::string& name : e.deactivate) put(name, false);
-  if (e.change) e.change(state_);
+  if (e.change) {
+    const double t = state_.t;
+    user_code("event", e.name, t, [&] { e.change(state_); });
+    if (state_.t != t)
+      throw ModelError(
+          fmt::format("event '{}': its change set the time from {:.9g} s to {:.9g} s; it may change "
+                      "coordinates, velocities and integrated states",
+                      e.name, t, state_.t));
+    system().check_size(state_);
+  }
   if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
     throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
                          state_.t);
@@ -286,18 +419,32 @@ void StepLoop::make_consistent(const std::string& cause) {
   if (!parts_->events.empty()) parts_->events.watch(state_);
 }
 
-void StepLoop::observe_end() {
-  const Sample sample(dynamics_, state_, parts_->interval.report());
-  for (Observer* o : observers_) o->step(sample);
-  if (parts_->clock.output_due(state_.t)) output(sample);
-  if (progress && !progress(state_)) {
-    report_.stopped = true;
-    report_.stopped_by = "the caller";
+// Calls all observers that were not called in this phase yet.
+template <class Call>
+void StepLoop::tell(Call&& call) {
+  std::size_t& told = parts_->told;
+  while (told < observers_.size()) {
+    Observer& o = *observers_[told++];
+    user_code("observer", "", state_.t, [&] { call(o); });
   }
+  told = 0;
+}
+
+void StepLoop::tell_jumped() {
+  Sample sample(dynamics_, state_, parts_->interval.report());
+  sample.cause = parts_->cause;
+  tell([&](Observer& o) { o.jumped(sample); });
+}
+
+void StepLoop::ask_progress() {
+  if (!progress || user_code("progress", "", state_.t, [&] { return progress(state_); })) return;
+  report_.stopped = true;
+  report_.stopped_by = "the caller";
 }
 
 void StepLoop::output_inside() {
-  auto& [clock, interval, events, contacts, crossing, before_change, started] = *parts_;
+  Clock& clock = parts_->clock;
+  StepInterval& interval = parts_->interval;
   const double t0 = interval.from().t;
   for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
     if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
@@ -305,21 +452,20 @@ void StepLoop::output_inside() {
 
 void StepLoop::output(const Sample& sample) {
   parts_->clock.note_output(sample.state.t);
-  for (Observer* o : observers_) o->output(sample);
+  tell([&](Observer& o) { o.output(sample); });
 }
 
 void StepLoop::output_end() {
   if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
 }
 
-// Errors of observers are dropped if another error is in flight.
+// Of the observers that were started. Their errors are dropped if another is in flight.
 void StepLoop::finish(Errors of_observers) {
-  if (!parts_->started) return;
   std::exception_ptr first;
   const Sample sample(dynamics_, state_, parts_->interval.report());
-  for (Observer* o : observers_) {
+  for (std::size_t i = 0; i < parts_->started; ++i) {
     try {
-      o->finish(sample);
+      user_code("observer", "", state_.t, [&] { observers_[i]->finish(sample); });
     } catch (...) {
       if (!first) first = std::current_exception();
     }

@@ -34,17 +34,15 @@ class BlockFactorization final : public Factorization {
   explicit BlockFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport&) override;
+  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
 
  private:
   BlockPlan plan_;
   BlockFactor<double> factor_;
   std::vector<BlockPlan::Place> mass_, jacobian_, proximal_;  // of slots; of links and their slots; of links
-  VecX rhs_, pivots_;
-  std::vector<double> relative_, scratch_;  // pivots of the rows relative to their scales
+  VecX rhs_, pivots_, S_diagonal_, pivot_floors_;
   StopRule rule_;
   PivotWatch watch_;
-  double smallest_pivot_ = 0.0;
 
   void fill(const Kkt&);
   void measure_pivots(const Kkt&);
@@ -76,12 +74,14 @@ void BlockFactorization::fill(const Kkt& kkt) {
 }
 
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
-  smallest_pivot_ = std::numeric_limits<double>::infinity();
+  row_diagonal(kkt, S_diagonal_);
+  if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, plan_.proximal());
+  watch_.clear();
   int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = relative_[j] = pivots_[kkt.pattern.n + j] / kkt.E[j];
-    smallest_pivot_ = std::min(smallest_pivot_, pivot);
-    if (pivot < kSmallPivot) ++n_small;
+    const double pivot = pivots_[kkt.pattern.n + j], diagonal = S_diagonal_[j] + plan_.proximal() * kkt.E[j];
+    watch_.add(pivot, diagonal, pivot_floors_[j]);
+    n_small += is_small_pivot(pivot, diagonal, pivot_floors_[j]) ? 1 : 0;
   }
   watch_.count(n_small);
 }
@@ -103,8 +103,7 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
     ++node;
   }
   for (VecX* v : {&rhs_, &pivots_}) v->setZero(pattern.n + pattern.m);
-  relative_.assign(static_cast<std::size_t>(pattern.m), 0.0);
-  scratch_ = relative_;
+  S_diagonal_.setZero(pattern.m);
   rule_.analyse(pattern);
   watch_.begin(pattern.m);
 }
@@ -126,14 +125,9 @@ SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
     x += rhs_.head(n);
     l += rhs_.tail(m);
   });
-  report.smallest_pivot = smallest_pivot_;
+  report.smallest_pivot = watch_.smallest();
   report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
-}
-
-void BlockFactorization::complete(SolveReport& report) {
-  scratch_ = relative_;
-  report.detector = watch_.singularity_indicator(scratch_);
 }
 
 long BlockSolver::multiplications(const KktPattern& pattern) {

@@ -72,6 +72,7 @@ class DenseFactorization final : public Factorization {
   explicit DenseFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport& report) override { report.detector = detector_; }
 
  private:
   std::vector<double> L_;  // blocks as in Kkt::M
@@ -82,7 +83,7 @@ class DenseFactorization final : public Factorization {
   VecX da_, dl_, a_before_, l_before_;
   StopRule rule_;
   int rank_ = 0, usual_rank_ = 0;
-  double smallest_pivot_ = 0.0;
+  double smallest_pivot_ = 0.0, detector_ = 0.0;
 
   void invert_L(const KktPattern&, VecX& x) const;
   void invert_Lt(const KktPattern&, VecX& x) const;
@@ -116,13 +117,17 @@ void DenseFactorization::fill_B(const Kkt& kkt) {
     }
 }
 
-// R_kk^2 / |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
+// R_kk^2 / |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th. The rows
+// beyond the usual rank are redundant everywhere.
 void DenseFactorization::measure_pivots() {
   smallest_pivot_ = Bt_.cols() > Bt_.rows() ? 0.0 : 1.0;
+  detector_ = std::numeric_limits<double>::infinity();
   square_ = Bt_.colwise().squaredNorm();
   for (Eigen::Index k = 0; k < Rt_.cols(); ++k) {
     const double own = square_[outer_.colsPermutation().indices()[k]], pivot = outer_.matrixQR()(k, k);
-    smallest_pivot_ = std::min(smallest_pivot_, own > 0.0 ? pivot * pivot / own : 0.0);
+    const double relative = own > 0.0 ? pivot * pivot / own : 0.0;
+    smallest_pivot_ = std::min(smallest_pivot_, relative);
+    if (k < usual_rank_) detector_ = std::min(detector_, relative);
   }
 }
 
@@ -187,7 +192,8 @@ void DenseFactorization::compute(const Kkt& kkt) {
           fmt::format("solver dense: the mass block of slot {} is not positive definite; "
                       "give its body a mass and an inertia above zero",
                       slot));
-  rank_ = 0, smallest_pivot_ = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  rank_ = 0, detector_ = std::numeric_limits<double>::infinity();
+  smallest_pivot_ = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
   if (Rt_.cols() == 0) return;
   fill_B(kkt);
   outer_.compute(Bt_);

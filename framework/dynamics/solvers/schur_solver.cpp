@@ -28,6 +28,7 @@ class SchurFactorization final : public Factorization {
  private:
   void size(const KktPattern&);
   void read_masses(const Kkt&);
+  void measure_pivot_floors();
   void count_small_pivots();
   template <class X>
   void free_motion(const VecX& f);
@@ -47,13 +48,13 @@ class SchurFactorization final : public Factorization {
   Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, pivot_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
   const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
   long revision_ = -1;
-  bool masses_known_ = false;
+  bool masses_known_ = false, floors_known_ = false;
+  std::array<double, 3> pivot_floors_{};        // of redundant rows, by kind; zero in trees
   double energy_f_ = 0;                         // largest f . M^-1 f of a slot
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
-  std::vector<double> relative_;  // pivots, on demand
 };
 
 TypeInfo SchurSolver::info() {
@@ -86,7 +87,6 @@ void SchurFactorization::size(const KktPattern& pattern) {
   for (Aligned<double>* v : {&inverse_, &mass_})
     v->assign((plane_ ? schur::Planar::mass : schur::Spatial::mass) * pattern.n_slots(), 0.0);
   given_.assign(plan_.n_rows + kPad, 0.0);
-  relative_.reserve(plan_.n_rows);
   kinds_.assign(3 * plan_.size_x + kPad, 0.0);
   for (const schur::Node& node : plan_.nodes)
     for (int k = 0; node.link >= 0 && k < node.m; ++k)
@@ -121,9 +121,31 @@ void SchurFactorization::compute(const Kkt& kkt) {
   if (!plan_.tree) count_small_pivots();
 }
 
+// Proximal terms and lever arms hardly change during a run: they are measured once.
+void SchurFactorization::measure_pivot_floors() {
+  PivotFloors floors;
+  for (const schur::Node& node : plan_.nodes) {
+    if (node.link < 0) continue;
+    for (int k = 0; k < node.m; ++k) floors.add(node.kinds.of(k), E_[node.x + k]);
+    for (const schur::Side& side : plan_.sides_of(node)) {
+      const double* J = z_.rows + side.J + (side.turned ? 0 : (plane_ ? 2 : 3) * node.ld());
+      for (int k = 0; k < node.m; ++k) {
+        double arm2 = 0;
+        for (int c = 0; c < (plane_ ? 1 : 3); ++c) arm2 += J[c * node.ld() + k] * J[c * node.ld() + k];
+        if (node.kinds.of(k) == RowKind::translation) floors.arm2 = std::max(floors.arm2, arm2);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) pivot_floors_[k] = floors.of(static_cast<RowKind>(k));
+  floors_known_ = true;
+}
+
 void SchurFactorization::count_small_pivots() {
+  if (!floors_known_) measure_pivot_floors();
   int n = 0;
-  for_each_row([&](int, std::size_t at, int) { n += pivot_[at] < kSmallPivot * diagonal_[at] ? 1 : 0; });
+  for_each_row([&](int, std::size_t at, int kind) {
+    n += is_small_pivot(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]) ? 1 : 0;
+  });
   watch_.count(n);
 }
 
@@ -132,11 +154,12 @@ void SchurFactorization::complete(SolveReport& report) {
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;
-  relative_.clear();
-  for_each_row([&](int, std::size_t at, int) { relative_.push_back(pivot_[at] / diagonal_[at]); });
-  if (relative_.empty()) return;
-  report.smallest_pivot = *std::min_element(relative_.begin(), relative_.end());
-  report.detector = plan_.tree ? report.smallest_pivot : watch_.singularity_indicator(relative_);
+  watch_.clear();
+  for_each_row([&](int, std::size_t at, int kind) {
+    watch_.add(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
+  });
+  report.smallest_pivot = watch_.smallest();
+  report.detector = plan_.tree ? report.smallest_pivot : watch_.singularity_indicator();
 }
 
 // a_f = M^-1 f

@@ -59,16 +59,16 @@ class SparseFactorization final : public Factorization {
   explicit SparseFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
 
  private:
   Sparse matrix_;  // upper triangle, already in the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
   std::vector<int> place_;               // of a row of the system in K; unknowns keep theirs
   std::vector<Eigen::Index> positions_;  // places in the values of K, in the order of for_each_number
-  VecX rhs_, solution_, S_diagonal_;
+  VecX rhs_, solution_, S_diagonal_, pivot_floors_;
   StopRule rule_;
   PivotWatch watch_;
-  double smallest_pivot_ = 0.0;
 
   void order_rows(const KktPattern&);
   void shape(const KktPattern&);
@@ -104,13 +104,14 @@ Eigen::Index SparseFactorization::position(int row, int column) const {
 
 void SparseFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
-  smallest_pivot_ = std::numeric_limits<double>::infinity();
-  int n_small = 0;
+  if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, kEps);
   const VecX D = ldlt_.vectorD();
+  watch_.clear();
+  int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = -D[place_[j]];
-    smallest_pivot_ = std::min(smallest_pivot_, pivot / (S_diagonal_[j] + kEps * kkt.E[j]));
-    if (pivot < kSmallPivot * std::max(S_diagonal_[j], kkt.E[j])) ++n_small;
+    const double pivot = -D[place_[j]], diagonal = S_diagonal_[j] + kEps * kkt.E[j], left = pivot_floors_[j];
+    watch_.add(pivot, diagonal, left);
+    n_small += is_small_pivot(pivot, diagonal, left) ? 1 : 0;
   }
   watch_.count(n_small);
 }
@@ -157,7 +158,7 @@ SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX
     x += solution_.head(n);
     for (int j = 0; j < m; ++j) l[j] += solution_[place_[j]];
   });
-  report.smallest_pivot = smallest_pivot_;
+  report.smallest_pivot = watch_.smallest();
   report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
 }

@@ -26,6 +26,26 @@ void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
 
 }  // namespace
 
+VecX pivot_floors(const Kkt& kkt, double eps) {
+  PivotFloors floors;
+  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { floors.add(static_cast<RowKind>(kind), eps * kkt.E[j]); });
+  const int first = kkt.pattern.plane ? 2 : 3;  // of the turns among the unknowns of a slot
+  for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t at) {
+    for (int j = 0; j < link.m; ++j) {
+      if (kind_of(link, j) != RowKind::translation) continue;
+      double arm2 = 0;
+      for (int i = first; i < width; ++i) {
+        const double a = kkt.J[at + static_cast<std::size_t>(j * width + i)];
+        arm2 += a * a;
+      }
+      floors.arm2 = std::max(floors.arm2, arm2);
+    }
+  });
+  VecX out(kkt.pattern.m);
+  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { out[j] = floors.of(static_cast<RowKind>(kind)); });
+  return out;
+}
+
 void StopRule::analyse(const KktPattern& pattern) {
   for (VecX* v : {&r_f_, &size_n_}) v->setZero(pattern.n);
   for (VecX* v : {&r_c_, &scale_, &S_}) v->setZero(pattern.m);

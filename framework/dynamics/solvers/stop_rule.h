@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <lockstep/solver.h>
@@ -18,7 +19,36 @@ inline constexpr double kScaleFloor = 1e-3;       ///< relative to the largest s
 /// stages of an integrator, leave up to about 1e-3 (a step with a larger violation is rejected) and are not one.
 inline constexpr double kContradiction = 1e-2;
 inline constexpr int kMaxCorrections = 3;
-inline constexpr double kSmallPivot = 1e-6;  ///< relative; smaller ones count as redundant or singular
+inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
+inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
+
+/// Whether the pivot of a row is small beside its diagonal before the elimination, or below `left`: what proximal terms
+/// leave of the pivot of a redundant row.
+inline bool is_small_pivot(double pivot, double diagonal, double left) {
+  return pivot < std::max(kSmallPivot * diagonal, left);
+}
+/// What proximal terms leave, by kind of row. The pivot of a redundant row j is n' E n / n_j^2, with n the dependency:
+/// its own proximal term and those of the rows that it depends on. Those are measured in the scales of their links, and
+/// moments become forces by lever arms: beside slender rods, whose moments about their axes have a scale a thousand times
+/// as large as others, a redundant force row leaves a thousand times its own term.
+struct PivotFloors {
+  std::array<double, 3> E{};  ///< largest proximal term by RowKind
+  double arm2 = 0;            ///< square of the longest lever arm, m^2
+  void add(RowKind kind, double e) {
+    double& most = E[static_cast<std::size_t>(kind)];
+    most = std::max(most, e);
+  }
+  double of(RowKind kind) const {
+    const double t = E[static_cast<std::size_t>(RowKind::translation)],
+                 r = E[static_cast<std::size_t>(RowKind::rotation)];
+    if (kind == RowKind::translation) return kRedundantPivot * (t + arm2 * r);
+    if (kind == RowKind::rotation) return kRedundantPivot * (r + (arm2 > 0 ? t / arm2 : 0.0));
+    return kRedundantPivot * E[static_cast<std::size_t>(RowKind::function)];
+  }
+};
+
+/// What proximal terms of eps s_j leave of the pivot of each row, were it redundant.
+VecX pivot_floors(const Kkt&, double eps);
 
 /// The residual floor of one kind of row: no scale is smaller. `largest`: the largest scale of that kind. Where all
 /// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding from other
@@ -41,18 +71,32 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
   return done;
 }
 
-/// Counts small pivots of the rows, relative to their diagonals. Some are usual: rows that are redundant everywhere.
-/// More than that indicate a singular position.
+/// Counts small pivots of the rows. Some are usual: rows that are redundant everywhere. More than that indicate a
+/// singular position.
 class PivotWatch {
  public:
-  void begin(int n_rows) { usual_ = n_rows; }
+  void begin(int n_rows) { usual_ = n_rows, pivots_.reserve(static_cast<std::size_t>(n_rows)); }
   void count(int n_small) { now_ = n_small, usual_ = std::min(usual_, n_small); }
-  /// The smallest pivot beyond the usual ones: falls as the square of the distance to a singular position. Reorders.
-  double singularity_indicator(std::vector<double>& pivots) const {
-    if (usual_ >= static_cast<int>(pivots.size())) return std::numeric_limits<double>::infinity();
-    const auto at = pivots.begin() + usual_;
-    std::nth_element(pivots.begin(), at, pivots.end());
-    return *at;
+  /// The pivots of the present matrix are filled in by whoever asks for the two numbers below.
+  void clear() { pivots_.clear(); }
+  /// `left`: as in is_small_pivot.
+  void add(double pivot, double diagonal, double left) {
+    pivots_.push_back({pivot / diagonal, pivot / std::max(kSmallPivot * diagonal, left)});
+  }
+  /// The smallest pivot relative to its diagonal.
+  double smallest() const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Pivot& p : pivots_) smallest = std::min(smallest, p.relative);
+    return smallest;
+  }
+  /// The smallest beyond the usual ones: falls as the square of the distance to a singular position. Reorders.
+  double singularity_indicator() {
+    double smallest = std::numeric_limits<double>::infinity();
+    if (usual_ >= static_cast<int>(pivots_.size())) return smallest;
+    const auto at = pivots_.begin() + usual_;
+    std::ranges::nth_element(pivots_, at, {}, &Pivot::share);
+    for (auto p = at; p != pivots_.end(); ++p) smallest = std::min(smallest, p->relative);
+    return smallest;
   }
   /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
   /// always dependent; small pivots beyond the usual ones indicate a singular position, which may be passed.
@@ -61,6 +105,10 @@ class PivotWatch {
   }
 
  private:
+  struct Pivot {
+    double relative, share;  // of the diagonal, and of what counts as small
+  };
+  std::vector<Pivot> pivots_;
   int now_ = 0, usual_ = 0;
 };
 

@@ -59,7 +59,7 @@ struct TreeNode {
 };
 
 /// Joint coordinates of a mechanism whose links in force make a tree. Immutable.
-class JointTree final : public Coordinates {
+class LOCKSTEP_API JointTree final : public Coordinates {
  public:
   /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
   /// stands in the way, by name.

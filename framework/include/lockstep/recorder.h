@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -145,6 +146,60 @@ class LOCKSTEP_API Recorder : public Observer {
   std::vector<Channel> channels_;  // of the columns after the first
   std::vector<Channel> followed_;
   std::vector<double> row_;
+};
+
+// EnergyAudit: an observer that finds out whether a run conserved energy, and whether it kept to its constraints.
+
+/// What an audit found.
+struct Audit {
+  /// Of the energy.
+  enum class Energy {
+    conserved,      ///< within the limit
+    not_conserved,  ///< beyond it
+    not_judged      ///< beyond it, but there are forces that say nothing of their energy
+  };
+  Energy energy = Energy::conserved;  ///< the verdict
+  bool drifted = false;               ///< whether a violation was beyond the limit
+  /// Largest |total - drives - supplied + dissipated|, less its value at the start and the changes at instants, J.
+  double imbalance = 0;
+  double scale = 0;      ///< largest range of the kinetic, the potential and the booked energy, zero among them, J
+  double violation = 0;  ///< largest |C| after a step, m
+  AuditLimits limits;    ///< the limits, in force
+  /// Energy that appeared, or vanished (negative), where events, impacts or jumps of laws acted, by cause.
+  struct Instant {
+    std::string cause;  ///< "event 'grab'"
+    long count = 0;     ///< how often
+    double first = 0,   ///< when first, s
+        last = 0,       ///< when last, s
+        energy = 0;     ///< in all, J
+  };
+  std::vector<Instant> instants;             ///< in the order of their first time
+  std::vector<std::string> unbooked_forces;  ///< forces that give power and have neither potential, loss nor supply
+  double start = 0,                          ///< total energy at the start, J
+      end = 0,                               ///< and at the last output, J
+      drives = 0,                            ///< work of drives and moving laws up to there, J
+      supplied = 0,                          ///< work of laws and motors of forces, J
+      dissipated = 0;                        ///< energy taken out by dampers, friction and impacts, J
+
+  double imbalance_share() const { return scale > 0 ? imbalance / scale : 0; }  ///< the imbalance, relative
+};
+
+/// An observer that audits a run. Its channels integrate the work of drives and dampers along with the motion.
+class LOCKSTEP_API EnergyAudit final : public Observer {
+ public:
+  /// Make it before the run, as a Recorder.
+  explicit EnergyAudit(System& system, AuditLimits limits = {});
+  ~EnergyAudit() override;
+
+  void start(const Sample&) override;
+  void step(const Sample&) override;
+  void jumped(const Sample&) override;
+  void output(const Sample&) override;
+  Audit result() const;  ///< of the run so far
+
+ private:
+  struct Books;
+  std::unique_ptr<Books> books_;
 };
 
 }  // namespace lockstep

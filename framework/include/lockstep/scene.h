@@ -30,6 +30,8 @@ struct RunSettings {
       until = 0,                                 ///< end of the run, s
       output = 0;                                ///< interval of output times, s
   std::vector<double> times{};                   ///< output times in place of an interval, s, rising
+  AuditLimits limits;                            ///< of the energy balance and the violation
+  long max_steps = 0;                            ///< the run ends with an error after so many; 0: no limit
   Tolerance tolerance;                           ///< error of a step, for adaptive integrators
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
   Stabilization stabilization;                   ///< how drift off the constraints is removed

@@ -20,6 +20,7 @@ struct SimulationOptions {
   double absolute_tolerance = 0;      ///< m, m/s, rad, rad/s; 0: a hundredth of `tolerance`
   double step = 0;    ///< s; integrators with fixed steps need one, for the others it is the largest step (0: no limit)
   double output = 0;  ///< interval between rows of the table, s; 0: a row at every step
+  long max_steps = 0;          ///< the run ends with a StepError after so many; 0: no limit
   DynamicsOptions dynamics{};  ///< formulation and stabilisation
   bool assemble = true;  ///< the start is brought onto the constraints; otherwise one that violates them is refused
 };

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/integrator.h>
@@ -22,6 +23,8 @@ class Sample {
   Sample(Dynamics& dynamics, const State& s, const StepReport& r) : state(s), report(r), dynamics_(dynamics) {}
   const State& state;                                          ///< the state
   const StepReport& report;                                    ///< what the last step did
+  /// What acted at this instant, to Observer::jumped: "event 'grab'", "an impact", "the jump of a law"; else "".
+  std::string_view cause{};
   const System& system() const { return dynamics_.system(); }  ///< the mechanism
   /// Accelerations, multipliers, rows and inputs at this state; solved at the first call. Throws what
   /// Dynamics::evaluate throws.
@@ -87,7 +90,8 @@ struct Event {
     falling  ///< from above
   };
   std::string name;  ///< for messages and SimulationReport::stopped_by
-  /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense.
+  /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense, at
+  /// the end of a step or inside it: passages to and fro are found if they last longer than a quarter of a step.
   double at = -1;
   std::function<double(const Sample&)> value{};  ///< the condition, or none
   Crossing crossing = Crossing::any;             ///< sense in which the condition passes zero
@@ -96,7 +100,9 @@ struct Event {
   std::vector<std::string> activate{},           ///< names of links that come into force
       deactivate{};                              ///< names of links that are released
   bool stop = false;                             ///< ends the run there
-  std::function<void(State&)> change{};          ///< any other change; velocities are made consistent afterwards
+  /// Any other change, but for the time and what is in force; velocities are made consistent afterwards. If it throws,
+  /// the state is as it was, and the event is due again when the run goes on.
+  std::function<void(State&)> change{};
 };
 
 
@@ -109,7 +115,16 @@ struct StepLoopOptions {
   Tolerance tolerance{};  ///< for adaptive methods
   double output = 0;      ///< interval of output times from the start on, s, the end being one too; 0: every step
   std::vector<double> output_times{};  ///< or these instants, s, rising; if given, `output` is ignored
+  /// The run is ended, with a StepError, when it has taken this many steps and is not done; 0: no such limit. Whatever
+  /// it is, a run ends that would by its steps take more than a thousand million of them.
+  long max_steps = 0;
   double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
+};
+
+/// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
+struct AuditLimits {
+  double energy = 1e-3;  ///< imbalance, relative to the largest range of kinetic, potential and booked energy
+  double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
 };
 
 /// Counters, warnings and the end of a run.
@@ -120,12 +135,17 @@ struct SimulationReport {
   long impacts = 0;                                              ///< instants at which unilateral links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
   double stiff_since = std::numeric_limits<double>::infinity();  ///< when damped fast modes first limited the steps, s
-  bool stopped = false;                                          ///< by an event or by StepLoop::progress
-  std::string stopped_by;                                        ///< name of the event, or "the caller"
+  bool stopped = false;                                          ///< by events or by StepLoop::progress
+  std::string stopped_by;                                        ///< names of the events, or "the caller"
   std::vector<std::string> warnings{};                           ///< in the order in which they came
 };
 
 /// Runs a mechanism: steps, events, contacts, outputs, observers.
+///
+/// What is thrown during a run leaves the loop at its last accepted state, from which run_until() or step() go on:
+/// observers that were not told of it yet are told, and events that are due happen. What the code of observers, events
+/// and progress throws becomes a UserCodeError, unless it is an Error. None of them may run the loop or set its state:
+/// that is a ModelError.
 class LOCKSTEP_API StepLoop {
  public:
   /// The run begins at System::start, unless set_state() sets another state. The dynamics must outlive the loop. Throws
@@ -151,8 +171,9 @@ class LOCKSTEP_API StepLoop {
   std::function<bool(const State&)> progress{};
 
   /// Runs on to the time t, s; may be called again for more. Throws ModelError for a t that lies in the past,
-  /// AssemblyError for a start that violates the constraints, and what steps, events and observers throw; observers are
-  /// finished first.
+  /// AssemblyError for a start that violates the constraints, StepError for a step that no method may make (backwards,
+  /// nowhere, too far, with other links in force), and what steps, events and observers throw; observers are finished
+  /// first.
   const SimulationReport& run_until(double t);
   /// Makes one accepted step of at most h, s (0: the method's or the option's own). Throws what run_until() throws, but
   /// does not finish the observers.
@@ -163,20 +184,32 @@ class LOCKSTEP_API StepLoop {
 
  private:
   struct Parts;
-  /// First call of a run: start checked, method begun, observers started, events of this very instant.
+  /// What is still to be done at the end of the last accepted step, in this order.
+  enum class Phase { none, inside, step, output, progress, jump, events, contacts, jumped };
+  /// Calls `act` while no other call of the loop is allowed; what it throws makes the method begin anew.
+  template <class Act>
+  void exclusively(const char* what, Act&& act);
+  /// First call of a run: start checked, method begun, observers started, events of this very instant. Later calls: what
+  /// an error left undone.
   void start();
+  void start_run();
   /// One accepted step, not past `limit`, and all that depends on it.
   void advance(double limit, double largest);
+  void conclude();
   void begin_method();
   void cross_jump(double t);
   bool fire_events();
+  bool apply_events(std::size_t first);
   void apply(const Event&);
   void settle_contacts();
   void make_consistent(const std::string& cause);
-  void observe_end();
+  template <class Call>
+  void tell(Call&& call);
+  void tell_jumped();
   void output_inside();
   void output(const Sample&);
   void output_end();
+  void ask_progress();
   enum class Errors { thrown, dropped };
   void finish(Errors of_observers);
 
@@ -187,7 +220,8 @@ class LOCKSTEP_API StepLoop {
   std::vector<Observer*> observers_;
   SimulationReport report_;
   std::unique_ptr<Parts> parts_;
-  bool begun_ = false;
+  bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
+  Phase phase_ = Phase::none;
 };
 
 }  // namespace lockstep

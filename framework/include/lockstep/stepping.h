@@ -324,7 +324,8 @@ class LOCKSTEP_API SingularRate {
 enum class StagesWhen {
   plain,     ///< never
   manifold,  ///< always
-  automatic  ///< near a singular position: from a Conditioning::indicator below 1e-2 until one above 3e-2
+  automatic  ///< near a singular position: from a Conditioning::indicator below 1e-2, or a tenth of the usual one if
+             ///< that is less, until it is three times as large
 };
 
 /// Takes the steps of an explicit method through singular positions.
@@ -364,12 +365,20 @@ class LOCKSTEP_API SingularPassage {
   double first_step(Dynamics&, const State& y, Stages&, double guess, double largest);
   bool near(const Stages& stages) const;  ///< whether one of these stages is near a singular position
 
-  void save(Snapshot& out) const { out.put(near_ ? 1 : 0), out.put(ahead_); }  ///< saves what it knows of the next step
-  void restore(const Snapshot& in) { near_ = in.get() != 0, ahead_ = in.get(); }  ///< takes back what save() wrote
+  /// Saves what it knows of the next step.
+  void save(Snapshot& out) const {
+    out.put(near_ ? 1 : 0), out.put(ahead_), out.put(largest_), out.put(turned_), out.put(longest_plain_);
+  }
+  /// Takes back what save() wrote.
+  void restore(const Snapshot& in) {
+    near_ = in.get() != 0, ahead_ = in.get(), largest_ = in.get(), turned_ = in.get(), longest_plain_ = in.get();
+  }
 
  private:
   bool ill_conditioned(const Stages&, int stage) const;
   double straddle(double h) const;
+  /// The indicator below which a position counts as near a singular one.
+  double singular() const;
 
   StagesWhen when_;
   const char* method_;
@@ -378,6 +387,11 @@ class LOCKSTEP_API SingularPassage {
   StateRate rate_;
   StagesOn on_ = StagesOn::plain;
   bool near_ = false;             // automatic: the next step begins with its stages on the constraints
+  bool entered_ = false;          // the present step went onto the constraints
+  double longest_plain_ = 0;      // step so far, s
+  double largest_ = 0;            // indicator of all steps so far,
+  double turned_ = 0;             // and the turn of the fastest body in them, rad
+  double rate_of_turn_ = 0;       // at the start of the present step, rad/s
   double ahead_ = HUGE_VAL;       // time until a singular position is reached, s
   double unplaced_ = 0;           // the present step, s, had it not been placed
   std::vector<double> nodes_;     // as parts of the step, ascending

@@ -5,8 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <functional>
 #include <map>
+#include <new>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -267,6 +269,9 @@ int guarded(const std::function<int()>& command) {
   } catch (const Error& error) {
     fmt::print(stderr, "lockstep: {}\n", error.what());
     return exit_code_of(error);
+  } catch (const std::bad_alloc&) {  // without a further allocation
+    std::fputs("lockstep: out of memory; record less (output, record), or run fewer copies at once\n", stderr);
+    return kExitMemory;
   } catch (...) {
     fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
     return kExitFailure;
@@ -279,7 +284,12 @@ int run_program(int argc, const char* const* argv) {
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", std::string("lockstep ") + kVersion);
   app.require_subcommand(1);
-  app.footer("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.");
+  app.footer(
+      "Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n"
+      "Exit codes: 0 done; 2 command line, 3 scene, 4 plugin or its code, 5 start off the constraints, 6 a step that "
+      "cannot be made, 7 a number that is not finite, 8 file; 9 the run went through, but its energy balance or its "
+      "drift is beyond the limits (energy_limit, violation_limit); 10 out of memory; 130 interrupted; 1 any other "
+      "failure");
   Arguments arguments;
   std::vector<std::pair<const CLI::App*, const Verb*>> verbs;
   const auto add_verb = [&](CLI::App& parent, const Verb& verb) {
@@ -299,7 +309,10 @@ int run_program(int argc, const char* const* argv) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
   const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
-  return guarded([&] { return called->second->run(arguments); });
+  const int code = guarded([&] { return called->second->run(arguments); });
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
+  return code == kExitOk ? kExitFile : code;
 }
 
 }  // namespace lockstep

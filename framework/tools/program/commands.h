@@ -20,6 +20,8 @@ enum Exit {
   kExitStep = 6,
   kExitNonFinite = 7,
   kExitFile = 8,
+  kExitNotConserved = 9,  ///< the run went through, and its energy balance or its violation is beyond the limits
+  kExitMemory = 10,
   kExitInterrupted = 130
 };
 

@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/gnuplot.h"
+#include "framework/tools/program/commands.h"
 
 namespace lockstep {
 
@@ -36,6 +37,38 @@ void check_writable(const std::string& file) {
   const std::ofstream out(file, std::ios::app);
   if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
   if (!there) fs::remove(file, error);
+}
+
+namespace {
+
+// Calls visit(text) for every text in a value.
+template <class Visit>
+void for_each_text(const Value& value, Visit&& visit) {
+  if (const std::string* text = value.text()) visit(*text);
+  if (const Value::List* list = value.list())
+    for (const Value& item : *list) for_each_text(item, visit);
+  if (const Value::Object* object = value.object())
+    for (const auto& member : *object) for_each_text(member.value, visit);
+}
+
+}  // namespace
+
+void check_overwrites(const std::string& csv, const Scene& scene) {
+  std::error_code error;
+  const fs::path base = fs::path(csv).replace_extension();
+  const auto refuse_if_output = [&](const fs::path& input) {
+    if (!fs::is_regular_file(input, error)) return;
+    for (const char* ending : {"", ".csv", ".svg", ".png"}) {
+      const fs::path output = *ending ? fs::path(base.string() + ending) : fs::path(csv);
+      if (fs::exists(output, error) && fs::equivalent(input, output, error))
+        throw UsageError("the results would replace '" + output.string() +
+                         "', from which the scene is read; name another " + "file (--record results.csv)");
+    }
+  };
+  refuse_if_output(scene.file);
+  for_each_text(scene.root, [&](const std::string& text) {
+    if (!text.empty() && text.size() < 4096) refuse_if_output(fs::path(scene.file).parent_path() / text);
+  });
 }
 
 namespace {
@@ -73,6 +106,8 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
                      const std::vector<std::vector<std::string>>& draw) {
   Drawing drawing;
+  if (std::error_code none; !fs::is_regular_file(csv, none))
+    drawing.reason = "nothing to draw beside '" + csv + "', which is no file";
   if (table.n_columns() < 2) drawing.reason = "nothing to draw: no column beside the time is recorded";
   if (table.n_rows() < 2) drawing.reason = "nothing to draw: a curve needs two rows";
   if (drawing.reason.empty() && find_gnuplot().empty())

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lockstep/recorder.h>
+#include <lockstep/scene.h>
 
 namespace lockstep {
 
@@ -14,6 +15,10 @@ std::string csv_path(const std::string& record, const std::string& scene);
 
 /// Throws FileError if the file cannot be written; called before the run, so that no result is lost.
 void check_writable(const std::string& file);
+
+/// Throws UsageError if the results, or the pictures beside them, would replace a file that the scene is read from: its
+/// own, or one that it names.
+void check_overwrites(const std::string& csv, const Scene&);
 
 /// The result of drawing a picture.
 struct Drawing {

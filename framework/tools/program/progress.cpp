@@ -14,10 +14,17 @@ namespace {
 // A signal handler can only reach a global variable.
 volatile std::sig_atomic_t signal_came = 0;
 
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
+// What is ignored (SIGHUP under nohup) stays ignored.
+void handle_by(void (*handler)(int)) {
+  for (const int signal : kSignals)
+    if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
 extern "C" void note_interrupt(int) {
   signal_came = 1;
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  handle_by(SIG_DFL);
 }
 
 // One column stays free: a full line would wrap on some terminals.
@@ -33,13 +40,9 @@ constexpr double kBarSeconds = 0.1, kLineSeconds = 10;
 
 Interrupt::Interrupt() {
   signal_came = 0;
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+  handle_by(note_interrupt);
 }
-Interrupt::~Interrupt() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
+Interrupt::~Interrupt() { handle_by(SIG_DFL); }
 bool Interrupt::asked() const { return signal_came != 0; }
 
 std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {

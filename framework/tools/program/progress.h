@@ -6,7 +6,7 @@
 
 namespace lockstep {
 
-/// While it exists, Ctrl-C (or SIGTERM) is recorded instead of ending the program; a second one does end it.
+/// While it exists, Ctrl-C (or SIGTERM, or the end of the terminal) is recorded instead of ending the program; a second one does end it.
 class Interrupt {
  public:
   Interrupt();

@@ -15,6 +15,7 @@
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/summary.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -22,10 +23,10 @@
 namespace lockstep {
 namespace {
 
-// Writes what was computed, however the run ended. An error is returned: it must not hide that of the run.
-std::exception_ptr write_table(const std::string& csv, const Table& table) {
+// An error is returned: it must not hide that of the run.
+std::exception_ptr write_rest(GrowingFile& file) {
   try {
-    write_csv(csv, table);
+    file.write();
     return nullptr;
   } catch (const std::exception&) {
     return std::current_exception();
@@ -59,7 +60,8 @@ Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
-void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, double seconds, bool interrupted) {
+void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, const Audit& audit, double seconds,
+               bool interrupted) {
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
@@ -82,8 +84,18 @@ void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, do
                resting == 1 ? "is" : "are");
   if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
   fmt::print("{}", summary.text());
+  fmt::print("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
   if (!sim.system().links().empty())
-    fmt::print("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
+    fmt::print("  {}    constraints violated by at most {:.2g} m after a step{}\n",
+               audit.drifted ? "DRIFTED" : "drift  ", r.largest_violation,
+               audit.drifted
+                   ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
+                   : "");
+}
+
+// Methods of fixed steps promise no error: what they do to the energy is only said.
+bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
+  return audit.drifted || (audit.energy == Audit::Energy::not_conserved && method.adaptive);
 }
 
 // The table first: it is reported even if the picture fails.
@@ -133,12 +145,14 @@ int run_command(const Arguments& args) {
            "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
   const std::string csv = csv_path(args.record, args.scene);
-  check_writable(csv);
+  check_overwrites(csv, loaded.scene);
+  GrowingFile file(csv);
 
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
-  std::optional<Summary> summary;  // its energies are integrated only if it is printed
-  if (!args.quiet) summary.emplace(m.system);
+  Summary summary;
+  std::optional<EnergyAudit> audit;  // energies are integrated only if they are printed
+  if (!args.quiet) audit.emplace(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = m.system.start();
   if (!args.quiet) fmt::print("{}\n", loaded.title());
@@ -148,28 +162,33 @@ int run_command(const Arguments& args) {
   }
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
+  GrowingCsv rows(file, recorder->table());
   sim.add_observer(*recorder);
-  if (summary) sim.add_observer(*summary);
+  sim.add_observer(rows);
+  if (audit) sim.add_observer(summary), sim.add_observer(*audit);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   warn(loaded.scene, m, args, sim);
 
   double seconds = 0;
   const Ended ended = go(sim, m.run.until, args.quiet, seconds);
-  const std::exception_ptr unwritten = write_table(csv, recorder->table());
+  const std::exception_ptr unwritten = write_rest(file);
   if (ended.error) {
     const std::string rows = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                       : rows_of(recorder->table()) + " up to there are in " + csv;
+                                       : rows_of(recorder->table()) + " up to there are in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, rows);
     std::rethrow_exception(ended.error);
   }
-  if (summary) print_end(sim, m.run, *summary, seconds, ended.interrupted);
+  const Audit found = audit ? audit->result() : Audit{};
+  if (audit) print_end(sim, m.run, summary, found, seconds, ended.interrupted);
   if (unwritten) std::rethrow_exception(unwritten);
+  file.commit();
   print_files(csv, loaded.title(), recorder->table(), m.run, args.quiet);
   if (args.certify && !ended.interrupted) print_certificate(loaded, args, m.run, recorder->table());
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
-  return ended.interrupted ? kExitInterrupted : kExitOk;
+  if (ended.interrupted) return kExitInterrupted;
+  return is_wrong(found, sim.integrator().info()) ? kExitNotConserved : kExitOk;
 }
 
 int assemble_command(const Arguments& args) {

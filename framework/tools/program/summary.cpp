@@ -5,28 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/text.h>
+
 namespace lockstep {
 namespace {
 
 constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rounding
 
-enum : std::size_t { kTotal, kKinetic, kBalance, kDrives, kSupplied, kDissipated };
-
 // Axes of the body's frame at its mass centre.
 Pose center_pose(const Body& body, const State& state) { return body_pose(body, state) * Pose{body.mass.center, {}}; }
 
 }  // namespace
-
-Summary::Summary(System& system) {
-  const bool links = !system.links().empty(), forces = !system.forces().empty();
-  const bool impacts = std::any_of(system.links().begin(), system.links().end(),
-                                   [](const auto& link) { return link->unilateral() != nullptr; });
-  const auto add = [&](const char* name, bool present) {  // nothing is integrated in vain
-    channels_.push_back(present ? make_channel(system, name) : Channel{});
-  };
-  add("energy.total", true), add("energy.kinetic", true), add("energy.balance", true);
-  add("energy.drives", links), add("energy.supplied", forces), add("energy.dissipated", forces || impacts);
-}
 
 void Summary::start(const Sample& s) {
   movers_.clear();
@@ -36,17 +25,10 @@ void Summary::start(const Sample& s) {
       const Pose at = center_pose(body, s.state);
       movers_.push_back({&body, at.x, at.x, at.q});
     }
-  for (const Channel& c : channels_)
-    if (c.restart) c.restart();
-  step(s);
-  first_energy_ = value(kTotal, s);
-  balance_ = scale_ = 0;
 }
 
 // Paths and turns are summed over the steps, so that coarse outputs do not shorten them.
 void Summary::step(const Sample& s) {
-  for (const Channel& c : channels_)
-    if (c.track) c.track(s);
   for (Mover& m : movers_) {
     const Pose at = center_pose(*m.body, s.state);
     m.away = std::max(m.away, (at.x - m.x0).norm());
@@ -54,14 +36,6 @@ void Summary::step(const Sample& s) {
     m.turned += rotation_vector(conjugate(m.last_q) * at.q).norm();
     m.last_x = at.x, m.last_q = at.q;
   }
-}
-
-void Summary::output(const Sample& s) {
-  last_energy_ = value(kTotal, s);
-  drives_ = value(kDrives, s), supplied_ = value(kSupplied, s), dissipated_ = value(kDissipated, s);
-  balance_ = std::max(balance_, std::abs(value(kBalance, s)));
-  scale_ = std::max(
-      {scale_, std::abs(last_energy_ - first_energy_), value(kKinetic, s), std::abs(drives_), std::abs(supplied_)});
 }
 
 std::string Summary::text() const {
@@ -76,18 +50,48 @@ std::string Summary::text() const {
     text += "\n";
   }
   if (order.size() > kMost) text += fmt::format("             and {} more\n", order.size() - kMost);
-  text += fmt::format(
+  return text;
+}
+
+bool Summary::nothing_moved() const {
+  return std::all_of(movers_.begin(), movers_.end(),
+                     [&](const Mover& m) { return m.path <= kStill * length_ && m.turned <= kStill; });
+}
+
+std::string words_of(const Audit& audit, bool still, bool adaptive) {
+  std::string text = fmt::format(
       "  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} "
       "J\n",
-      last_energy_ - first_energy_, drives_, supplied_, dissipated_);
-  text += fmt::format("  conserved  energy balance within {:.2g} J", balance_);
-  const bool still = std::all_of(order.begin(), order.end(),
-                                 [&](const Mover& m) { return m.path <= kStill * length_ && m.turned <= kStill; });
-  if (still)
-    text += "; nothing moved";
-  else if (scale_ > 0)
-    text += fmt::format(" ({:.2g} of the largest energy)", balance_ / scale_);
-  return text + "\n";
+      audit.end - audit.start, audit.drives, audit.supplied, audit.dissipated);
+  for (const Audit::Instant& i : audit.instants) {
+    const std::string when = i.count == 1 ? fmt::format("at {:.6g} s", i.first)
+                                          : fmt::format("{} times from {:.6g} s to {:.6g} s", i.count, i.first, i.last);
+    text += fmt::format("             {} {}: {:+.6g} J\n", i.cause, when, i.energy);
+  }
+  const std::string share =
+      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged", audit.imbalance_share()) : "none was exchanged";
+  const bool many = audit.unbooked_forces.size() > 1;
+  switch (audit.energy) {
+    case Audit::Energy::conserved:
+      text += fmt::format("  conserved  energy balance within {:.2g} J{}\n", audit.imbalance,
+                          still ? "; nothing moved" : " (" + share + ")");
+      break;
+    case Audit::Energy::not_conserved:
+      text += fmt::format(
+          "  NOT CONSERVED  energy balance off by {:.2g} J ({}, limit {:g}): {}; or a force's potential, dissipation "
+          "or "
+          "supply does not fit what it exerts\n",
+          audit.imbalance, share, audit.limits.energy,
+          adaptive ? "take a smaller tolerance (--tolerance), look for singular positions (lockstep check)"
+                   : "take a smaller step (--step)");
+      break;
+    case Audit::Energy::not_judged:
+      text += fmt::format(
+          "  NOT JUDGED  energy balance off by {:.2g} J ({}): force{} {} {} power, but no potential, dissipation or "
+          "supply\n",
+          audit.imbalance, share, many ? "s" : "", text::join(audit.unbooked_forces), many ? "give" : "gives");
+  }
+  return text;
 }
 
 }  // namespace lockstep

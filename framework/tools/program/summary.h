@@ -1,4 +1,4 @@
-// Summary: what moved and what was conserved, for the report at the end of a run.
+// Summary: what moved, for the report at the end of a run, and an audit in words.
 #pragma once
 
 #include <string>
@@ -8,18 +8,15 @@
 
 namespace lockstep {
 
-/// Its channels integrate the work of drives and dampers along with the motion.
+/// How far the bodies moved.
 class Summary final : public Observer {
  public:
-  /// Make it before the run: its channels add states to the system.
-  explicit Summary(System& system);
-
   void start(const Sample&) override;
   void step(const Sample&) override;
-  void output(const Sample&) override;
 
   /// Lines of text, the bodies that moved most first.
   std::string text() const;
+  bool nothing_moved() const;
 
  private:
   struct Mover {
@@ -28,15 +25,12 @@ class Summary final : public Observer {
     Quat last_q;
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
-  /// 0 if the system has no such channel.
-  double value(std::size_t channel, const Sample& s) const {
-    return channels_[channel].value ? channels_[channel].value(s) : 0.0;
-  }
-
   std::vector<Mover> movers_;
-  std::vector<Channel> channels_;
   double length_ = 1;  // of the system, m
-  double first_energy_ = 0, last_energy_ = 0, drives_ = 0, supplied_ = 0, dissipated_ = 0, balance_ = 0, scale_ = 0;
 };
+
+/// An audit in lines of text: the work, whether energy was conserved and why not, the drift. `still`: nothing moved;
+/// `adaptive`: the method controls its error.
+std::string words_of(const Audit&, bool still, bool adaptive);
 
 }  // namespace lockstep

@@ -23,7 +23,7 @@ double potential(const Sample& s) {
   for (int k = 0; k < s.system().n_slots(); ++k)
     sum -= s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x);
   if (s.system().forces().empty()) return sum;
-  for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.values().in); });
+  for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.inputs()); });
   return sum;
 }
 

@@ -13,6 +13,7 @@
 #include <lockstep/error.h>
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
+#include "framework/tools/record/csv_lines.h"
 
 namespace lockstep {
 namespace {
@@ -77,18 +78,28 @@ double read_number(std::string_view cell, const std::string& file, int line, con
 
 }  // namespace
 
+void append_csv_header(std::string& text, const Table& table) {
+  const std::size_t begin = text.size();
+  for (const Column& c : table.columns()) text.append(text.size() == begin ? "" : ",").append(quoted(column_title(c)));
+  text += '\n';
+}
+
+void append_csv_row(std::string& text, const Table& table, std::size_t i) {
+  const std::size_t begin = text.size();
+  for (const Column& c : table.columns()) {
+    if (text.size() > begin) text += ',';
+    append_number(text, c.values[i]);
+  }
+  text += '\n';
+}
+
 void write_csv(std::ostream& out, const Table& table) {
   std::string line;
-  for (const Column& c : table.columns()) line.append(line.empty() ? "" : ",").append(quoted(column_title(c)));
-  line += '\n';
+  append_csv_header(line, table);
   out.write(line.data(), static_cast<std::streamsize>(line.size()));
   for (std::size_t i = 0; i < table.n_rows(); ++i) {
     line.clear();
-    for (const Column& c : table.columns()) {
-      if (!line.empty()) line += ',';
-      append_number(line, c.values[i]);
-    }
-    line += '\n';
+    append_csv_row(line, table, i);
     out.write(line.data(), static_cast<std::streamsize>(line.size()));
   }
 }

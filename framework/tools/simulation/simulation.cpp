@@ -40,6 +40,7 @@ void Simulation::begin() {
   StepLoopOptions loop;
   loop.step = options_.step;
   loop.output = options_.output;
+  loop.max_steps = options_.max_steps;
   loop.tolerance = tolerance_;
   loop_ = std::make_unique<StepLoop>(*dynamics_, std::move(integrator_), loop);
   loop_->add_observer(recorder_);

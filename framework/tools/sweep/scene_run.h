@@ -18,7 +18,11 @@ inline State assembled_start(Dynamics& dynamics, const Mechanism& m) {
 }
 
 inline StepLoopOptions loop_options(const RunSettings& run) {
-  return {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times};
+  return {.step = run.step,
+          .tolerance = run.tolerance,
+          .output = run.output,
+          .output_times = run.times,
+          .max_steps = run.max_steps};
 }
 
 }  // namespace lockstep

@@ -156,6 +156,7 @@ class NaughtyIntegrator final : public Integrator {
     if (state.t > kWhen && does_ == "step") throw StepError("the step is too long", state.t);
     dynamics.rate(state, rate_);
     state.q += h * rate_.q, state.v += h * rate_.v, state.t += h;
+    dynamics.normalize(state);
     StepReport report;
     report.h = h;
     return report;

@@ -1,0 +1,75 @@
+#include "framework/dynamics/simulate/step_watch.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <lockstep/error.h>
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kLonger = 1e-9;     // by which a step may be longer than asked for, relative,
+constexpr double kElsewhere = 1e-9;  // and its end be elsewhere than t + h
+constexpr double kUnit = 1e-6;       // of |e|^2 - 1
+
+bool same_sizes(const State& a, const State& b) {
+  return a.q.size() == b.q.size() && a.v.size() == b.v.size() && a.s.size() == b.s.size() && a.z.size() == b.z.size() &&
+         a.coordinates == b.coordinates;
+}
+
+std::string wrong_time(double t0, double t1, double h, const StepReport& report) {
+  if (!std::isfinite(t1) || !std::isfinite(report.h))
+    return fmt::format("ended at t = {} s after h = {} s", t1, report.h);
+  const double rounding = 1e-14 * std::max(std::abs(t0), std::abs(t1));
+  if (!(t1 > t0) || !(report.h > 0)) return fmt::format("ended at t = {:.17g} s and did not advance", t1);
+  if (t1 - t0 > (1 + kLonger) * h + rounding)
+    return fmt::format("made {:.9g} s, more than the {:.9g} s asked for", t1 - t0, h);
+  if (std::abs(t1 - t0 - report.h) > kElsewhere * report.h + rounding)
+    return fmt::format("made {:.9g} s and reports {:.9g} s", t1 - t0, report.h);
+  return {};
+}
+
+std::string wrong_numbers(const State& to) {
+  const auto bad = [](const VecX& x) { return !x.allFinite(); };
+  if (bad(to.q)) return "left a coordinate that is not finite";
+  if (bad(to.v)) return "left a velocity that is not finite";
+  if (bad(to.s)) return "left an integrated state that is not finite";
+  return {};
+}
+
+// Of the slots' own coordinates; those of joints are normalised where they are read.
+std::string wrong_quaternion(const State& to, const System& system) {
+  for (int k = 0; !to.coordinates && k < system.n_slots(); ++k) {
+    const double length2 = to.q.segment<4>(7 * k + 3).squaredNorm();
+    if (std::abs(length2 - 1) > kUnit)
+      return fmt::format(
+          "left the quaternion of body '{}' with a length of {:.9g}; call Dynamics::normalize at its end",
+          system.body_of_slot(k).name, std::sqrt(length2));
+  }
+  return {};
+}
+
+}  // namespace
+
+void StepWatch::check(const State& from, const State& to, double h, StepReport& report) {
+  std::string wrong;
+  if (!same_sizes(from, to))
+    wrong = "changed the sizes of the state";
+  else if (to.modes != from.modes || to.watched != from.watched)
+    wrong = "switched links, which only events do";
+  else if (to.z != from.z)
+    wrong = "changed the memory of links and forces, which only an accepted step does";
+  if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
+  if (wrong.empty()) wrong = wrong_numbers(to);
+  if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
+  if (!wrong.empty())
+    throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
+  if (method_.origin() != "built in" && !to.coordinates)
+    report.violation_after = std::max(report.violation_after, dynamics_.violation(to));
+}
+
+}  // namespace lockstep

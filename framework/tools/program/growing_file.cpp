@@ -1,0 +1,119 @@
+#include "framework/tools/program/growing_file.h"
+
+#include <fcntl.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include <lockstep/error.h>
+#include "framework/tools/record/csv_lines.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kInterval = 1.0;              // s by the clock: at most so much is lost,
+constexpr std::size_t kMostWaiting = 1 << 20;  // or so many bytes
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
+
+GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const bool there = fs::exists(name_, error);
+  in_place_ = there && !fs::is_regular_file(name_, error);
+  if (there && fs::is_symlink(name_, error)) name_ = fs::canonical(name_).string();
+  partial_ = in_place_ ? name_ : name_ + ".partial";
+  file_ = ::open(partial_.c_str(), (in_place_ ? O_WRONLY : O_CREAT | O_RDWR) | O_CLOEXEC, 0666);
+  if (file_ < 0) fail("cannot be written");
+  if (in_place_) return;
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(file_);
+    throw FileError(
+        fmt::format("file '{}' is being written by another run; wait for it, or name another (--record)", name_));
+  }
+  clear();
+}
+
+GrowingFile::~GrowingFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void GrowingFile::fail(const char* what) const {
+  throw FileError(fmt::format("file '{}' {}: {}; check the folder and the space left, or name another", partial_, what,
+                              std::strerror(errno)));
+}
+
+void GrowingFile::clear() {
+  waiting_.clear();
+  length_ = 0;
+  if (in_place_) return;
+  if (::ftruncate(file_, 0) != 0 || ::lseek(file_, 0, SEEK_SET) != 0) fail("cannot be emptied");
+}
+
+void GrowingFile::append(std::string_view text) {
+  waiting_ += text;
+  if (waiting_.size() > kMostWaiting) write();
+}
+
+// What could be written in part only is taken back, so that no line is torn.
+void GrowingFile::write() {
+  const char* from = waiting_.data();
+  std::size_t left = waiting_.size();
+  while (left > 0) {
+    const ssize_t n = ::write(file_, from, left);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const int why = errno;
+      if (!in_place_ && ::ftruncate(file_, length_) == 0) ::lseek(file_, length_, SEEK_SET);
+      errno = why;
+      fail("cannot be written");
+    }
+    from += n, left -= static_cast<std::size_t>(n);
+  }
+  length_ += static_cast<long>(waiting_.size());
+  waiting_.clear();
+}
+
+void GrowingFile::commit() {
+  write();
+  if (in_place_) return;
+  if (::fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
+  if (std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+}
+
+void GrowingCsv::start(const Sample&) {
+  file_.clear();
+  n_rows_ = 0, written_ = now();
+  line_.clear();
+  append_csv_header(line_, table_);
+  file_.append(line_);
+}
+
+void GrowingCsv::append_rows() {
+  for (; n_rows_ < table_.n_rows(); ++n_rows_) {
+    line_.clear();
+    append_csv_row(line_, table_, n_rows_);
+    file_.append(line_);
+  }
+}
+
+void GrowingCsv::output(const Sample&) {
+  append_rows();
+  const double t = now();
+  if (t - written_ < kInterval) return;
+  file_.write();
+  written_ = t;
+}
+
+void GrowingCsv::finish(const Sample&) { append_rows(); }
+
+}  // namespace lockstep

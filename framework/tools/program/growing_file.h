@@ -1,0 +1,56 @@
+// GrowingFile: a file of results that loses nothing: neither the old one, nor what was written.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <lockstep/recorder.h>
+
+namespace lockstep {
+
+/// NAME.partial, which becomes NAME when it is done. It is locked: a second program that writes results of that name is
+/// refused. After a failure it stays, with whole lines only. Where NAME is a link, the file that it leads to is meant;
+/// what is no regular file (a device, a pipe) is written in place and never replaced.
+class GrowingFile {
+ public:
+  /// Makes the file empty; an existing NAME stays as it is until commit(). Throws FileError.
+  explicit GrowingFile(std::string name);
+  ~GrowingFile();
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+
+  const std::string& name() const { return name_; }
+  const std::string& partial() const { return partial_; }  ///< the file that is written: NAME itself where in place
+  bool in_place() const { return in_place_; }
+  void clear();                        ///< begins anew
+  void append(std::string_view text);  ///< whole lines; they reach the file by write()
+  void write();                        ///< Throws FileError.
+  void commit();                       ///< The file is done, and safe on the disk. Throws FileError.
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+  std::string name_, partial_, waiting_;
+  bool in_place_ = false;
+  long length_ = 0;  // of what was written whole
+  int file_ = -1;
+};
+
+/// Appends the rows of a recorder's table as they come, and writes them every second. Add it to the run after the
+/// recorder; what it appended last is left to write() or commit().
+class GrowingCsv final : public Observer {
+ public:
+  GrowingCsv(GrowingFile& file, const Table& table) : file_(file), table_(table) {}
+  void start(const Sample&) override;
+  void output(const Sample&) override;
+  void finish(const Sample&) override;
+
+ private:
+  void append_rows();
+  GrowingFile& file_;
+  const Table& table_;
+  std::size_t n_rows_ = 0;  // appended
+  std::string line_;
+  double written_ = 0;  // when, s by the clock
+};
+
+}  // namespace lockstep

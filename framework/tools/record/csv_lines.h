@@ -1,0 +1,16 @@
+// The lines of a table as CSV.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <lockstep/recorder.h>
+
+namespace lockstep {
+
+/// Appends the header, with its line end.
+LOCKSTEP_API void append_csv_header(std::string& text, const Table&);
+/// Appends row i, with its line end.
+LOCKSTEP_API void append_csv_row(std::string& text, const Table&, std::size_t i);
+
+}  // namespace lockstep

@@ -1,0 +1,151 @@
+#include <lockstep/recorder.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kLongViolation = 1e-3;  // of the mechanism's length
+constexpr double kRounding = 1e-9;       // of the energies themselves: a smaller imbalance is no loss,
+constexpr double kStill = 1e-14;         // nor one below this times m L^2 / s^2
+
+enum : std::size_t { kKinetic, kPotential, kDrives, kSupplied, kDissipated };
+
+struct Range {
+  double least = 0, most = 0;  // zero belongs to it
+  void add(double x) { least = std::min(least, x), most = std::max(most, x); }
+  double size() const { return most - least; }
+};
+
+// What a channel without the quantity is worth.
+double value_of(const Channel& c, const Sample& s) { return c.value ? c.value(s) : 0.0; }
+
+}  // namespace
+
+struct EnergyAudit::Books {
+  AuditLimits limits;
+  std::vector<Channel> channels;
+  Range kinetic, potential, booked;
+  double least = 0;  // imbalance that counts, J
+  double first_potential = 0, first_balance = 0, at_instants = 0, before = 0;
+  double largest_kinetic = 0, largest_potential = 0;
+  std::vector<bool> gives_power, booked_forces;  // of the forces
+  std::vector<std::string> force_names;
+  VecX f;
+  Audit audit;
+
+  double balance(const Sample& s) const {
+    return value_of(channels[kKinetic], s) + value_of(channels[kPotential], s) - value_of(channels[kDrives], s) -
+           value_of(channels[kSupplied], s) + value_of(channels[kDissipated], s);
+  }
+  double imbalance(const Sample& s) const { return balance(s) - first_balance - at_instants; }
+  void look_at_forces(const Sample&);
+};
+
+EnergyAudit::EnergyAudit(System& system, AuditLimits limits) : books_(std::make_unique<Books>()) {
+  books_->limits = limits;
+  const bool links = !system.links().empty(), forces = !system.forces().empty();
+  const bool impacts = std::any_of(system.links().begin(), system.links().end(),
+                                   [](const auto& link) { return link->unilateral() != nullptr; });
+  const auto add = [&](const char* name, bool present) {  // nothing is integrated in vain
+    books_->channels.push_back(present ? make_channel(system, name) : Channel{});
+  };
+  add("energy.kinetic", true), add("energy.potential", true);
+  add("energy.drives", links), add("energy.supplied", forces), add("energy.dissipated", forces || impacts);
+}
+
+EnergyAudit::~EnergyAudit() = default;
+
+void EnergyAudit::start(const Sample& s) {
+  Books& b = *books_;
+  const AuditLimits given = b.limits;
+  b.kinetic = b.potential = b.booked = {};
+  b.at_instants = b.largest_kinetic = b.largest_potential = 0;
+  b.audit = {};
+  b.audit.limits = given;
+  if (!(given.violation > 0)) b.audit.limits.violation = kLongViolation * s.system().length();
+  b.least = 0;
+  for (int k = 0; k < s.system().n_slots(); ++k) b.least += kStill * s.system().slot(k).mass;
+  b.least *= s.system().length() * s.system().length();
+  b.force_names.clear();
+  for (const auto& force : s.system().forces()) b.force_names.push_back(force->name());
+  b.gives_power.assign(s.system().forces().size(), false);
+  b.booked_forces.assign(s.system().forces().size(), false);
+  b.first_potential = value_of(b.channels[kPotential], s);
+  b.first_balance = b.before = b.balance(s);
+  b.audit.start = value_of(b.channels[kKinetic], s) + b.first_potential;
+  output(s);
+}
+
+void EnergyAudit::step(const Sample& s) {
+  Books& b = *books_;
+  b.before = b.balance(s);
+  b.audit.violation = std::max(b.audit.violation, s.report.violation_after);
+}
+
+// The same instant after an event, an impact or a jump.
+void EnergyAudit::jumped(const Sample& s) {
+  if (s.cause.empty()) return;
+  Books& b = *books_;
+  const double change = b.balance(s) - b.before;
+  b.at_instants += change;
+  std::vector<Audit::Instant>& all = b.audit.instants;
+  auto found = std::find_if(all.begin(), all.end(), [&](const Audit::Instant& i) { return i.cause == s.cause; });
+  if (found == all.end()) found = all.insert(all.end(), {std::string(s.cause), 0, s.state.t, s.state.t, 0.0});
+  ++found->count, found->last = s.state.t, found->energy += change;
+}
+
+void EnergyAudit::output(const Sample& s) {
+  Books& b = *books_;
+  const double T = value_of(b.channels[kKinetic], s), V = value_of(b.channels[kPotential], s);
+  b.audit.drives = value_of(b.channels[kDrives], s);
+  b.audit.supplied = value_of(b.channels[kSupplied], s);
+  b.audit.dissipated = value_of(b.channels[kDissipated], s);
+  b.audit.end = T + V;
+  b.kinetic.add(T), b.potential.add(V - b.first_potential);
+  b.booked.add(b.audit.drives + b.audit.supplied - b.audit.dissipated);
+  b.largest_kinetic = std::max(b.largest_kinetic, T), b.largest_potential = std::max(b.largest_potential, std::abs(V));
+  const double off = std::abs(b.imbalance(s));
+  if (!(off <= b.audit.imbalance)) b.audit.imbalance = off;
+  b.look_at_forces(s);
+}
+
+// A force whose wrench does work while it has neither potential, loss nor supply.
+void EnergyAudit::Books::look_at_forces(const Sample& s) {
+  const System& system = s.system();
+  const Inputs& in = s.inputs();
+  for (std::size_t k = 0; k < gives_power.size(); ++k) {
+    if (booked_forces[k]) continue;
+    const Force& force = *system.forces()[k];
+    named(force, s.state.t, [&] {
+      booked_forces[k] = force.potential(in) != 0 || force.dissipation(in) != 0 || force.supply(in) != 0;
+      f.setZero(6 * system.n_slots());
+      WrenchSum sum(in.motions, f);
+      force.apply(in, sum);
+    });
+    double power = 0;
+    for (int i = 0; i < system.n_slots(); ++i)
+      power += f.segment<3>(6 * i).dot(in.slot(i).v) + f.segment<3>(6 * i + 3).dot(in.slot(i).w);
+    gives_power[k] = gives_power[k] || power != 0;
+  }
+}
+
+Audit EnergyAudit::result() const {
+  const Books& b = *books_;
+  Audit audit = b.audit;
+  audit.scale = std::max({b.kinetic.size(), b.potential.size(), b.booked.size()});
+  audit.drifted = !(audit.violation <= audit.limits.violation);
+  for (std::size_t k = 0; k < b.force_names.size(); ++k)
+    if (b.gives_power[k] && !b.booked_forces[k]) audit.unbooked_forces.push_back(b.force_names[k]);
+  const double least = std::max(b.least, kRounding * std::max(b.largest_kinetic, b.largest_potential));
+  if (audit.imbalance <= std::max(audit.limits.energy * audit.scale, least)) return audit;
+  audit.energy = audit.unbooked_forces.empty() ? Audit::Energy::not_conserved : Audit::Energy::not_judged;
+  return audit;
+}
+
+}  // namespace lockstep

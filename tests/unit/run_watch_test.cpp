@@ -1,0 +1,253 @@
+// A run watches itself: integrators that do not do what they report, code of users that throws, runs without an end,
+// events inside a step.
+#include <lockstep/step_loop.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/motions.h"
+
+namespace run_watch_test {
+
+using lockstep::testing::check_words, lockstep::testing::message_of;
+
+using namespace lockstep;
+
+namespace {
+
+/// A step of Euler's, and what is done to it.
+class Misled final : public Integrator {
+ public:
+  using Act = std::function<void(Dynamics&, State&, StepReport&, double)>;
+  explicit Misled(Act act) : act_(std::move(act)) {}
+  IntegratorInfo info() const override { return {.name = "misled"}; }
+  void begin(Dynamics&, const State&) override {}
+  StepReport step(Dynamics& dynamics, State& y, double h) override {
+    StateRate rate;
+    dynamics.rate(y, rate);
+    dynamics.advance(y, h, y.v);
+    y.v += h * rate.v;
+    y.t += h;
+    StepReport report{.h = h};
+    dynamics.project(y);
+    if (act_) act_(dynamics, y, report, h);
+    return report;
+  }
+
+ private:
+  Act act_;
+};
+
+std::string run_misled(Misled::Act act, double* violation = nullptr) {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  StepLoop run(dynamics, std::make_unique<Misled>(std::move(act)), {.step = 0.01});
+  const State before = run.state();
+  const std::string said = message_of<StepError>([&] { run.run_until(0.1); });
+  if (said != "no error") {
+    CHECK(run.state().t == before.t);
+    CHECK(run.state().q == before.q);
+    CHECK(run.state().modes == before.modes);
+  }
+  if (violation) *violation = run.report().largest_violation;
+  return said;
+}
+
+struct Stone {
+  System system{System::Options{{0, 0, -10}}};
+  Stone() { system.add_particle("stone", 1, {0, 0, 0}); }
+  State thrown(double speed) const {
+    State s = system.start();
+    s.v[2] = speed;
+    return s;
+  }
+};
+
+/// Throws where it is told to, once.
+struct Thrower final : Observer {
+  std::string where;
+  double from = 0;
+  int starts = 0, finishes = 0;
+  std::vector<double> steps, outputs;
+  void may(const char* here, double t) {
+    if (where != here || t < from) return;
+    where.clear();
+    throw 7;
+  }
+  void start(const Sample& s) override { may("start", s.state.t), ++starts, outputs.clear(); }
+  void step(const Sample& s) override { may("step", s.state.t), steps.push_back(s.state.t); }
+  void output(const Sample& s) override { may("output", s.state.t), outputs.push_back(s.state.t); }
+  void finish(const Sample& s) override { ++finishes, may("finish", s.state.t); }
+};
+
+}  // namespace
+
+TEST_CASE("a step loop does not believe what an integrator reports", "[unit][dynamics]") {
+  CHECK(run_misled({}) == "no error");
+  const auto refused = [](Misled::Act act, std::initializer_list<std::string> words) {
+    const std::string said = run_misled(std::move(act));
+    check_words(said, {"misled", "from t = 0 s"});
+    check_words(said, words);
+  };
+  refused([](Dynamics&, State& y, StepReport& r, double h) { y.t -= h, r.h = 0; }, {"did not advance"});
+  refused([](Dynamics&, State& y, StepReport&, double h) { y.t -= 2 * h; }, {"did not advance"});
+  refused([](Dynamics&, State& y, StepReport&, double) { y.t = std::nan(""); }, {"ended at t = nan s"});
+  refused([](Dynamics&, State& y, StepReport& r, double h) { y.t += h, r.h = 2 * h; }, {"more than the 0.01 s"});
+  refused([](Dynamics&, State&, StepReport& r, double h) { r.h = 0.5 * h; }, {"reports 0.005 s"});
+  refused([](Dynamics&, State& y, StepReport&, double) { y.q.resize(70); }, {"sizes of the state"});
+  refused([](Dynamics&, State& y, StepReport&, double) { y.modes.flip(); }, {"switched links"});
+  refused([](Dynamics&, State& y, StepReport&, double) { y.v[0] = HUGE_VAL; }, {"a velocity that is not finite"});
+  refused([](Dynamics&, State& y, StepReport&, double) { y.q.segment<4>(3) *= 1.01; },
+          {"the quaternion of body 'rod'", "Dynamics::normalize"});
+}
+
+TEST_CASE("the violation that a foreign integrator leaves is measured", "[unit][dynamics]") {
+  double violation = 0;
+  CHECK(run_misled([](Dynamics&, State& y, StepReport&, double) { y.q[0] += 1e-3; }, &violation) == "no error");
+  CHECK(violation > 1e-3);
+  CHECK(run_misled({}, &violation) == "no error");
+  CHECK(violation < 1e-9);
+}
+
+TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  SECTION("steps too small for the run") {
+    const double step = GENERATE(1e-12, 1e-300);
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = step});
+    check_words(message_of<StepError>([&] { run.run_until(1); }), {"rk4", "the rest of the run would take", "--step"});
+    CHECK(run.report().steps < 2000);
+  }
+  SECTION("a limit of one's own") {
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .max_steps = 100});
+    check_words(message_of<StepError>([&] { run.run_until(1); }), {"100 steps", "t = 0.1", "max_steps"});
+    CHECK(run.state().t == Approx(0.1));
+  }
+  SECTION("a slow one says so once") {
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-8, .max_steps = 30000});
+    message_of<StepError>([&] { run.run_until(1); });
+    REQUIRE(run.report().warnings.size() == 1);
+    check_words(run.report().warnings[0], {"the run is slow", "1e+08 steps"});
+  }
+}
+
+TEST_CASE("what an observer throws has a name, and the run goes on as if it had not", "[unit][dynamics]") {
+  const std::string where = GENERATE("start", "step", "output", "finish");
+  CAPTURE(where);
+  const auto outputs_of = [](Thrower& before, Thrower& after) {
+    Stone stone;
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, std::make_unique<Dopri5>(), {.step = 0.05, .output = 0.02});
+    run.add_observer(before), run.add_observer(after);
+    while (run.state().t < 0.3) {
+      const std::string said = message_of<UserCodeError>([&] { run.run_until(0.3); });
+      if (said != "no error") check_words(said, {"observer", "int"});
+    }
+    return run.state().q[2];
+  };
+  Thrower calm_before, calm_after, before, after;
+  const double expected = outputs_of(calm_before, calm_after);
+  before.where = where;
+  before.from = where == "start" ? 0 : 0.1;
+  const double found = outputs_of(before, after);
+  CHECK(found == Approx(expected).epsilon(1e-12));
+  CHECK(after.outputs == calm_after.outputs);
+  CHECK(after.steps.size() >= calm_after.steps.size());
+  if (where == "step" || where == "finish") CHECK(before.outputs == calm_before.outputs);
+  if (where == "output") CHECK(before.outputs.size() + 1 == calm_before.outputs.size());
+  CHECK(after.finishes == (where == "finish" ? 1 : where == "start" ? 1 : 2));
+}
+
+TEST_CASE("a change that throws leaves the state, and its event is due again", "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  int calls = 0;
+  Event first{.name = "first", .at = 0.5};
+  first.change = [](State& s) { s.v[0] += 1; };
+  Event second{.name = "second", .at = 0.5};
+  second.change = [&](State& s) {
+    s.v[1] = 100, s.q[0] = 100;
+    if (++calls == 1) throw std::runtime_error("not yet");
+    s.q[0] = 0.25;
+  };
+  run.add_event(first), run.add_event(second);
+  check_words(message_of<UserCodeError>([&] { run.run_until(1); }), {"event 'second'", "0.5", "not yet"});
+  CHECK(run.state().t == 0.5);
+  CHECK(run.state().v[0] == 0);
+  CHECK(run.state().v[1] == 0);
+  CHECK(run.state().q[0] == 0);
+  run.run_until(1);
+  CHECK(calls == 2);
+  CHECK(run.state().v[0] == 1);
+  CHECK(run.state().q[0] == Approx(0.75));
+}
+
+TEST_CASE("user code may neither run the loop nor set its time", "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  Event event{.name = "eager", .at = 0.5};
+  SECTION("run") {
+    event.change = [&](State&) { run.run_until(2); };
+    run.add_event(event);
+    check_words(message_of<ModelError>([&] { run.run_until(1); }), {"run_until", "inside the run"});
+  }
+  SECTION("time") {
+    event.change = [](State& s) { s.t = 0; };
+    run.add_event(event);
+    check_words(message_of<ModelError>([&] { run.run_until(1); }), {"event 'eager'", "from 0.5 s to 0 s"});
+  }
+  SECTION("progress") {
+    run.progress = [](const State&) -> bool { throw std::runtime_error("window closed"); };
+    check_words(message_of<UserCodeError>([&] { run.run_until(1); }), {"progress", "window closed"});
+  }
+  CHECK(run.state().t <= 0.5);
+}
+
+TEST_CASE("an event is met where its condition passes to and fro inside a step", "[unit][dynamics]") {
+  // z = 10 t - 5 t^2 passes 4.95 m at 1 -+ 0.1 s; steps of dopri5 are exact here and have no limit
+  const auto [crossing, when] = GENERATE(std::pair{Event::Crossing::any, 0.9}, std::pair{Event::Crossing::rising, 0.9},
+                                         std::pair{Event::Crossing::falling, 1.1});
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  run.set_state(stone.thrown(10));
+  Event event{.name = "high"};
+  event.value = [](const Sample& s) { return s.state.q[2] - 4.95; };
+  event.crossing = crossing, event.stop = true;
+  run.add_event(event);
+  run.run_until(3);
+  CHECK(run.report().stopped_by == "high");
+  CHECK(run.state().t == Approx(when).margin(2e-9));
+}
+
+TEST_CASE("events say what they leave out", "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  run.set_state(stone.thrown(10));
+  Event event{.name = "both", .at = 1};
+  event.value = [](const Sample& s) { return s.state.q[2] + 1; };
+  check_words(message_of<ModelError>([&] { run.add_event(event); }), {"event 'both'", "an instant", "a condition"});
+
+  event.at = -1, event.name = "up", event.crossing = Event::Crossing::rising;
+  run.add_event(event);
+  Event one{.name = "one", .at = 0.5, .stop = true}, two{.name = "two", .at = 0.5, .stop = true};
+  run.add_event(one), run.add_event(two);
+  run.run_until(1);
+  CHECK(run.report().stopped_by == "one, two");
+  REQUIRE(run.report().warnings.size() == 1);
+  check_words(run.report().warnings[0], {"event 'up'", "at the start already"});
+}
+
+}  // namespace run_watch_test
