@@ -189,8 +189,10 @@ void StepLoop::start_run() {
   } guard{begun_};
   begun_ = true;
   const Sample sample(dynamics_, state_, interval.report());
-  for (; started < observers_.size(); ++started)
-    user_code("observer", "", state_.t, [&] { observers_[started]->start(sample); });
+  for (; started < observers_.size(); ++started) {
+    Observer& o = *observers_[started];
+    user_code("observer", "", state_.t, [&] { o.start(sample); });
+  }
   if (clock.output_due(state_.t)) output(sample);
   begin_method();
   stale_ = false;
