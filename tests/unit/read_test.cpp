@@ -256,7 +256,8 @@ TEST_CASE("no locale changes what is read or written", "[unit][scene]") {
     if (std::setlocale(LC_ALL, name) != nullptr) break;
   const Value v = read_json("{\"big\": 1234567.5,\n \"small\": 0.25}", "a.json");
   const std::string text = write_json(v);
-  const std::string problem = problem_of(std::string(1234, '\n') + "x");
+  std::string lines(1234, '\n');
+  const std::string problem = problem_of(lines.append(1, 'x'));
   std::setlocale(LC_ALL, c_before.c_str());
   std::locale::global(before);
   CHECK(*v.find("big")->number() == 1234567.5);

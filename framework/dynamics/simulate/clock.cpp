@@ -92,7 +92,7 @@ std::string Clock::watch_pace(double t, long n) {
         t);
   if (!std::isfinite(t_end_)) return {};
   const double left = t_end_ - t;
-  n_slow_ = left > kMostSteps * advised_ ? n_slow_ + 1 : 0;
+  n_slow_ = advised_ > 0 && left > kMostSteps * advised_ ? n_slow_ + 1 : 0;
   if (n_slow_ > kSlow)
     throw StepError(
         fmt::format(

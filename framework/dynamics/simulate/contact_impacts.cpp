@@ -25,7 +25,22 @@ std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
 
 }  // namespace
 
+// What a row or a force throws leaves the state and the contacts as they were: they are settled when the run goes on.
 ContactManager::Settled ContactManager::settle(State& state) {
+  before_ = state, released_before_ = released_;
+  clear_before_.clear();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) clear_before_.push_back(contacts_[i].clear);
+  const double contact_time = contact_time_;
+  try {
+    return settle_all(state);
+  } catch (...) {
+    state = before_, released_ = released_before_, contact_time_ = contact_time;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].clear = clear_before_[i];
+    throw;
+  }
+}
+
+ContactManager::Settled ContactManager::settle_all(State& state) {
   Settled out;
   const bool here = state.t >= contact_time_;
   if (!here) released_.clear();

@@ -36,6 +36,7 @@ class ContactManager {
   Settled settle(State&);
 
  private:
+  Settled settle_all(State&);
   // contact_manager.cpp: inside a step
   bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);
@@ -72,7 +73,9 @@ class ContactManager {
   std::vector<char> active_;
   VecX C_, Cd_, no_force_, kick_, impulse_;
   State trial_;
-  std::vector<bool> modes_before_;
+  std::vector<bool> modes_before_, clear_before_;
+  std::vector<std::size_t> released_before_;
+  State before_;
 };
 
 }  // namespace lockstep

@@ -107,11 +107,14 @@ double EventLocator::locate_inside(std::size_t event, const Point& a, const Poin
   if (least > most - least || most < least - most) return kNever;
   p[1] = point(event, a.t + 0.25 * h), p[3] = point(event, a.t + 0.75 * h);
   double first = kNever;
+  const auto take = [&](double t) {  // the same instant again does not count
+    if (t - watched_[event].last > 2 * events_[event].tolerance) first = std::min(first, t);
+  };
   for (std::size_t k = 1; k < p.size() && !(first <= p[k - 1].t); ++k) {
     if (crosses(event, p[k - 1].g, p[k].g))
-      first = std::min(first, root_between(event, p[k - 1], p[k]));
+      take(root_between(event, p[k - 1], p[k]));
     else if (k + 1 < p.size())
-      first = std::min(first, locate_turn(event, p[k - 1], p[k], p[k + 1]));
+      take(locate_turn(event, p[k - 1], p[k], p[k + 1]));
   }
   return first;
 }
@@ -121,10 +124,12 @@ double EventLocator::locate_turn(std::size_t event, const Point& a, const Point&
   const double sign = middle.g > 0 ? 1 : -1;
   if (!(sign * a.g >= sign * middle.g && sign * middle.g > 0 && sign * b.g >= sign * middle.g)) return kNever;
   std::uintmax_t most = 30;
-  const auto [t, g] = boost::math::tools::brent_find_minima([&](double at) { return sign * point(event, at).g; }, a.t,
-                                                            b.t, std::numeric_limits<double>::digits / 2, most);
+  const double h = b.t - a.t;
+  const auto [x, g] =
+      boost::math::tools::brent_find_minima([&](double at) { return sign * point(event, a.t + at * h).g; }, 0.0, 1.0,
+                                            std::numeric_limits<double>::digits / 2, most);
   if (g > 0) return kNever;
-  const Point turn{t, sign * g};
+  const Point turn{a.t + x * h, sign * g};
   return crosses(event, a.g, turn.g)   ? root_between(event, a, turn)
          : crosses(event, turn.g, b.g) ? root_between(event, turn, b)
                                        : kNever;

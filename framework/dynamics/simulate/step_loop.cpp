@@ -127,8 +127,7 @@ const SimulationReport& StepLoop::run_until(double t) {
     throw ModelError(
         fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
   exclusively("run_until", [&] {
-    report_.stopped = false;
-    report_.stopped_by.clear();
+    if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
     try {
       parts_->clock.set_end(t);
       start();
@@ -152,8 +151,7 @@ StepReport StepLoop::step(double h) {
   exclusively("step", [&] {
     constexpr double kOpen = std::numeric_limits<double>::infinity();
     parts_->clock.set_end(kOpen);
-    report_.stopped = false;
-    report_.stopped_by.clear();
+    if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
     start();
     if (!report_.stopped) advance(kOpen, h);
   });
@@ -169,7 +167,19 @@ void StepLoop::start() {
   stale_ = false;
 }
 
+// A start that fails is made again, as if it had not been made.
 void StepLoop::start_run() {
+  const State state = state_;
+  const SimulationReport report = report_;
+  try {
+    make_start();
+  } catch (...) {
+    state_ = state, report_ = report, begun_ = false;
+    throw;
+  }
+}
+
+void StepLoop::make_start() {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
       *parts_;
   system().check_size(state_);
@@ -182,11 +192,6 @@ void StepLoop::start_run() {
   contacts.start(state_);
   if (!contacts.empty()) settle_contacts();
   started = told = 0;
-  struct Begun {  // a start that fails is made again
-    bool& begun;
-    const int before = std::uncaught_exceptions();
-    ~Begun() { begun = std::uncaught_exceptions() == before; }
-  } guard{begun_};
   begun_ = true;
   const Sample sample(dynamics_, state_, interval.report());
   for (; started < observers_.size(); ++started) {
@@ -243,7 +248,7 @@ void StepLoop::advance(double limit, double largest) {
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
-  report_.largest_violation = std::max(report_.largest_violation, step.violation_after);
+  if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
   phase_ = Phase::inside;
   conclude();
 }
@@ -282,7 +287,8 @@ void StepLoop::conclude() {
       phase_ = Phase::events;
       [[fallthrough]];
     case Phase::events:
-      ended.moved = (!events.empty() && fire_events()) || ended.met || ended.touched || ended.jump;
+      ended.moved = ended.moved || ended.met || ended.touched || ended.jump;
+      if (!events.empty() && fire_events()) ended.moved = true;
       phase_ = Phase::contacts;
       [[fallthrough]];
     case Phase::contacts:
@@ -294,6 +300,10 @@ void StepLoop::conclude() {
       [[fallthrough]];
     case Phase::jumped:
       if (ended.moved) tell_jumped();
+      phase_ = Phase::none;
+      return;
+    case Phase::last:
+      output(sample);
       phase_ = Phase::none;
   }
 }
@@ -358,6 +368,7 @@ bool StepLoop::fire_events() {
     }
     events.done(i, state_.t);
   }
+  parts_->ended.moved = parts_->ended.moved || changed;
   if (changed || rewound) begin_method();
   return changed;
 }
@@ -458,7 +469,9 @@ void StepLoop::output(const Sample& sample) {
 }
 
 void StepLoop::output_end() {
-  if (parts_->clock.end_due(state_.t)) output(Sample(dynamics_, state_, parts_->interval.report()));
+  if (!parts_->clock.end_due(state_.t)) return;
+  phase_ = Phase::last;
+  conclude();
 }
 
 // Of the observers that were started. Their errors are dropped if another is in flight.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include <lockstep/error.h>
@@ -61,7 +62,7 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
     wrong = "changed the sizes of the state";
   else if (to.modes != from.modes || to.watched != from.watched)
     wrong = "switched links, which only events do";
-  else if (to.z != from.z)
+  else if (to.z.size() > 0 && std::memcmp(to.z.data(), from.z.data(), sizeof(double) * to.z.size()) != 0)
     wrong = "changed the memory of links and forces, which only an accepted step does";
   if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
   if (wrong.empty()) wrong = wrong_numbers(to);
@@ -69,7 +70,8 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
   if (method_.origin() != "built in" && !to.coordinates)
-    report.violation_after = std::max(report.violation_after, dynamics_.violation(to));
+    if (const double found = dynamics_.violation(to); !(report.violation_after >= found))
+      report.violation_after = found;
 }
 
 }  // namespace lockstep

@@ -121,7 +121,7 @@ void SchurFactorization::compute(const Kkt& kkt) {
   if (!plan_.tree) count_small_pivots();
 }
 
-// Proximal terms and lever arms hardly change during a run: they are measured once.
+// Measured once: what counts is the order of magnitude of proximal terms and lever arms.
 void SchurFactorization::measure_pivot_floors() {
   PivotFloors floors;
   for (const schur::Node& node : plan_.nodes) {

@@ -22,10 +22,16 @@ inline constexpr int kMaxCorrections = 3;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
 
-/// Whether the pivot of a row is small beside its diagonal before the elimination, or below `left`: what proximal terms
-/// leave of the pivot of a redundant row.
+inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal
+
+/// Of the diagonal; `left`: what proximal terms leave of the pivot of a redundant row, but never so much that regular
+/// pivots would be lost in it.
+inline double what_counts_as_small(double diagonal, double left) {
+  return std::max(kSmallPivot * diagonal, std::min(left, kMostLeft * diagonal));
+}
+/// Whether the pivot of a row is small beside its diagonal before the elimination, or below what proximal terms leave.
 inline bool is_small_pivot(double pivot, double diagonal, double left) {
-  return pivot < std::max(kSmallPivot * diagonal, left);
+  return pivot < what_counts_as_small(diagonal, left);
 }
 /// What proximal terms leave, by kind of row. The pivot of a redundant row j is n' E n / n_j^2, with n the dependency:
 /// its own proximal term and those of the rows that it depends on. Those are measured in the scales of their links, and
@@ -42,7 +48,8 @@ struct PivotFloors {
     const double t = E[static_cast<std::size_t>(RowKind::translation)],
                  r = E[static_cast<std::size_t>(RowKind::rotation)];
     if (kind == RowKind::translation) return kRedundantPivot * (t + arm2 * r);
-    if (kind == RowKind::rotation) return kRedundantPivot * (r + (arm2 > 0 ? t / arm2 : 0.0));
+    if (kind == RowKind::rotation)
+      return kRedundantPivot * (r + (arm2 > 0 ? std::min(t / arm2, kRedundantPivot * r) : 0.0));
     return kRedundantPivot * E[static_cast<std::size_t>(RowKind::function)];
   }
 };
@@ -81,7 +88,7 @@ class PivotWatch {
   void clear() { pivots_.clear(); }
   /// `left`: as in is_small_pivot.
   void add(double pivot, double diagonal, double left) {
-    pivots_.push_back({pivot / diagonal, pivot / std::max(kSmallPivot * diagonal, left)});
+    pivots_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left)});
   }
   /// The smallest pivot relative to its diagonal.
   double smallest() const {

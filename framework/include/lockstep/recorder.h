@@ -162,7 +162,8 @@ struct Audit {
   bool drifted = false;               ///< whether a violation was beyond the limit
   /// Largest |total - drives - supplied + dissipated|, less its value at the start and the changes at instants, J.
   double imbalance = 0;
-  double scale = 0;      ///< largest range of the kinetic, the potential and the booked energy, zero among them, J
+  /// Largest range of the kinetic energy, the potential energy, and the works below, zero among them, J.
+  double scale = 0;
   double violation = 0;  ///< largest |C| after a step, m
   AuditLimits limits;    ///< the limits, in force
   /// Energy that appeared, or vanished (negative), where events, impacts or jumps of laws acted, by cause.

@@ -90,8 +90,9 @@ struct Event {
     falling  ///< from above
   };
   std::string name;  ///< for messages and SimulationReport::stopped_by
-  /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense, at
-  /// the end of a step or inside it: passages to and fro are found if they last longer than a quarter of a step.
+  /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense within
+  /// a step. Of methods with dense output passages to and fro inside a step are met too, where the condition comes near
+  /// zero at its ends or in its middle: nearer than it changes between these three.
   double at = -1;
   std::function<double(const Sample&)> value{};  ///< the condition, or none
   Crossing crossing = Crossing::any;             ///< sense in which the condition passes zero
@@ -123,7 +124,7 @@ struct StepLoopOptions {
 
 /// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
 struct AuditLimits {
-  double energy = 1e-3;  ///< imbalance, relative to the largest range of kinetic, potential and booked energy
+  double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)
   double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
 };
 
@@ -185,7 +186,7 @@ class LOCKSTEP_API StepLoop {
  private:
   struct Parts;
   /// What is still to be done at the end of the last accepted step, in this order.
-  enum class Phase { none, inside, step, output, progress, jump, events, contacts, jumped };
+  enum class Phase { none, inside, step, output, progress, jump, events, contacts, jumped, last };
   /// Calls `act` while no other call of the loop is allowed; what it throws makes the method begin anew.
   template <class Act>
   void exclusively(const char* what, Act&& act);
@@ -193,6 +194,7 @@ class LOCKSTEP_API StepLoop {
   /// an error left undone.
   void start();
   void start_run();
+  void make_start();
   /// One accepted step, not past `limit`, and all that depends on it.
   void advance(double limit, double largest);
   void conclude();

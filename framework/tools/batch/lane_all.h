@@ -11,7 +11,7 @@
 namespace lockstep::lanes::LOCKSTEP_SET {
 
 LOCKSTEP_LANE V square_root(const V& a) {
-  V r;
+  V r{};
   for (int l = 0; l < kWide; ++l) r[l] = std::sqrt(a[l]);
   return r;
 }

@@ -67,7 +67,7 @@ void add_run(CLI::App& verb, Arguments& a) {
                                        "many digits of each column agree");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
   add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
-  verb.add_flag("--quiet", a.quiet, "print errors only");
+  verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
 }
 
 constexpr const char* kSweepFooter =

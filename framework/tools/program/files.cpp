@@ -58,12 +58,11 @@ void check_overwrites(const std::string& csv, const Scene& scene) {
   const fs::path base = fs::path(csv).replace_extension();
   const auto refuse_if_output = [&](const fs::path& input) {
     if (!fs::is_regular_file(input, error)) return;
-    for (const char* ending : {"", ".csv", ".svg", ".png"}) {
-      const fs::path output = *ending ? fs::path(base.string() + ending) : fs::path(csv);
+    for (const fs::path& output : {fs::path(csv), fs::path(csv + ".partial"), fs::path(base.string() + ".svg"),
+                                   fs::path(base.string() + ".png")})
       if (fs::exists(output, error) && fs::equivalent(input, output, error))
         throw UsageError("the results would replace '" + output.string() +
-                         "', from which the scene is read; name another " + "file (--record results.csv)");
-    }
+                         "', from which the scene is read; name another file (--record results.csv)");
   };
   refuse_if_output(scene.file);
   for_each_text(scene.root, [&](const std::string& text) {

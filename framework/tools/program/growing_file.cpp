@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -30,17 +31,30 @@ GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
   std::error_code error;
   const bool there = fs::exists(name_, error);
   in_place_ = there && !fs::is_regular_file(name_, error);
-  if (there && fs::is_symlink(name_, error)) name_ = fs::canonical(name_).string();
+  if (there && !in_place_ && fs::is_symlink(name_, error)) {
+    const fs::path target = fs::canonical(name_, error);
+    if (!error) name_ = target.string();
+  }
+  if (there && ::access(name_.c_str(), W_OK) != 0)
+    throw FileError(
+        fmt::format("file '{}' is write-protected; allow it (chmod u+w), or name another (--record)", name_));
   partial_ = in_place_ ? name_ : name_ + ".partial";
-  file_ = ::open(partial_.c_str(), (in_place_ ? O_WRONLY : O_CREAT | O_RDWR) | O_CLOEXEC, 0666);
-  if (file_ < 0) fail("cannot be written");
-  if (in_place_) return;
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+  do {
+    if (file_ >= 0) ::close(file_);
+    file_ = ::open(partial_.c_str(), (in_place_ ? O_WRONLY : O_CREAT | O_RDWR) | O_CLOEXEC, 0666);
+    if (file_ < 0) fail("cannot be written");
+    if (in_place_) return;
+    if (::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) continue;  // some file systems have no locks
     ::close(file_);
     throw FileError(
         fmt::format("file '{}' is being written by another run; wait for it, or name another (--record)", name_));
-  }
-  clear();
+  } while (!is_still_partial());
+}
+
+// Whether the file that was opened has the name still: another run may have finished, and renamed it, in between.
+bool GrowingFile::is_still_partial() const {
+  struct stat opened, named;
+  return ::fstat(file_, &opened) != 0 || (::stat(partial_.c_str(), &named) == 0 && opened.st_ino == named.st_ino);
 }
 
 GrowingFile::~GrowingFile() {

@@ -13,7 +13,8 @@ namespace lockstep {
 /// what is no regular file (a device, a pipe) is written in place and never replaced.
 class GrowingFile {
  public:
-  /// Makes the file empty; an existing NAME stays as it is until commit(). Throws FileError.
+  /// Opens the file; what it holds stays until clear(), and an existing NAME until commit(). Throws FileError: it cannot
+  /// be written, is write-protected, or another run writes it.
   explicit GrowingFile(std::string name);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
@@ -28,6 +29,7 @@ class GrowingFile {
   void commit();                       ///< The file is done, and safe on the disk. Throws FileError.
 
  private:
+  bool is_still_partial() const;
   [[noreturn]] void fail(const char* what) const;
   std::string name_, partial_, waiting_;
   bool in_place_ = false;

@@ -16,21 +16,20 @@ constexpr double kStill = 1e-14;         // nor one below this times m L^2 / s^2
 
 enum : std::size_t { kKinetic, kPotential, kDrives, kSupplied, kDissipated };
 
-struct Range {
-  double least = 0, most = 0;  // zero belongs to it
-  void add(double x) { least = std::min(least, x), most = std::max(most, x); }
-  double size() const { return most - least; }
-};
-
 // What a channel without the quantity is worth.
 double value_of(const Channel& c, const Sample& s) { return c.value ? c.value(s) : 0.0; }
 
 }  // namespace
 
 struct EnergyAudit::Books {
+  struct Range {
+    double least = 0, most = 0;  // zero belongs to it
+    void add(double x) { least = std::min(least, x), most = std::max(most, x); }
+    double size() const { return most - least; }
+  };
   AuditLimits limits;
   std::vector<Channel> channels;
-  Range kinetic, potential, booked;
+  Range kinetic, potential, drives, supplied, dissipated;
   double least = 0;  // imbalance that counts, J
   double first_potential = 0, first_balance = 0, at_instants = 0, before = 0;
   double largest_kinetic = 0, largest_potential = 0;
@@ -64,7 +63,7 @@ EnergyAudit::~EnergyAudit() = default;
 void EnergyAudit::start(const Sample& s) {
   Books& b = *books_;
   const AuditLimits given = b.limits;
-  b.kinetic = b.potential = b.booked = {};
+  b.kinetic = b.potential = b.drives = b.supplied = b.dissipated = {};
   b.at_instants = b.largest_kinetic = b.largest_potential = 0;
   b.audit = {};
   b.audit.limits = given;
@@ -85,7 +84,7 @@ void EnergyAudit::start(const Sample& s) {
 void EnergyAudit::step(const Sample& s) {
   Books& b = *books_;
   b.before = b.balance(s);
-  b.audit.violation = std::max(b.audit.violation, s.report.violation_after);
+  if (!(s.report.violation_after <= b.audit.violation)) b.audit.violation = s.report.violation_after;
 }
 
 // The same instant after an event, an impact or a jump.
@@ -108,10 +107,10 @@ void EnergyAudit::output(const Sample& s) {
   b.audit.dissipated = value_of(b.channels[kDissipated], s);
   b.audit.end = T + V;
   b.kinetic.add(T), b.potential.add(V - b.first_potential);
-  b.booked.add(b.audit.drives + b.audit.supplied - b.audit.dissipated);
+  b.drives.add(b.audit.drives), b.supplied.add(b.audit.supplied), b.dissipated.add(b.audit.dissipated);
   b.largest_kinetic = std::max(b.largest_kinetic, T), b.largest_potential = std::max(b.largest_potential, std::abs(V));
   const double off = std::abs(b.imbalance(s));
-  if (!(off <= b.audit.imbalance)) b.audit.imbalance = off;
+  if (!(off <= b.audit.imbalance) && !std::isnan(b.audit.imbalance)) b.audit.imbalance = off;
   b.look_at_forces(s);
 }
 
@@ -138,7 +137,8 @@ void EnergyAudit::Books::look_at_forces(const Sample& s) {
 Audit EnergyAudit::result() const {
   const Books& b = *books_;
   Audit audit = b.audit;
-  audit.scale = std::max({b.kinetic.size(), b.potential.size(), b.booked.size()});
+  audit.scale =
+      std::max({b.kinetic.size(), b.potential.size(), b.drives.size(), b.supplied.size(), b.dissipated.size()});
   audit.drifted = !(audit.violation <= audit.limits.violation);
   for (std::size_t k = 0; k < b.force_names.size(); ++k)
     if (b.gives_power[k] && !b.booked_forces[k]) audit.unbooked_forces.push_back(b.force_names[k]);
