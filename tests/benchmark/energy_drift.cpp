@@ -54,7 +54,7 @@ class Watch final : public Observer {
 
 Drift drift_of(const Way& way) {
   const Registry registry = builtin_registry();
-  Scene scene = read_scene(std::string(paths::kScenes) + "/double_pendulum.json");
+  Scene scene = read_scene(fmt::format("{}/double_pendulum.json", paths::kScenes));
   scene.run.integrator = {way.method, way.keys};
   scene.run.step = way.h;
   if (way.tolerance > 0) scene.run.tolerance = {way.tolerance, 1e-2 * way.tolerance};

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <utility>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 
 namespace lockstep {
