@@ -146,8 +146,7 @@ std::string loaded_part(const std::string& sound, const std::string& bytes) {
 }  // namespace
 
 TEST_CASE("thousands of changed plugins are refused, or are the same plugin still", "[plugin][mutation]") {
-  const std::string plugin = GENERATE(std::string(paths::kPlugins) + "/bump.so",
-                                      std::string(paths::kPlugins) + "/cam_follower.so", kModules + "/probe.so");
+  const std::string plugin = GENERATE(built_plugin("bump"), built_plugin("cam_follower"), test_plugin("probe"));
   const std::string sound = bytes_of(plugin), sound_part = loaded_part(sound, sound);
   const Elf64_Phdr last = loaded_segments(sound).back();
   // what debuggers read is changed up to half as many bytes as are loaded
@@ -179,7 +178,7 @@ TEST_CASE("thousands of changed plugins are refused, or are the same plugin stil
 // The system's loader trusts them. What stays sound, such as two symbols in each other's places, is not refused and may
 // crash it: by gcc 12 and GNU ld 2.40, none and 2 of 1000.
 TEST_CASE("the tables of a plugin are read without trust", "[plugin][mutation]") {
-  const std::string plugin = GENERATE(std::string(paths::kPlugins) + "/cam_follower.so", kModules + "/tables.so");
+  const std::string plugin = GENERATE(built_plugin("cam_follower"), test_plugin("tables"));
   const std::string sound = bytes_of(plugin);
   const Elf64_Phdr first = loaded_segments(sound).front();
   const bool is_tables = (first.p_flags & PF_X) == 0;  // some linkers put the code there, too

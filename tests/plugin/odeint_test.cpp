@@ -1,11 +1,12 @@
 // The plugin odeint: a foreign explicit method, its order and its error against the tolerance.
 #include <string>
 
-#include <lockstep/registry.h>
-#include <lockstep/loader.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
+#include <lockstep/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
+#include "tests/support/run_scene.h"
 
 namespace odeint_test {
 
@@ -71,7 +72,7 @@ TEST_CASE("odeint's method with too long a step ends with a word of advice", "[p
   const Registry registry = with_odeint();
   std::string message;
   try {
-    run_with_registry(registry, std::string(paths::kScenes) + "/flyball.json", [](RunSettings& s) {
+    run_with_registry(registry, scene_path("flyball"), [](RunSettings& s) {
       s.integrator = {"odeint_cash_karp54"};
       s.integrator.keys = Value::object({{"fixed", true}});
       s.step = 1e-3;

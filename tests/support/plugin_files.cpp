@@ -1,5 +1,7 @@
 #include "tests/support/plugin_files.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +17,9 @@ namespace lockstep::testing {
 namespace fs = std::filesystem;
 
 const std::string kModules = std::string(paths::kBuild) + "/test_plugins";
+
+std::string test_plugin(const std::string& name) { return fmt::format("{}/{}.so", kModules, name); }
+std::string built_plugin(const std::string& name) { return fmt::format("{}/{}.so", paths::kPlugins, name); }
 
 std::string bytes_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);

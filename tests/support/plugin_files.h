@@ -9,6 +9,8 @@
 namespace lockstep::testing {
 
 extern const std::string kModules;  ///< folder of the test's own plugins
+std::string test_plugin(const std::string& name);   ///< the file of one of them
+std::string built_plugin(const std::string& name);  ///< the file of one of plugins/
 
 std::string bytes_of(const std::string& path);
 /// Writes `bytes` to <build>/test_plugins/<folder>/<name>; the path.

@@ -129,8 +129,7 @@ double SingularPassage::shift(const Stages& stages, int late_stage, double h, do
 
 // The indicator falls as the square of the distance: its root is found along the last two nodes.
 void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
-  // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as
-  // before.
+  // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as before.
   if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
   if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
   if (report.rejected == 0) report.h_next = std::max(report.h_next, unplaced_);

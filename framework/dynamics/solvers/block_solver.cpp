@@ -77,13 +77,11 @@ void BlockFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
   if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, plan_.proximal());
   watch_.clear();
-  int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
     const double pivot = pivots_[kkt.pattern.n + j], diagonal = S_diagonal_[j] + plan_.proximal() * kkt.E[j];
     watch_.add(pivot, diagonal, pivot_floors_[j]);
-    n_small += is_small_pivot(pivot, diagonal, pivot_floors_[j]) ? 1 : 0;
   }
-  watch_.count(n_small);
+  watch_.count();
 }
 
 TypeInfo BlockSolver::info() {

@@ -107,13 +107,11 @@ void SparseFactorization::measure_pivots(const Kkt& kkt) {
   if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, kEps);
   const VecX D = ldlt_.vectorD();
   watch_.clear();
-  int n_small = 0;
   for (int j = 0; j < kkt.pattern.m; ++j) {
     const double pivot = -D[place_[j]], diagonal = S_diagonal_[j] + kEps * kkt.E[j], left = pivot_floors_[j];
     watch_.add(pivot, diagonal, left);
-    n_small += is_small_pivot(pivot, diagonal, left) ? 1 : 0;
   }
-  watch_.count(n_small);
+  watch_.count();
 }
 
 TypeInfo SparseSolver::info() {

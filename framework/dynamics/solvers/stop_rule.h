@@ -21,15 +21,14 @@ inline constexpr double kContradiction = 1e-2;
 inline constexpr int kMaxCorrections = 3;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
+inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal: larger pivots are regular whatever the proximal terms
 
-inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal
-
-/// Of the diagonal; `left`: what proximal terms leave of the pivot of a redundant row, but never so much that regular
-/// pivots would be lost in it.
+/// Pivots of a row below this count as small. `diagonal`: of the row before the elimination; `left`: what proximal terms
+/// leave of the pivot of a redundant row.
 inline double what_counts_as_small(double diagonal, double left) {
   return std::max(kSmallPivot * diagonal, std::min(left, kMostLeft * diagonal));
 }
-/// Whether the pivot of a row is small beside its diagonal before the elimination, or below what proximal terms leave.
+/// Whether the pivot of a row counts as small.
 inline bool is_small_pivot(double pivot, double diagonal, double left) {
   return pivot < what_counts_as_small(diagonal, left);
 }
@@ -89,6 +88,10 @@ class PivotWatch {
   /// `left`: as in is_small_pivot.
   void add(double pivot, double diagonal, double left) {
     pivots_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left)});
+  }
+  /// Counts the small ones among those added.
+  void count() {
+    count(static_cast<int>(std::ranges::count_if(pivots_, [](const Pivot& p) { return p.share < 1; })));
   }
   /// The smallest pivot relative to its diagonal.
   double smallest() const {
