@@ -23,16 +23,16 @@ Keys EmbeddedOptions::keys() {
           {"stages",
            Form::choice,
            Unit::none,
-           "plain",
-           "where stages are evaluated: as they are, on the constraints (singular positions), or there if needed",
+           "auto",
+           "where stages are evaluated: as they are, on the constraints, or there near singular positions",
            {"plain", "manifold", "auto"}}};
 }
 
 EmbeddedOptions EmbeddedOptions::from(const Params& params) {
   const std::string stages = params.text("stages");
   return {params.boolean("fixed"), stages == "manifold" ? StagesWhen::manifold
-                                   : stages == "auto"   ? StagesWhen::automatic
-                                                        : StagesWhen::plain};
+                                   : stages == "plain"  ? StagesWhen::plain
+                                                        : StagesWhen::automatic};
 }
 
 namespace {
@@ -52,7 +52,7 @@ EmbeddedRungeKutta::EmbeddedRungeKutta(const EmbeddedScheme& scheme, const Embed
       watch_(scheme.stability) {}
 
 const EmbeddedScheme* EmbeddedRungeKutta::scheme() const {
-  return (scheme_.error && fixed()) || passage_.active() ? nullptr : &scheme_;
+  return (scheme_.error && fixed()) || passage_.when() == StagesWhen::manifold ? nullptr : &scheme_;
 }
 
 void EmbeddedRungeKutta::set_tolerance(const Tolerance& tolerance) {
@@ -63,8 +63,8 @@ void EmbeddedRungeKutta::set_tolerance(const Tolerance& tolerance) {
 void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   AdaptiveStepper::begin(dynamics, state);
   dynamics_ = &dynamics;
+  passage_.begin(scheme_.tableau, state, dynamics);
   stages_.begin(scheme_.tableau, state, passage_.active());
-  passage_.begin(scheme_.tableau, state);
   watch_.begin(state.v.size());
   h_ = 0;
   dense_ready_ = false;

@@ -30,6 +30,8 @@ TranslationValue PathLaw::at(double t) const {
   return r;
 }
 
+bool PathLaw::stays_in_plane(const Vec3& normal) const { return curve_.is_constant(normal); }
+
 void PathLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { curve_.breakpoints(t0, t1, out); }
 
 const TypeInfo& PathLaw::info() {

@@ -10,6 +10,8 @@ ConstantRotation::ConstantRotation(const Quat& q) : q_(require_orientation("cons
 
 RotationValue ConstantRotation::at(double) const { return {q_, Vec3::Zero(), Vec3::Zero()}; }
 
+bool ConstantRotation::turns_about(const Vec3& axis) const { return cross(q_.vec(), axis).norm() <= kParallel; }
+
 AxisRotation::AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law)
     : axis_(require_direction("axis_rotation", "axis", axis)), law_(std::move(law)) {
   require_law("axis_rotation", "law", law_);
@@ -19,6 +21,8 @@ RotationValue AxisRotation::at(double t) const {
   const LawValue y = law_->at(t);
   return {Quat::from(std::cos(0.5 * y.y), Vec3(std::sin(0.5 * y.y) * axis_)), y.yd * axis_, y.ydd * axis_};
 }
+
+bool AxisRotation::turns_about(const Vec3& axis) const { return cross(axis_, axis).norm() <= kParallel; }
 
 void AxisRotation::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
 
@@ -33,6 +37,10 @@ RotationValue RotationProduct::at(double t) const {
   const Mat3 A2 = rotation(r2.q);
   const Vec3 w1 = A2.transpose() * r1.w;
   return {r1.q * r2.q, w1 + r2.w, A2.transpose() * r1.a + r2.a + cross(w1, r2.w)};
+}
+
+bool RotationProduct::turns_about(const Vec3& axis) const {
+  return first_->turns_about(axis) && second_->turns_about(axis);
 }
 
 void RotationProduct::breakpoints(double t0, double t1, std::vector<double>& out) const {

@@ -122,6 +122,22 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
   }
 }
 
+bool SplineCurve::is_constant(const VecX& weights) const {
+  const std::size_t n_powers = static_cast<std::size_t>(k_.degree) + 1, n = static_cast<std::size_t>(n_components_);
+  double size = 0;
+  for (std::size_t i = 0; i < c_.size(); i += n_powers) size = std::max(size, std::abs(c_[i]));
+  for (std::size_t i = 0; i + 1 < t_.size(); ++i) {
+    double h_to_k = 1;
+    for (std::size_t k = 1; k < n_powers; ++k) {
+      h_to_k *= t_[i + 1] - t_[i];
+      double sum = 0;
+      for (std::size_t j = 0; j < n; ++j) sum += weights[static_cast<Eigen::Index>(j)] * c_[(i * n + j) * n_powers + k];
+      if (std::abs(sum) * h_to_k > kParallel * size) return false;
+    }
+  }
+  return true;
+}
+
 void SplineCurve::breakpoints(double t0, double t1, std::vector<double>& out) const {
   if (k_.outside != SplineOutside::hold) return;
   if (!rest_at_first_ && t0 < first() && first() < t1) out.push_back(first());

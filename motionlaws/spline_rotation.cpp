@@ -67,6 +67,18 @@ RotationValue SplineRotation::at(double t) const {
   return rotation_value({jet(0), jet(1), jet(2), jet(3)});
 }
 
+// The components of its quaternion across the axis are constant, and zero at the start.
+bool SplineRotation::turns_about(const Vec3& axis) const {
+  const Vec3 q = at(curve_.first()).q.vec();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 across = Vec3::Unit(k) - axis[k] * axis;
+    VecX weights = VecX::Zero(4);
+    weights.tail<3>() = across;
+    if (std::abs(across.dot(q)) > kParallel || !curve_.is_constant(weights)) return false;
+  }
+  return true;
+}
+
 void SplineRotation::breakpoints(double t0, double t1, std::vector<double>& out) const {
   curve_.breakpoints(t0, t1, out);
 }

@@ -9,6 +9,7 @@ ConstantTranslation::ConstantTranslation(const Vec3& value) : value_(value) {
 }
 
 TranslationValue ConstantTranslation::at(double) const { return {value_, Vec3::Zero(), Vec3::Zero()}; }
+bool ConstantTranslation::stays_in_plane(const Vec3&) const { return true; }
 
 ComponentsLaw::ComponentsLaw(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z)
     : laws_{std::move(x), std::move(y), std::move(z)} {
@@ -26,6 +27,12 @@ TranslationValue ComponentsLaw::at(double t) const {
   return r;
 }
 
+bool ComponentsLaw::stays_in_plane(const Vec3& normal) const {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(normal[static_cast<Eigen::Index>(i)]) > kParallel && !laws_[i]->is_constant()) return false;
+  return true;
+}
+
 void ComponentsLaw::breakpoints(double t0, double t1, std::vector<double>& out) const {
   for (const auto& law : laws_) law->breakpoints(t0, t1, out);
 }
@@ -39,6 +46,10 @@ AlongLaw::AlongLaw(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin)
 TranslationValue AlongLaw::at(double t) const {
   const LawValue s = law_->at(t);
   return {origin_ + s.y * axis_, s.yd * axis_, s.ydd * axis_};
+}
+
+bool AlongLaw::stays_in_plane(const Vec3& normal) const {
+  return std::abs(normal.dot(axis_)) <= kParallel || law_->is_constant();
 }
 
 void AlongLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }

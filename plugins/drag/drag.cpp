@@ -14,6 +14,9 @@ class Drag final : public FormulaForce<Drag> {
   Drag(std::string name, Marker& p, double c) : FormulaForce(std::move(name), p, nullptr), c_(c) {}
   std::string_view type() const override { return "drag"; }
 
+  /// It acts against the velocity of P.
+  bool stays_in_plane(Plane plane) const override { return markers_stay_in(plane); }
+
   /// On numbers this is the force, on jets its exact tangent.
   template <class T, class Load>
   void act(const Ends<T>& at, Load& load) const {

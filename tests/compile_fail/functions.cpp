@@ -41,6 +41,12 @@ struct Kinds : Plain {
 };
 static_assert(sizeof(PhiLock<Kinds>) > 0);
 
+// refused: by kStaysInPlane
+struct IsPlanar : Plain {
+  static constexpr bool kPlanar = true;
+};
+static_assert(sizeof(PhiLock<IsPlanar>) > 0);
+
 // refused: by kNames
 struct Name : Plain {
   static constexpr std::array<const char*, 1> kName = {"row"};

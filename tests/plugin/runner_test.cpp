@@ -67,16 +67,18 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(says(chain, "", "formulation         joint: 10 unknown velocities, no rows"));
   CHECK(says(chain, "--full", "formulation         omega\n"));
   CHECK(!says(chain, "", "\"formulation\": \"auto\""));
-  CHECK(says(kFourBar, "", "formulation         omega: link '"));
+  CHECK(says(kFourBar, "", "formulation         omega, in the plane with normal z\n"));
+  CHECK(says(kFourBar, "--planar off", "formulation         omega: link '"));
   const std::string pendulum = kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2, "integrator": ")";
   CHECK(says(scene_file("explicit", pendulum + "dopri5\"}"), "", "formulation         joint: 1 unknown"));
-  CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "",
+  CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "--planar off",
              "formulation         omega: integrator radau5 does not take joint coordinates"));
   const std::string omega = "\", \"formulation\": \"omega\"}",
                     proposal = "\"formulation\": \"auto\" integrates the joints'";
   CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));
   CHECK(!says(scene_file("named", pendulum + "radau5" + omega), "", proposal));
-  CHECK(says(scene_file("solved", pendulum + "dopri5\", \"solver\": \"sparse\"}"), "", "formulation         omega\n"));
+  CHECK(says(scene_file("solved", pendulum + "dopri5\", \"solver\": \"sparse\"}"), "",
+             "formulation         omega, in the plane"));
   const Called r = call("run '" + chain + "' --formulation joint --until 0.2 --record joint.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
@@ -233,12 +235,16 @@ TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
 }
 
 TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]") {
-  const auto check = nlohmann::json::parse(call("check '" + kFourBar + "' --json").text);
+  const auto check = nlohmann::json::parse(call("check '" + kFourBar + "' --planar off --json").text);
   CHECK(check["bodies"] == 3);
   CHECK(check["unknowns"] == 18);
   CHECK(check["rows"] == 21);
   CHECK(check["redundant"] == 3);
   CHECK(check["freedoms"] == 0);
+  const auto plane = nlohmann::json::parse(call("check '" + kFourBar + "' --json").text);
+  CHECK(plane["unknowns"] == 9);
+  CHECK(plane["rows"] == 9);
+  CHECK(plane["redundant"] == 0);
   CHECK_FALSE(check["left_out"].empty());
   CHECK(contains(call("check '" + kFourBar + "'").text, "degrees of freedom  0"));
 

@@ -19,7 +19,7 @@ Mechanism mechanism(const std::string& members) {
 }  // namespace
 
 TEST_CASE("bodies get mass, place and start from their keys", "[unit][scene]") {
-  Mechanism m = mechanism(R"("gravity": ["0 m/s^2", -9.81, 0], "bodies": [
+  Mechanism m = mechanism(R"("gravity": ["0 m/s^2", -9.81, 0], "planar": "off", "bodies": [
     {"name": "rod", "rod": {"mass": "500 g", "from": [1, 0, 0], "to": [1, 2, 0], "axial_inertia": 0.01}, "omega_world": [0, 0, 3]},
     {"name": "ball", "sphere": {"density": 1000, "radius": "100 mm"}, "position": [0, 0, 5]},
     {"name": "free", "mass": 2, "center": [0.5, 0, 0], "inertia": {"xx": 1, "yy": 2, "zz": 2.5, "xy": 0.1}, "inertia_at": [0, 0, 0]},

@@ -1,12 +1,18 @@
 // Planar mechanisms: the same motion as in space, half the unknowns; and who leaves the plane is told by name.
 #include <algorithm>
 
-#include <lockstep/registry.h>
+#include <lockstep/combined_laws.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
-#include <lockstep/joints.h>
-#include <lockstep/scene.h>
 #include <lockstep/error.h>
+#include <lockstep/forces.h>
+#include <lockstep/frame_laws.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/phi_links.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include <lockstep/splines.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -38,6 +44,37 @@ class LeavesLater final : public TranslationLaw {
   }
 };
 
+std::string own_scene(const std::string& name) {
+  return std::string(paths::kSource) + "/tests/verification/scenes/" + name + ".json";
+}
+
+/// y = 0, by a function that says, or does not say, that planar mechanisms stay in their plane.
+template <bool kSays>
+struct Straight {
+  static constexpr Reads kReads = Reads::translation;
+  static constexpr bool kStaysInPlane = kSays;
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.y;
+  }
+};
+template <class Phi>
+class Guided final : public PhiLock<Phi> {
+ public:
+  using PhiLock<Phi>::PhiLock;
+  std::string_view type() const override { return "guided"; }
+};
+template <class Phi>
+void hold_tip(Rod& r) {
+  r.system.add<Guided<Phi>>("guide", r.system.add_marker("tip", r.rod, pose_at(Vec3(0.5, 0, 0))),
+                            r.system.add_marker("rail", r.system.ground(), pose_at(Vec3(0, 0, 0))), Mask::none, Phi{});
+}
+
+/// A force on the rod at this place on it.
+void push(Rod& r, const Vec3& at, const AppliedForce::Options& options) {
+  r.system.add(std::make_unique<AppliedForce>("push", r.system.add_marker("tip", r.rod, pose_at(at)), options));
+}
+
 /// What setting up in the plane says.
 std::string refusal(System& system, int n = 2) {
   system.set_planar(Plane{n});
@@ -53,7 +90,7 @@ TEST_CASE("planar scenes move as in space, every column", "[verification][plane]
   const auto precise = [](RunSettings& run) {
     if (run.step == 0) run.tolerance = {1e-11, 1e-13};
   };
-  const SceneRun space = run_scene(scene_path(name), precise);
+  const SceneRun space = run_scene(scene_path(name), precise, [](Scene& scene) { scene = in_space(scene); });
   const SceneRun flat = run_scene(scene_path(name), precise, in_plane);
   CHECK(flat.n_velocities < space.n_velocities);
   for (const ColumnError& e : compare(flat.table, space.table)) {
@@ -165,6 +202,116 @@ TEST_CASE("a law that leaves the plane later stops the run by name", "[verificat
   state.t = 6.0;
   const std::string text = message_of<ModelError>([&] { dynamics.evaluate(state); });
   CHECK(text.find("link 'drive': its law leaves the plane at t = 6") != std::string::npos);
+  CHECK_FALSE(find_plane(r.system));  // a law that does not say that it stays
+}
+
+TEST_CASE("what does not say that it stays in the plane keeps the mechanism in space", "[verification][plane]") {
+  const auto found = [](auto&& add) {
+    Rod r;
+    add(r);
+    return bool(find_plane(r.system));
+  };
+  const Vec3 tip(0.5, 0, 0);
+  const auto late = laws::sequence({{5, laws::constant(0)}, {5, laws::constant(1)}});  // zero wherever it is evaluated
+  CHECK(found([](Rod&) {}));
+  SECTION("forces") {
+    const auto function = [](const Inputs&, WrenchSum&) {};
+    CHECK_FALSE(found([&](Rod& r) {
+      r.system.add(function_force("own", {&r.system.add_marker("tip", r.rod, pose_at(tip))}, function));
+    }));
+    const auto applied = [&](const Vec3& direction, const Vec3& at) {
+      return found([&](Rod& r) { push(r, at, {.law = late, .direction = direction, .axes = AppliedAxes::body}); });
+    };
+    CHECK(applied(Vec3(1, 2, 0), tip));
+    CHECK_FALSE(applied(Vec3(0, 0, 1), tip));
+    CHECK_FALSE(applied(Vec3(1, 2, 0), Vec3(0.5, 0, 0.1)));
+  }
+  SECTION("laws") {
+    const auto moved = [&](LawPtr<TranslationLaw> law) {
+      return found([&](Rod& r) {
+        Marker& marker = r.system.add_marker("guide", r.rod, pose_at(tip));
+        marker.translation_law = law;
+        Body& other = r.system.add_body("other", r.rod.mass, {tip, {}});
+        r.system.add<Revolute>("pin", r.system.add_marker("own", other, pose_at(Vec3(0, 0, 0))), marker);
+      });
+    };
+    const auto sine = laws::sine({.amplitude = 0.1, .omega = 1});
+    CHECK(moved(laws::along(Vec3(1, 1, 0), sine)));
+    CHECK_FALSE(moved(laws::along(Vec3(0, 0, 1), late)));
+    CHECK(moved(laws::components(sine, sine, laws::constant(0))));
+    CHECK_FALSE(moved(laws::components(sine, sine, late)));
+    CHECK(moved(laws::path({{0, Vec3(0, 0, 0)}, {1, Vec3(0.1, 0, 0)}, {2, Vec3(0, 0.1, 0)}},
+                           {.outside = SplineOutside::hold})));
+    CHECK_FALSE(moved(laws::path({{0, Vec3(0, 0, 0)}, {1, Vec3(0.1, 0, 0)}, {2, Vec3(0, 0.1, 0.01)}},
+                                 {.outside = SplineOutside::hold})));
+  }
+  SECTION("turns") {
+    const auto turned = [&](LawPtr<RotationLaw> law) {
+      return found([&](Rod& r) {
+        Body& other = r.system.add_body("other", r.rod.mass, {tip, {}});
+        r.system.add<Fixed>("pin", other, r.rod, pose_at(tip)).turn(law);
+      });
+    };
+    const auto ramp = laws::ramp(1);
+    CHECK(turned(laws::axis_rotation(Vec3(0, 0, -2), ramp)));
+    CHECK_FALSE(turned(laws::axis_rotation(Vec3(0, 1, 1), late)));
+    CHECK(turned(laws::rotation_product(laws::constant_rotation(axis_angle(Vec3(0, 0, 1), 0.3)),
+                                        laws::axis_rotation(Vec3(0, 0, 1), ramp))));
+    const auto about = [](const Vec3& axis) {
+      return laws::spline_rotation({{0, Quat{}}, {1, axis_angle(axis, 0.4)}, {2, axis_angle(axis, 0.1)}},
+                                   {.outside = SplineOutside::hold});
+    };
+    CHECK(turned(about(Vec3(0, 0, 1))));
+    CHECK_FALSE(turned(about(Vec3(0, 1, 0))));
+  }
+  SECTION("functions") {
+    CHECK(found([&](Rod& r) { hold_tip<Straight<true>>(r); }));
+    CHECK_FALSE(found([&](Rod& r) { hold_tip<Straight<false>>(r); }));
+  }
+}
+
+TEST_CASE("planar by default: loops that are known to stay in their plane", "[verification][plane]") {
+  const auto plane_of = [](const std::string& path, Formulation formulation = Formulation::automatic) {
+    const Registry registry = builtin_registry();
+    Scene scene = read_scene(path);
+    scene.run.formulation = formulation;
+    return build_mechanism(scene, registry).system.plane();
+  };
+  CHECK(plane_of(scene_path("four_bar")) == Plane{2});
+  CHECK(plane_of(scene_path("andrews_ivp")) == Plane{2});
+  CHECK_FALSE(plane_of(scene_path("four_bar"), Formulation::quaternion));
+  CHECK_FALSE(plane_of(scene_path("chain_10")));  // joint coordinates are cheaper
+  CHECK(plane_of(scene_path("chain_10"), Formulation::omega) == Plane{2});
+  CHECK_FALSE(plane_of(scene_path("heavy_top")));
+  CHECK_FALSE(plane_of(own_scene("conical_pendulum")));
+  CHECK_FALSE(plane_of(own_scene("conical_pendulum"), Formulation::omega));
+}
+
+TEST_CASE("a start or a force that leaves the plane is refused by name", "[verification][plane]") {
+  const auto refused = [](const std::string& scene, const char* normal) {
+    const Registry registry = builtin_registry();
+    Scene read = read_scene(own_scene(scene));
+    read.root.object()->push_back({"planar", Value(normal), {}});
+    return message_of<SceneError>([&] { build_mechanism(read, registry); });
+  };
+  const std::string start = refused("conical_pendulum", "y");
+  CHECK(start.find("link 'ball'") != std::string::npos);
+  CHECK(start.find("starts with 2 rad/s out of the plane") != std::string::npos);
+  const std::string force = refused("force_off_the_plane", "z");
+  CHECK(force.find("force 'f'") != std::string::npos);
+  CHECK(force.find("lever arm along the normal") != std::string::npos);
+}
+
+// The same lever arm on a body that a hinge holds in the plane: the hinge takes the moment.
+TEST_CASE("a lever arm along the normal is taken by links that hold the body", "[verification][plane]") {
+  const auto turning = [](bool planar) {
+    Rod r;
+    push(r, Vec3(0.5, 0, 0.1), {.force = Vec3(0, 1, 0)});
+    if (planar) r.system.set_planar(Plane{2});
+    Dynamics dynamics(r.system, std::make_unique<SchurSolver>());
+    return dynamics.evaluate(r.system.start()).a[5];
+  };
+  CHECK(turning(true) == Approx(turning(false)).epsilon(1e-13));
 }
 
 }  // namespace plane_test

@@ -1,8 +1,11 @@
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
+#include <cmath>
 
-#include "framework/description/scene/builder.h"
+#include <lockstep/dynamics.h>
+#include <lockstep/integrator.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
 
 namespace lockstep {
 
@@ -87,7 +90,7 @@ void Builder::build() {
   set_merge(root.text("merge"));
   make_integrator(out_.run, registry_);
   make_solver(out_.run, registry_);
-  set_up(root.text("planar"));
+  set_up(root);
 }
 
 void Builder::set_merge(const std::string& how) {
@@ -109,20 +112,63 @@ void Builder::set_merge(const std::string& how) {
   out_.system.set_merge(true, std::move(keep));
 }
 
-// Refusals of the System name a body, link or force: its place in the file is put before them.
-void Builder::set_up(const std::string& normal) {
+// Whether joint coordinates, which are cheaper, take the mechanism in space.
+bool Builder::goes_joint() const {
+  const Formulation formulation = out_.run.formulation;
+  if (formulation == Formulation::joint) return true;
+  if (formulation != Formulation::automatic || !make_integrator(out_.run, registry_)->info().joint) return false;
+  DynamicsOptions options;
+  options.formulation = formulation;
+  return Dynamics(out_.system, make_solver(out_.run, registry_), options)
+      .why_not_joint(out_.system.start().modes)
+      .empty();
+}
+
+// A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
+const VelocityTarget* Builder::start_out_of(Plane plane) const {
+  for (const VelocityTarget& start : out_.start_speeds) {
+    const Vec3 normal = MarkerFrame(*out_.system.link(start.link).pairs().front().second).A0.row(plane.n);
+    const Vec3 axis = Vec3::Unit(axis_index(start.axis) % 3);
+    const double out = is_rotation(start.axis) ? cross(axis, normal).norm() : std::abs(axis.dot(normal));
+    if (start.value != 0 && out > 1e-10) return &start;
+  }
+  return nullptr;
+}
+
+// The plane of a mechanism that moves in one, unless coordinates or a formulation are better off in space. `asked`: the
+// scene asks for it, and the plane is preferred.
+void Builder::choose_plane(bool asked) {
   System& system = out_.system;
+  if (!asked && (out_.run.formulation == Formulation::quaternion || goes_joint())) return;
+  system.set_planar(find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; }));
+}
+
+// Refusals of the System name a body, link or force: its place in the file is put before them.
+void Builder::set_up(const Params& root) {
+  System& system = out_.system;
+  const std::string normal = root.text("planar");
   try {
     if (normal == "auto")
-      system.set_planar(find_plane(system));
+      choose_plane(root.has("planar"));
     else if (normal != "off")
       system.set_planar(Plane{normal[0] - 'x'});
     system.setup();
+    const VelocityTarget* out = normal.size() == 1 ? start_out_of(system.plane()) : nullptr;
+    if (out != nullptr)
+      throw ModelError({.thing = {.kind = "link", .name = out->link},
+                        .problem = "the scene is planar with normal " + normal + ", and it starts with " +
+                                   text::brief(out->value) + (is_rotation(out->axis) ? " rad/s" : " m/s") +
+                                   " out of the plane; remove \"planar\", or start in the plane"});
   } catch (const ModelError& error) {
     const auto& things = taken_[error.thing.kind];
     const auto found = things.find(error.thing.name);
     refuse(found != things.end() ? found->second : scene_.root.where, "", error.what(), error);
   }
+}
+
+Scene in_space(Scene scene) {
+  if (scene.root.find("planar") == nullptr) scene.root.object()->push_back({"planar", Value("off"), scene.root.where});
+  return scene;
 }
 
 Mechanism build_mechanism(const Scene& scene, const Registry& registry) {

@@ -71,7 +71,10 @@ class Builder {
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;
   void set_merge(const std::string& how);
-  void set_up(const std::string& normal);
+  void set_up(const Params& root);
+  void choose_plane(bool asked);
+  bool goes_joint() const;
+  const VelocityTarget* start_out_of(Plane) const;
 
   // Notes the name of a new thing; refuses names that are taken, empty or ambiguous in channels.
   std::string claim(const Params& object, const std::string& kind);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
@@ -41,11 +42,21 @@ double time_to_turn(const State& y, double angle) {
 
 }  // namespace
 
-void SingularPassage::begin(const Tableau& tableau, const State& state) {
+double NearSingular::limit() const { return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL); }
+
+void NearSingular::add(double indicator, double angle) {
+  largest_ = std::max(largest_, std::min(indicator, 1.0));
+  turned_ += angle;
+}
+
+void SingularPassage::begin(const Tableau& tableau, const State& state, const Dynamics& dynamics) {
+  const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
+  active_ = !state.coordinates && (when_ == StagesWhen::manifold || (when_ == StagesWhen::automatic && projects &&
+                                                                     has_loops(dynamics.system(), state.modes)));
+  usual_ = {};
   near_ = probed_ = entered_ = false;
   longest_plain_ = 0;
   ahead_ = HUGE_VAL;
-  largest_ = turned_ = 0;
   const double* c = tableau.c;
   nodes_.assign(c, c + tableau.n_stages);
   std::ranges::sort(nodes_);
@@ -59,15 +70,15 @@ void SingularPassage::begin(const Tableau& tableau, const State& state) {
 }
 
 void SingularPassage::start_step() {
-  on_ = when_ == StagesWhen::manifold || near_ ? StagesOn::manifold : StagesOn::plain;
+  on_ = (active_ && when_ == StagesWhen::manifold) || near_ ? StagesOn::manifold : StagesOn::plain;
   shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross}, entered_ = false;
 }
 
 // A start in a singular position looks like one with redundant rows until both sides have been probed.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
-  rate_of_turn_ = active() ? fastest_turn(y) : 0;
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
+  rate_of_turn_ = fastest_turn(y);
   const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
   probed_ = true;
   if (!starts && !ill_conditioned(stages, 0)) return true;
@@ -108,7 +119,7 @@ double SingularPassage::straddle(double h) const {
 }
 
 bool SingularPassage::enters(const Stages& stages) {
-  if (when_ != StagesWhen::automatic || on_ == StagesOn::manifold || !near(stages)) return false;
+  if (!active_ || on_ == StagesOn::manifold || !near(stages)) return false;
   on_ = StagesOn::manifold;
   entered_ = true;
   return true;
@@ -129,6 +140,7 @@ double SingularPassage::shift(const Stages& stages, int late_stage, double h, do
 
 // The indicator falls as the square of the distance: its root is found along the last two nodes.
 void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
+  if (!active_) return;
   // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as before.
   if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
   if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
@@ -140,14 +152,8 @@ void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
   if (when_ != StagesWhen::automatic) return;
   const double now = stages.indicator();
-  near_ = now < (on_ == StagesOn::manifold ? kRegular : 1.0) * singular();
-  largest_ = std::max(largest_, std::min(now, 1.0));
-  turned_ += report.h * rate_of_turn_;
-}
-
-// Bodies of very different inertia have small pivots in every position: a start in a singular position looks the same.
-double SingularPassage::singular() const {
-  return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL);
+  near_ = now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
+  usual_.add(now, report.h * rate_of_turn_);
 }
 
 double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& stages, double guess, double largest) {
@@ -158,7 +164,7 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(y, kFirstTurn))) : guess;
 }
 
-bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < singular(); }
+bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {

@@ -76,12 +76,10 @@ void BlockFactorization::fill(const Kkt& kkt) {
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
   if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, plan_.proximal());
-  watch_.clear();
-  for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = pivots_[kkt.pattern.n + j], diagonal = S_diagonal_[j] + plan_.proximal() * kkt.E[j];
-    watch_.add(pivot, diagonal, pivot_floors_[j]);
-  }
-  watch_.count();
+  watch_.see([&](auto&& row) {
+    for (int j = 0; j < kkt.pattern.m; ++j)
+      row(pivots_[kkt.pattern.n + j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], pivot_floors_[j]);
+  });
 }
 
 TypeInfo BlockSolver::info() {

@@ -47,6 +47,19 @@ bool LinkGraph::is_tree() const {
   });
 }
 
+LinkGraph link_graph(const RowTable& rows, int n_slots) {
+  LinkGraph graph{n_slots, {}};
+  for (const RowEntry& e : rows.entries)
+    graph.slots.emplace_back(e.slots.slot.begin(), e.slots.slot.begin() + e.slots.n);
+  return graph;
+}
+
+bool has_loops(const System& system, const std::vector<bool>& modes) {
+  RowTable rows;
+  system.lay_out(modes, rows);
+  return !link_graph(rows, system.n_slots()).is_tree();
+}
+
 MinimumDegree::MinimumDegree(Neighbours neighbours, std::vector<int> weights)
     : neighbours_(std::move(neighbours)),
       weights_(std::move(weights)),

@@ -7,6 +7,9 @@
 #include <tuple>
 #include <vector>
 
+#include <lockstep/export.h>
+#include <lockstep/system.h>
+
 namespace lockstep {
 
 using Neighbours = std::vector<std::vector<int>>;  ///< of each node, sorted, without itself
@@ -36,6 +39,11 @@ struct LinkGraph {
   /// No closed loop, the ground being one body: rows of different links cannot depend on one another by topology.
   bool is_tree() const;
 };
+
+LinkGraph link_graph(const RowTable&, int n_slots);
+/// Whether links in force close a loop, so that rows may depend on one another in some positions. Of a system that is
+/// set up.
+LOCKSTEP_API bool has_loops(const System&, const std::vector<bool>& modes);
 
 /// Order of elimination by minimum degree: next is the node whose neighbours weigh least, and of equals the one touched
 /// longest ago, so that successive pivots do not wait for each other. Leaves go first, and a tree makes no fill.

@@ -23,9 +23,7 @@ struct Graph {
 };
 
 Graph::Graph(const RowTable& rows, int n_slots) {
-  links.n_slots = n_slots;
-  for (const RowEntry& e : rows.entries)
-    links.slots.emplace_back(e.slots.slot.begin(), e.slots.slot.begin() + e.slots.n);
+  links = link_graph(rows, n_slots);
   const std::vector<std::vector<int>> on_slot = links.links_of_slots();
   for (int s = 0; s < n_slots; ++s) {
     const bool hub = on_slot[s].size() > Plan::kHub;

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/body.h>
+#include <lockstep/memory.h>
+#include "framework/dynamics/solvers/schur_floors.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include <lockstep/memory.h>
-#include <lockstep/body.h>
 
 namespace lockstep {
 
@@ -28,8 +29,7 @@ class SchurFactorization final : public Factorization {
  private:
   void size(const KktPattern&);
   void read_masses(const Kkt&);
-  void measure_pivot_floors();
-  void count_small_pivots();
+  void see_pivots();
   template <class X>
   void free_motion(const VecX& f);
   void start(const VecX& f, const VecX& c);
@@ -118,35 +118,20 @@ void SchurFactorization::compute(const Kkt& kkt) {
   z_.rows = rows_->data();
   schur::fill(plan_, z_);
   schur::factor(plan_, z_);
-  if (!plan_.tree) count_small_pivots();
+  if (!plan_.tree) see_pivots();
 }
 
-// Measured once: what counts is the order of magnitude of proximal terms and lever arms.
-void SchurFactorization::measure_pivot_floors() {
-  PivotFloors floors;
-  for (const schur::Node& node : plan_.nodes) {
-    if (node.link < 0) continue;
-    for (int k = 0; k < node.m; ++k) floors.add(node.kinds.of(k), E_[node.x + k]);
-    for (const schur::Side& side : plan_.sides_of(node)) {
-      const double* J = z_.rows + side.J + (side.turned ? 0 : (plane_ ? 2 : 3) * node.ld());
-      for (int k = 0; k < node.m; ++k) {
-        double arm2 = 0;
-        for (int c = 0; c < (plane_ ? 1 : 3); ++c) arm2 += J[c * node.ld() + k] * J[c * node.ld() + k];
-        if (node.kinds.of(k) == RowKind::translation) floors.arm2 = std::max(floors.arm2, arm2);
-      }
-    }
+void SchurFactorization::see_pivots() {
+  if (!plan_.tree && !floors_known_) {  // measured once: the order of magnitude counts
+    pivot_floors_ = schur::measure_pivot_floors(
+        plan_, [&](std::size_t i) { return E_[i]; }, [&](std::size_t i) { return z_.rows[i]; });
+    floors_known_ = true;
   }
-  for (std::size_t k = 0; k < 3; ++k) pivot_floors_[k] = floors.of(static_cast<RowKind>(k));
-  floors_known_ = true;
-}
-
-void SchurFactorization::count_small_pivots() {
-  if (!floors_known_) measure_pivot_floors();
-  int n = 0;
-  for_each_row([&](int, std::size_t at, int kind) {
-    n += is_small_pivot(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]) ? 1 : 0;
+  watch_.see([&](auto&& row) {
+    for_each_row([&](int, std::size_t at, int kind) {
+      row(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
+    });
   });
-  watch_.count(n);
 }
 
 /// Adds the residual of the last solution, the smallest relative pivot, and the smallest beyond the usual ones.
@@ -154,10 +139,7 @@ void SchurFactorization::complete(SolveReport& report) {
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;
-  watch_.clear();
-  for_each_row([&](int, std::size_t at, int kind) {
-    watch_.add(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
-  });
+  if (plan_.tree) see_pivots();
   report.smallest_pivot = watch_.smallest();
   report.detector = plan_.tree ? report.smallest_pivot : watch_.singularity_indicator();
 }
@@ -273,7 +255,7 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;
-  if (plan_.tree) watch_.begin(0), count_small_pivots();
+  if (plan_.tree) watch_.begin(0), see_pivots();
   report.contradictory = watch_.contradictory(worst_, before_);
   return report;
 }

@@ -106,12 +106,9 @@ void SparseFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
   if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, kEps);
   const VecX D = ldlt_.vectorD();
-  watch_.clear();
-  for (int j = 0; j < kkt.pattern.m; ++j) {
-    const double pivot = -D[place_[j]], diagonal = S_diagonal_[j] + kEps * kkt.E[j], left = pivot_floors_[j];
-    watch_.add(pivot, diagonal, left);
-  }
-  watch_.count();
+  watch_.see([&](auto&& row) {
+    for (int j = 0; j < kkt.pattern.m; ++j) row(-D[place_[j]], S_diagonal_[j] + kEps * kkt.E[j], pivot_floors_[j]);
+  });
 }
 
 TypeInfo SparseSolver::info() {

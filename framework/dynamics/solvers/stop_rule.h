@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include <lockstep/export.h>
 #include <lockstep/solver.h>
 
 namespace lockstep {
@@ -25,8 +26,11 @@ inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal: larger pivots a
 
 /// Pivots of a row below this count as small. `diagonal`: of the row before the elimination; `left`: what proximal terms
 /// leave of the pivot of a redundant row.
-inline double what_counts_as_small(double diagonal, double left) {
-  return std::max(kSmallPivot * diagonal, std::min(left, kMostLeft * diagonal));
+template <class T>  // double, or a pack of them
+LOCKSTEP_INLINE T what_counts_as_small(const T& diagonal, const T& left) {
+  const T most = kMostLeft * diagonal, least = kSmallPivot * diagonal;
+  const T kept = left < most ? left : most;
+  return kept < least ? least : kept;
 }
 /// Whether the pivot of a row counts as small.
 inline bool is_small_pivot(double pivot, double diagonal, double left) {
@@ -81,33 +85,33 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
 /// singular position.
 class PivotWatch {
  public:
-  void begin(int n_rows) { usual_ = n_rows, pivots_.reserve(static_cast<std::size_t>(n_rows)); }
-  void count(int n_small) { now_ = n_small, usual_ = std::min(usual_, n_small); }
-  /// The pivots of the present matrix are filled in by whoever asks for the two numbers below.
-  void clear() { pivots_.clear(); }
-  /// `left`: as in is_small_pivot.
-  void add(double pivot, double diagonal, double left) {
-    pivots_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left)});
-  }
-  /// Counts the small ones among those added.
-  void count() {
-    count(static_cast<int>(std::ranges::count_if(pivots_, [](const Pivot& p) { return p.share < 1; })));
+  void begin(int n_rows) { usual_ = n_rows, beyond_.reserve(static_cast<std::size_t>(n_rows)); }
+  /// Sees the rows of the present matrix: `each` calls its argument with the pivot of every row, its diagonal, and what
+  /// proximal terms would leave of it (as in is_small_pivot).
+  template <class Each>
+  void see(Each&& each) {
+    now_ = 0, smallest_ = regular_ = std::numeric_limits<double>::infinity();
+    each([&](double pivot, double diagonal, double left) {
+      const bool small = is_small_pivot(pivot, diagonal, left);
+      const double relative = pivot / diagonal;
+      now_ += small ? 1 : 0;
+      smallest_ = std::min(smallest_, relative);
+      if (!small) regular_ = std::min(regular_, relative);
+    });
+    usual_ = std::min(usual_, now_);
+    beyond_.clear();
+    if (now_ == usual_) return;
+    each([&](double pivot, double diagonal, double left) {
+      beyond_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left)});
+    });
+    const auto at = beyond_.begin() + usual_;
+    std::ranges::nth_element(beyond_, at, {}, &Pivot::share);
+    for (auto p = at; p != beyond_.end(); ++p) regular_ = std::min(regular_, p->relative);
   }
   /// The smallest pivot relative to its diagonal.
-  double smallest() const {
-    double smallest = std::numeric_limits<double>::infinity();
-    for (const Pivot& p : pivots_) smallest = std::min(smallest, p.relative);
-    return smallest;
-  }
-  /// The smallest beyond the usual ones: falls as the square of the distance to a singular position. Reorders.
-  double singularity_indicator() {
-    double smallest = std::numeric_limits<double>::infinity();
-    if (usual_ >= static_cast<int>(pivots_.size())) return smallest;
-    const auto at = pivots_.begin() + usual_;
-    std::ranges::nth_element(pivots_, at, {}, &Pivot::share);
-    for (auto p = at; p != pivots_.end(); ++p) smallest = std::min(smallest, p->relative);
-    return smallest;
-  }
+  double smallest() const { return smallest_; }
+  /// The smallest beyond the usual ones: falls as the square of the distance to a singular position.
+  double singularity_indicator() const { return regular_; }
   /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
   /// always dependent; small pivots beyond the usual ones indicate a singular position, which may be passed.
   bool contradictory(double residual, double before) const {
@@ -118,7 +122,8 @@ class PivotWatch {
   struct Pivot {
     double relative, share;  // of the diagonal, and of what counts as small
   };
-  std::vector<Pivot> pivots_;
+  std::vector<Pivot> beyond_;  // all of them, when more are small than usual
+  double smallest_ = std::numeric_limits<double>::infinity(), regular_ = smallest_;
   int now_ = 0, usual_ = 0;
 };
 

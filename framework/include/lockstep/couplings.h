@@ -49,6 +49,7 @@ struct LOCKSTEP_API RollerOnCam {
   CamProfile profile;                                                ///< of the cam
   double roller;                                                     ///< radius of the roller, m; 0: a knife edge
   static constexpr Reads kReads = Reads::translation;                ///< x and y
+  static constexpr bool kStaysInPlane = true;                        ///< planar mechanisms stay in their plane
   static constexpr RowKind kKind = RowKind::translation;             ///< a length
   static constexpr int kMemory = 1;                                  ///< u of the foot less the polar angle of P, rad
   static constexpr std::array<const char*, 1> kNames = {"contact"};  ///< name of the row
@@ -75,6 +76,7 @@ struct LOCKSTEP_API RollerOnCam {
 struct LOCKSTEP_API FaceOnCam {
   CamProfile profile;                                                ///< of the cam, convex
   static constexpr Reads kReads = Reads::both;                       ///< x, y and the relative quaternion
+  static constexpr bool kStaysInPlane = true;                        ///< planar mechanisms stay in their plane
   static constexpr RowKind kKind = RowKind::translation;             ///< a length
   static constexpr int kMemory = 1;                                  ///< u of the contact less alpha, rad
   static constexpr std::array<const char*, 1> kNames = {"contact"};  ///< name of the row
@@ -294,6 +296,7 @@ struct TurnsOfTwo {
       b;                                                           ///< factor of theta2
   double reference = 0;                                            ///< a theta1 + b theta2 at the start
   static constexpr int kPairs = 2;                                 ///< two turns
+  static constexpr bool kStaysInPlane = true;                      ///< planar mechanisms stay in their plane
   static constexpr Reads kReads = Reads::rotation;                 ///< the relative quaternions
   static constexpr bool kCountsTurns = true;                       ///< the turns run on past full turns
   static constexpr std::array<const char*, 1> kNames = {"teeth"};  ///< name of the row
@@ -320,6 +323,7 @@ struct TurnsOfThree {
       c;                                                           ///< factor of theta3
   double reference = 0;                                            ///< a theta1 + b theta2 + c theta3 at the start
   static constexpr int kPairs = 3;                                 ///< three turns
+  static constexpr bool kStaysInPlane = true;                      ///< planar mechanisms stay in their plane
   static constexpr Reads kReads = Reads::rotation;                 ///< the relative quaternions
   static constexpr bool kCountsTurns = true;                       ///< the turns run on past full turns
   static constexpr std::array<const char*, 1> kNames = {"teeth"};  ///< name of the row
@@ -395,6 +399,7 @@ struct RollingPinion {
   double radius;                                                   ///< of the pitch circle, m
   double reference = 0;                                            ///< x + radius theta at the start, m
   static constexpr bool kCountsTurns = true;                       ///< theta runs on past full turns
+  static constexpr bool kStaysInPlane = true;                      ///< planar mechanisms stay in their plane
   static constexpr RowKind kKind = RowKind::translation;           ///< a length
   static constexpr std::array<const char*, 1> kNames = {"teeth"};  ///< name of the row
   /// x + radius theta, m.
@@ -427,6 +432,7 @@ struct PinionAndSlide {
   double radius;                    ///< of the pitch circle, m
   double reference = 0;             ///< z2 - radius theta1 at the start, m
   static constexpr int kPairs = 2;  ///< the pinion, the rack
+  static constexpr bool kStaysInPlane = true;  ///< planar mechanisms stay in their plane
   static constexpr std::array<Reads, 2> kReads = {Reads::rotation, Reads::translation};  ///< the turn, the slide
   static constexpr bool kCountsTurns = true;                                             ///< theta1 runs on
   static constexpr RowKind kKind = RowKind::translation;                                 ///< a length

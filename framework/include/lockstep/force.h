@@ -304,6 +304,11 @@ class LOCKSTEP_API Force {
   /// Driven::diagnose.
   virtual std::string diagnose(double t) const;
 
+  /// Whether a mechanism that moves in this plane stays there under it, at any time and in any position. What
+  /// evaluations in a few positions show is checked besides. After setup. Default: false, unknown, which keeps the
+  /// mechanism in space.
+  virtual bool stays_in_plane(Plane) const { return false; }
+
   // -- setup: called when the bodies have their slots
   /// Prepares the evaluation; throws ModelError for a mechanism in which the force cannot act.
   virtual void setup() = 0;
@@ -393,6 +398,9 @@ class LOCKSTEP_API MarkerForce : public Force {
   /// Throws ModelError when the marker is on a particle, which cannot turn; `does` is the verb of the message: "turns".
   void require_turning(const Marker& m, const char* does) const;
 
+  /// Whether the laws of the markers keep a planar mechanism in this plane and, for a force (`pushes`), their origins lie
+  /// in the plane of the mass centres: what stays_in_plane() answers for a force along lines between or through them.
+  bool markers_stay_in(Plane, bool pushes = true) const;
   void add_law(const LawPtr<MotionLaw>& law);  ///< for breakpoints() and diagnose(); null is ignored
   /// Value of a law at time t, s; 0 without a law.
   static double value(const LawPtr<MotionLaw>& law, double t) { return law ? law->at(t).y : 0.0; }

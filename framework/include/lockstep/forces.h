@@ -42,6 +42,7 @@ class LOCKSTEP_API Applied : public FormulaForce<Applied> {
   std::vector<Quantity> quantities() const override;
   /// Throws ModelError when a torque, or the lever arm of a force on S, acts on a particle.
   void setup() override;
+  bool stays_in_plane(Plane) const override;
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
@@ -147,6 +148,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   std::vector<Quantity> quantities() const override;
   /// Throws ModelError when S, or P with torsional numbers, is on a particle.
   void setup() override;
+  bool stays_in_plane(Plane plane) const override { return markers_stay_in(plane); }
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
@@ -200,6 +202,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   double reacting_quantity(int k, const Inputs&, const Reactions&) const override;
   /// Throws ModelError for markers that move on their bodies by laws, and for a link with a law `turn`.
   void setup() override;
+  bool stays_in_plane(Plane) const override { return true; }  ///< it acts along the motion that there is
   void apply(const Inputs&, WrenchSum&) const override {}     ///< nothing: all of it is in react()
   void tangent(const Inputs&, TangentSum&) const override {}  ///< nothing: all of it is in react_tangent()
 
@@ -276,6 +279,7 @@ class LOCKSTEP_API Motor : public FormulaForce<Motor> {
   std::vector<Quantity> quantities() const override;  ///< force, N, or torque, N m; rate, m/s or rad/s; power, W
   /// Throws ModelError when S, or P of a torque, is on a particle.
   void setup() override;
+  bool stays_in_plane(Plane) const override;
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
@@ -362,6 +366,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   std::vector<Quantity> quantities() const override;  ///< length, m; rate, m/s; force, N; power, W
   /// Throws ModelError for markers that coincide at the start while the force is not zero there.
   void setup() override;
+  bool stays_in_plane(Plane) const override;
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
@@ -408,6 +413,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   std::vector<Quantity> quantities() const override;  ///< angle, rad; rate, rad/s; torque, N m; power, W
   /// Throws ModelError when P or S is on a particle, or z_P = -z_S at the start.
   void setup() override;
+  bool stays_in_plane(Plane) const override;
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;

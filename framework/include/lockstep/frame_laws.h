@@ -18,6 +18,7 @@ class LOCKSTEP_API ConstantRotation final : public RotationLaw {
   /// `orientation` of any length but zero. Throws ModelError when it is zero or not finite.
   explicit ConstantRotation(const Quat& orientation);
   RotationValue at(double t) const override;
+  bool turns_about(const Vec3& axis) const override;
   static const TypeInfo& info();                   ///< name and keys of its type
   static LawPtr<RotationLaw> make(const Params&);  ///< the law from parameters checked against info()
 
@@ -32,6 +33,7 @@ class LOCKSTEP_API AxisRotation final : public RotationLaw {
   /// `axis` of any length but zero. Throws ModelError for a zero axis, numbers that are not finite, no law.
   AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law);
   RotationValue at(double t) const override;
+  bool turns_about(const Vec3& axis) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                   ///< name and keys of its type
   static LawPtr<RotationLaw> make(const Params&);  ///< the law from parameters checked against info()
@@ -48,6 +50,7 @@ class LOCKSTEP_API RotationProduct final : public RotationLaw {
   /// Throws ModelError for a missing law.
   RotationProduct(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second);
   RotationValue at(double t) const override;
+  bool turns_about(const Vec3& axis) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                   ///< name and keys of its type
   static LawPtr<RotationLaw> make(const Params&);  ///< the law from parameters checked against info()
@@ -79,6 +82,7 @@ class LOCKSTEP_API ConstantTranslation final : public TranslationLaw {
   /// Throws ModelError unless finite.
   explicit ConstantTranslation(const Vec3& value);
   TranslationValue at(double t) const override;
+  bool stays_in_plane(const Vec3& normal) const override;
   static const TypeInfo& info();                      ///< name and keys of its type
   static LawPtr<TranslationLaw> make(const Params&);  ///< the law from parameters checked against info()
 
@@ -92,6 +96,7 @@ class LOCKSTEP_API ComponentsLaw final : public TranslationLaw {
   /// Throws ModelError for a missing law.
   ComponentsLaw(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z);
   TranslationValue at(double t) const override;
+  bool stays_in_plane(const Vec3& normal) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                      ///< name and keys of its type
   static LawPtr<TranslationLaw> make(const Params&);  ///< the law from parameters checked against info()
@@ -106,6 +111,7 @@ class LOCKSTEP_API AlongLaw final : public TranslationLaw {
   /// `axis` of any length but zero. Throws ModelError for a zero axis, numbers that are not finite, no law.
   AlongLaw(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin);
   TranslationValue at(double t) const override;
+  bool stays_in_plane(const Vec3& normal) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                      ///< name and keys of its type
   static LawPtr<TranslationLaw> make(const Params&);  ///< the law from parameters checked against info()

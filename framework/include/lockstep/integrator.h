@@ -20,6 +20,7 @@ struct IntegratorInfo {
       adaptive = false;   ///< it chooses its steps by an estimate of its error
   int evaluations = 1;    ///< of the equations of motion per step; of an implicit method a rough number
   bool joint = false;     ///< it takes states in any coordinates (Dynamics::rates), joint coordinates among them
+  bool passes_singular = false;  ///< it passes singular positions, near which accelerations are ill-conditioned
 };
 
 /// Error of a step that is allowed: atol_x + relative |increment| for positions (m) and rotations (rad), with

@@ -55,8 +55,8 @@ class LOCKSTEP_API StiffnessWatch {
 
 /// Options of an embedded method.
 struct EmbeddedOptions {
-  bool fixed = false;                     ///< steps of the length asked for, without error control
-  StagesWhen stages = StagesWhen::plain;  ///< when stages are evaluated on the constraints
+  bool fixed = false;                         ///< steps of the length asked for, without error control
+  StagesWhen stages = StagesWhen::automatic;  ///< when stages are evaluated on the constraints
 
   static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
   static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
@@ -72,7 +72,8 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance&) override;
   double first_step(Dynamics&, const State&, double largest) override;
-  /// Its coefficients; null where the options ask for more than the plain method.
+  /// Its coefficients; null where the options ask for stages on the constraints in every step, or for fixed steps of a
+  /// method with an estimate.
   const EmbeddedScheme* scheme() const override;
   void save(Snapshot&) const override;
   void restore(const Snapshot&) override;
@@ -80,7 +81,10 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  protected:
   /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
-  bool plain() const { return !passage_.active(); }  ///< its stages are evaluated as they are
+  /// Whether it takes joint coordinates, in which there are no constraints to evaluate stages on.
+  bool takes_joint() const { return passage_.when() != StagesWhen::manifold; }
+  /// Whether it goes onto the constraints near singular positions.
+  bool passes_singular() const { return passage_.when() != StagesWhen::plain; }
 
  private:
   double start_step(Dynamics&, double h) override;

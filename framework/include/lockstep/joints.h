@@ -19,6 +19,7 @@ struct DistanceFunction {
   LawPtr<MotionLaw> law;                                  ///< f(t), m; null: `length`
   double length = 0;                                      ///< constant f, m
   static constexpr Reads kReads = Reads::translation;     ///< x y z
+  static constexpr bool kStaysInPlane = true;             ///< planar mechanisms stay in their plane
   static constexpr RowKind kKind = RowKind::translation;  ///< a length
   /// phi, m.
   template <class T>
@@ -215,6 +216,7 @@ struct StopAlong {
   double limit;                                           ///< m
   double sign;                                            ///< +1: a low end, -1: a high one
   static constexpr Reads kReads = Reads::translation;     ///< x y z
+  static constexpr bool kStaysInPlane = true;             ///< planar mechanisms stay in their plane
   static constexpr RowKind kKind = RowKind::translation;  ///< a length
   /// phi, m.
   template <class T>
@@ -227,6 +229,7 @@ struct StopAbout {
   double limit;                                     ///< rad
   double sign;                                      ///< +1: a low end, -1: a high one
   static constexpr Reads kReads = Reads::rotation;  ///< the relative quaternion
+  static constexpr bool kStaysInPlane = true;       ///< planar mechanisms stay in their plane
   static constexpr bool kCountsTurns = true;        ///< theta runs on past full turns
   /// phi, rad.
   template <class T>

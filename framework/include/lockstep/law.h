@@ -26,6 +26,8 @@ class LOCKSTEP_API MotionLaw {
   virtual LawValue at(double t) const = 0;
   /// Appends the instants in (t0, t1), s, where y, yd or ydd jumps; integrators end a step there. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Whether y is known to have one value at all times. Default: false.
+  virtual bool is_constant() const { return false; }
 };
 
 /// Value of a law of a translation, in the axes of the frame in which it is imposed.
@@ -43,6 +45,9 @@ class LOCKSTEP_API TranslationLaw {
   virtual TranslationValue at(double t) const = 0;
   /// Appends the instants in (t0, t1), s, where x, v or a jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Whether its component along this unit vector is known to be constant at all times: a mechanism that moves in the
+  /// plane with this normal stays there. Default: false, which keeps the mechanism in space.
+  virtual bool stays_in_plane(const Vec3& normal) const;
 };
 
 /// Value of a law of a rotation. Angular velocity and acceleration are in the axes of the moved frame, so that q stays
@@ -61,6 +66,9 @@ class LOCKSTEP_API RotationLaw {
   virtual RotationValue at(double t) const = 0;
   /// Appends the instants in (t0, t1), s, where q, w or a jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Whether it is known to turn about this unit vector alone at all times, as in a mechanism that moves in a plane.
+  /// Default: false, which keeps the mechanism in space.
+  virtual bool turns_about(const Vec3& axis) const;
 };
 
 /// A shared law L: MotionLaw, TranslationLaw or RotationLaw. Laws are immutable, so copies may be used everywhere.

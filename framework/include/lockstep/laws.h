@@ -23,6 +23,7 @@ class LOCKSTEP_API Constant final : public MotionLaw {
   /// Throws ModelError unless finite.
   explicit Constant(double value);
   LawValue at(double t) const override;
+  bool is_constant() const override { return true; }
   static const TypeInfo& info();                 ///< name and keys of its type
   static LawPtr<MotionLaw> make(const Params&);  ///< the law from parameters checked against info()
 

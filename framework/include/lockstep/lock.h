@@ -241,6 +241,10 @@ class LOCKSTEP_API Lock {
   virtual Planar* planar() { return nullptr; }                               ///< rows gathered in a plane
   virtual const Jointed* jointed() const { return nullptr; }                 ///< a mask, imposed laws and drives
   virtual Jointed* jointed() { return nullptr; }                             ///< a mask, imposed laws and drives
+  /// Whether a mechanism that moves in this plane stays there by it: whatever its functions and laws are at any time,
+  /// its rows hold the bodies in the plane or normal to it, never both at once. What evaluations in a few positions
+  /// show is checked besides. After setup. Default: false, unknown, which keeps the mechanism in space.
+  virtual bool stays_in_plane(Plane) const { return false; }
   /// Whether it holds its two bodies rigidly together, without any law: they may be merged into one slot.
   virtual bool is_weld() const { return false; }
 
@@ -377,6 +381,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void engage(const Inputs&, std::span<double> s) const override;
 
   bool setup_plane(Plane) override;
+  /// By what its laws and those of its markers say of themselves; drives are in the plane.
+  bool stays_in_plane(Plane) const override;
   RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
   void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;

@@ -36,6 +36,7 @@ using MatX = Eigen::MatrixXd;              ///< matrix of any size
 
 inline constexpr double kPi = std::numbers::pi;           ///< half a turn, rad
 inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  ///< a full turn, rad
+inline constexpr double kParallel = 1e-12;  ///< sine of the angle up to which two directions count as parallel
 
 /// a x b. Eigen's own cross would include its geometry module in every file.
 template <class A, class B>

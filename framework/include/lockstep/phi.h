@@ -73,7 +73,7 @@ inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa,
 }
 
 /// What a function Phi may define about itself. All of it is optional; what is misspelt, or does not fit the function,
-/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kKind, kMemory as below, and kNames, the names of
+/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kStaysInPlane, kKind, kMemory as below, and kNames, the names of
 /// its rows in messages and channels. Functions:
 ///   - initialise(link, y...) is called by setup() with the coordinates of the start: phase angles, refusals;
 ///   - reset(z, y...) and accept_step(z, y...) write its kMemory numbers at the start and after accepted steps;
@@ -94,6 +94,12 @@ struct PhiTraits {
   /// called; otherwise false.
   static constexpr bool kCountsTurns = [] {
     if constexpr (requires { Phi::kCountsTurns; }) return bool(Phi::kCountsTurns);
+    return false;
+  }();
+  /// Whether a mechanism that moves in a plane stays there by it, at any time and in any position: see
+  /// Lock::stays_in_plane. Default false, unknown, which keeps the mechanism in space.
+  static constexpr bool kStaysInPlane = [] {
+    if constexpr (requires { Phi::kStaysInPlane; }) return bool(Phi::kStaysInPlane);
     return false;
   }();
   /// Numbers that it keeps in State::z and reads as y.memory[0], ...; default 0.

@@ -26,6 +26,7 @@ struct Misspellings {
   int kNeeds, kNeed, kRead, kReading, kCoordinates, Reads, Needs, kreads;
   int kCountTurns, kCountTurn, kCountsTurn, kCountingTurns, kCountedTurns, kCounts_turns, kCountsturns, kCountsTruns,
       kTurnsCounted, kTurns, CountsTurns, counts_turns;
+  int kStayInPlane, kStaysInAPlane, kInPlane, kIsPlanar, kPlanar, StaysInPlane, stays_in_plane;
   int kKinds, kRowKind, kRowKinds, kType, Kind;
   int kName, kRowNames, kRowName, Names;
   int kMemories, kOwnMemory, kNMemory, Memory, n_memory;
@@ -67,6 +68,11 @@ struct Spelling {
             b.kCountsTruns, b.kTurnsCounted, b.kTurns, b.CountsTurns, b.counts_turns;
       },
       "misspelt: a function says that angle_z() runs on past full turns by kCountsTurns");
+  static_assert(
+      requires(B b) {
+        b.kStayInPlane, b.kStaysInAPlane, b.kInPlane, b.kIsPlanar, b.kPlanar, b.StaysInPlane, b.stays_in_plane;
+      },
+      "misspelt: a function says that planar mechanisms stay in their plane by kStaysInPlane");
   static_assert(
       requires(B b) { b.kKinds, b.kRowKind, b.kRowKinds, b.kType, b.Kind; },
       "misspelt: a function says what its rows measure by kKind");

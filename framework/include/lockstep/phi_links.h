@@ -84,6 +84,13 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
     }
   }
 
+  /// By what phi and the markers' laws say of themselves.
+  bool stays_in_plane(Plane plane) const override {
+    return Traits::kStaysInPlane && std::ranges::all_of(function_.pairs(), [&](const auto& pair) {
+             return MarkerFrame(*pair.first).stays_in_plane(plane) && MarkerFrame(*pair.second).stays_in_plane(plane);
+           });
+  }
+
   /// This.
   const TangentFormula* tangent_formula() const override { return this; }
   /// (9.12) From the second derivatives of phi.
@@ -192,6 +199,9 @@ class PhiLock : public MarkerLock, public Remembering {
     MarkerLock::tangent(in, lambda, out);
     function_.tangent(in, memory(in), lambda.data() + first_, out);
   }
+
+  /// By what phi and all laws say of themselves.
+  bool stays_in_plane(Plane plane) const override { return Traits::kStaysInPlane && MarkerLock::stays_in_plane(plane); }
 
   /// Of the lock's laws and of those in phi.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {

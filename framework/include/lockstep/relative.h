@@ -29,6 +29,12 @@ struct MarkerFrame {
     home.u = u0, home.q = q0, home.A = A0;
   }
 
+  /// Whether its laws keep a mechanism that moves in this plane there, as they say of themselves.
+  bool stays_in_plane(Plane plane) const {
+    const Vec3 normal = A0.row(plane.n);
+    return (!translation_law || translation_law->stays_in_plane(normal)) &&
+           (!rotation_law || rotation_law->turns_about(normal));
+  }
   /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
   /// e.
   bool parallel() const {

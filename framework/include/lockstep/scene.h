@@ -76,6 +76,8 @@ struct Mechanism {
   std::vector<EventRequest> events{};          ///< of the scene
 };
 
+/// The same scene, computed in space unless it has a key "planar".
+LOCKSTEP_API Scene in_space(Scene);
 /// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for everything
 /// that is wrong, also for what makers and the System refuse.
 LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&);

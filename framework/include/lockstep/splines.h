@@ -73,6 +73,8 @@ class LOCKSTEP_API SplineCurve {
   /// Appends the jumps in (t0, t1), s: the ends of the range when the value is held outside and the curve does not come
   /// to rest there. There are none between the points.
   void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Whether this combination of its components, one weight each, has one value at all times.
+  bool is_constant(const VecX& weights) const;
   double first() const { return t_.front(); }         ///< first time, s
   double last() const { return t_.back(); }           ///< last time, s
   int n_components() const { return n_components_; }  ///< number of components
@@ -118,6 +120,7 @@ class LOCKSTEP_API PathLaw final : public TranslationLaw {
   /// From a curve of three components.
   explicit PathLaw(SplineCurve curve) : curve_(std::move(curve)) {}
   TranslationValue at(double t) const override;
+  bool stays_in_plane(const Vec3& normal) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                      ///< name and keys of its type
   static LawPtr<TranslationLaw> make(const Params&);  ///< the law from parameters checked against info()
@@ -217,6 +220,7 @@ class LOCKSTEP_API SplineRotation final : public RotationLaw {
   /// points.
   explicit SplineRotation(const Points& points, const SplineSettings& = {});
   RotationValue at(double t) const override;
+  bool turns_about(const Vec3& axis) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   static const TypeInfo& info();                   ///< name and keys of its type
   static LawPtr<RotationLaw> make(const Params&);  ///< the law from parameters checked against info()

@@ -328,14 +328,31 @@ enum class StagesWhen {
              ///< that is less, until it is three times as large
 };
 
+/// The Conditioning::indicator below which a position counts as near a singular one. Bodies of very different inertia
+/// have small pivots in every position, and a start in a singular position looks the same: what is usual is known once
+/// the mechanism has turned.
+class LOCKSTEP_API NearSingular {
+ public:
+  double limit() const;                      ///< that indicator
+  void add(double indicator, double angle);  ///< after a step: its smallest, and the turn of its fastest body, rad
+  void save(Snapshot& out) const { out.put(largest_), out.put(turned_); }        ///< saves both sums
+  void restore(const Snapshot& in) { largest_ = in.get(), turned_ = in.get(); }  ///< takes back what save() wrote
+
+ private:
+  double largest_ = 0, turned_ = 0;
+};
+
 /// Takes the steps of an explicit method through singular positions.
 class LOCKSTEP_API SingularPassage {
  public:
   /// `method`: its name, for messages; it lives as long as the program.
   SingularPassage(StagesWhen when, const char* method) : when_(when), method_(method) {}
-  void begin(const Tableau&, const State&);  ///< sizes the scratch and forgets the history
+  /// Sizes the scratch and forgets the history. It rests in joint coordinates, whose trees have no rows, and, when
+  /// automatic, where no loop is closed or the dynamics does not project.
+  void begin(const Tableau&, const State&, const Dynamics&);
+  StagesWhen when() const { return when_; }  ///< when stages are to be evaluated on the constraints
   /// Whether it needs the conditioning of the stages.
-  bool active() const { return when_ != StagesWhen::plain; }
+  bool active() const { return active_; }
   void set_tolerance(double relative) { relative_ = relative; }  ///< sets the relative tolerance of the method
 
   // -- a step from y
@@ -367,21 +384,23 @@ class LOCKSTEP_API SingularPassage {
 
   /// Saves what it knows of the next step.
   void save(Snapshot& out) const {
-    out.put(near_ ? 1 : 0), out.put(ahead_), out.put(largest_), out.put(turned_), out.put(longest_plain_);
+    out.put(near_ ? 1 : 0), out.put(ahead_), out.put(longest_plain_);
+    usual_.save(out);
   }
   /// Takes back what save() wrote.
   void restore(const Snapshot& in) {
-    near_ = in.get() != 0, ahead_ = in.get(), largest_ = in.get(), turned_ = in.get(), longest_plain_ = in.get();
+    near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get();
+    usual_.restore(in);
   }
 
  private:
   bool ill_conditioned(const Stages&, int stage) const;
   double straddle(double h) const;
-  /// The indicator below which a position counts as near a singular one.
-  double singular() const;
 
   StagesWhen when_;
   const char* method_;
+  bool active_ = false;
+  NearSingular usual_;
   double relative_ = 1e-6;  // tolerance
   SingularRate both_sides_;
   StateRate rate_;
@@ -389,8 +408,6 @@ class LOCKSTEP_API SingularPassage {
   bool near_ = false;             // automatic: the next step begins with its stages on the constraints
   bool entered_ = false;          // the present step went onto the constraints
   double longest_plain_ = 0;      // step so far, s
-  double largest_ = 0;            // indicator of all steps so far,
-  double turned_ = 0;             // and the turn of the fastest body in them, rad
   double rate_of_turn_ = 0;       // at the start of the present step, rad/s
   double ahead_ = HUGE_VAL;       // time until a singular position is reached, s
   double unplaced_ = 0;           // the present step, s, had it not been placed

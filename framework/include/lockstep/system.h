@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -136,7 +137,7 @@ class LOCKSTEP_API System {
   /// After setup: whether the link was merged into a slot, so that it has neither rows nor a reaction.
   bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
-  /// but moments of the links about axes in the plane are left out.
+  /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
   bool has_offsets() const { return offsets_; }
 
   // -- finding by name; throws ModelError with the closest name
@@ -253,7 +254,9 @@ class LOCKSTEP_API System {
 };
 
 /// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres
-/// lie in it. No plane when there is none. The plane that was set stays; the next setup() does its work anew.
-LOCKSTEP_API Plane find_plane(System&);
+/// lie in it, and all links and forces say that they keep it there (stays_in_plane). `starts_in`: whether what is
+/// known of the start besides lies in a plane. No plane when there is none. The plane that was set stays; the next
+/// setup() does its work anew.
+LOCKSTEP_API Plane find_plane(System&, const std::function<bool(Plane)>& starts_in = {});
 
 }  // namespace lockstep

@@ -1,5 +1,7 @@
 #include <lockstep/forces.h>
 
+#include <cmath>
+
 #include <lockstep/text.h>
 
 namespace lockstep {
@@ -23,6 +25,26 @@ void Applied::setup() {
   if (s() != nullptr) require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
   MarkerForce::setup();
   body_axes_ = rotation(p().body->in_slot.q);
+}
+
+// Laws may be zero wherever the system evaluates it, so their directions and lever arms are looked at here.
+bool Applied::stays_in_plane(Plane plane) const {
+  const bool force = effort_ == Effort::force;
+  if (!markers_stay_in(plane, force)) return false;
+  const Vec3 n = vector_.axes == AppliedAxes::world  ? Vec3(Vec3::Unit(plane.n))
+                 : vector_.axes == AppliedAxes::body ? Vec3(body_axes_.row(plane.n))
+                                                     : Vec3(P_.A0.row(plane.n));
+  const auto fits = [&](const Vec3& direction) {
+    return force ? std::abs(direction.dot(n)) <= kParallel : cross(direction, n).norm() <= kParallel;
+  };
+  if (vector_.law && !fits(vector_.direction)) return false;
+  bool laws = vector_.law != nullptr;
+  for (int k = 0; k < 3; ++k)
+    if (vector_.laws[static_cast<std::size_t>(k)]) {
+      laws = true;
+      if (!fits(Vec3::Unit(k))) return false;
+    }
+  return !(laws && force && S_.slot != kGround);  // its lever arm on S's body is not known
 }
 
 std::vector<Quantity> Applied::quantities() const {

@@ -29,6 +29,14 @@ std::vector<const Marker*> MarkerForce::markers() const {
   return {p_, s_};
 }
 
+bool MarkerForce::markers_stay_in(Plane plane, bool pushes) const {
+  const auto stays = [&](const MarkerFrame& frame) {
+    const bool arm = pushes && frame.slot != kGround && std::abs(frame.u0[plane.n]) > kParallel * frame.u0.norm();
+    return !arm && frame.stays_in_plane(plane);
+  };
+  return stays(P_) && (!s_ || stays(S_));
+}
+
 void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
   MarkerFrame(*p_).breakpoints(t0, t1, out);
   if (s_ != nullptr) MarkerFrame(*s_).breakpoints(t0, t1, out);

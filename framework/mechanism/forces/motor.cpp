@@ -1,5 +1,7 @@
 #include <lockstep/forces.h>
 
+#include <cmath>
+
 namespace lockstep {
 
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
@@ -13,6 +15,13 @@ void Motor::setup() {
   if (effort_ == Effort::torque) require_turning(p(), "turns");
   require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
   MarkerForce::setup();
+}
+
+// The law may be zero wherever the system evaluates it, so direction and lever arms are looked at here.
+bool Motor::stays_in_plane(Plane plane) const {
+  const double along = S_.A0(plane.n, 2);  // of z of S, along the normal
+  if (effort_ == Effort::torque) return markers_stay_in(plane, false) && 1 - std::abs(along) <= kParallel;
+  return markers_stay_in(plane) && std::abs(along) <= kParallel && S_.slot == kGround;
 }
 
 std::vector<Quantity> Motor::quantities() const {

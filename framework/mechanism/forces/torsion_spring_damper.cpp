@@ -32,6 +32,11 @@ std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, c
   return std::make_unique<TorsionSpringDamper>(attachment.name, p_of(attachment, k), s_of(attachment, k), std::move(o));
 }
 
+bool TorsionSpringDamper::stays_in_plane(Plane plane) const {
+  return markers_stay_in(plane, false) && 1 - std::abs(S_.A0(plane.n, 2)) <= kParallel &&
+         1 - std::abs(P_.A0(plane.n, 2)) <= kParallel;
+}
+
 void TorsionSpringDamper::setup() {
   require_turning(p(), "turns");
   require_turning(*s(), "turns");

@@ -1,4 +1,7 @@
 // MarkerLock in a planar mechanism: the equations of kernel.h with all vectors in the plane or along its normal.
+#include <algorithm>
+#include <cmath>
+
 #include <lockstep/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -47,6 +50,18 @@ bool MarkerLock::setup_plane(Plane plane) {
   const Quat q = conjugate(S_.q0) * P_.q0;
   f.q[0] = q.w, f.q[1] = q.vec()[a];
   return true;
+}
+
+bool MarkerLock::stays_in_plane(Plane plane) const {
+  if (!P_.stays_in_plane(plane) || !S_.stays_in_plane(plane)) return false;
+  const Vec3 normal = S_.A0.row(plane.n);
+  const ImposedMotion& laws = imposed();
+  if (laws.move && !laws.move->stays_in_plane(normal)) return false;
+  if (laws.turn && !laws.turn->turns_about(normal)) return false;
+  return std::ranges::all_of(laws.drives, [&](const Drive& drive) {
+    const Vec3 axis = Vec3::Unit(axis_index(drive.axis) % 3);
+    return is_rotation(drive.axis) ? cross(axis, normal).norm() <= kParallel : std::abs(axis.dot(normal)) <= kParallel;
+  });
 }
 
 // Throws if a law leaves the plane at this time.

@@ -1,9 +1,18 @@
 // Planar mechanisms: which rows lie in the plane, and what leaves it. Found by evaluating links and forces in planar
-// poses and motions around the start, so that no table of types is needed.
+// poses and motions around the start, so that no table of types is needed; what these do not show - laws, functions -
+// links and forces answer for themselves.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <new>
 #include <optional>
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <Eigen/SparseQR>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -82,45 +91,63 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   return {};
 }
 
+// What a row has at the start on one slot of the motions out of the plane: along the normal, about i, about j.
+struct OutOfPlane {
+  int slot;
+  std::array<double, 3> J;
+};
+
 // The shares found in the sampled poses, by link and row and by force.
 struct Look {
   std::vector<std::vector<Shares>> rows;
+  std::vector<std::vector<std::vector<OutOfPlane>>> out;  // by link and row
   std::vector<Shares> forces;
 };
 
-void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows) {
+void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows,
+                  std::vector<std::vector<OutOfPlane>>* out) {
+  const Plane plane = system.plane();
   RowTable table;
   const Lock* const one = &link;
   const RowShape shape = link.shape();
   link.gather(Group(&one, 1), in, table.spatial_span(shape));
   const RowBlock block = table.spatial(shape);
   rows.resize(static_cast<std::size_t>(shape.m));
+  if (out) out->resize(rows.size());
   for (int row = 0; row < shape.m; ++row) {
     Shares& s = rows[static_cast<std::size_t>(row)];
     s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
     for (int i = 0; i < shape.n; ++i) {
       const auto J = block.J(i, row);
-      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], system.plane(), 1.0 / system.length());
+      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], plane, 1.0 / system.length());
+      if (!out) continue;
+      const auto at = [&](int c) { return J[static_cast<std::size_t>(c)]; };
+      (*out)[static_cast<std::size_t>(row)].push_back(
+          {link.slots().slot[i], {at(plane.n), at(3 + plane.i()), at(3 + plane.j())}});
     }
   }
 }
 
-Look look_in_plane(const System& system) {
+// `later`: at different times, which laws may not cover.
+Look look_in_plane(const System& system, bool later) {
   Look look;
   look.rows.resize(system.links().size());
+  look.out.resize(look.rows.size());
   look.forces.resize(system.forces().size());
   const State start = system.start();
   std::vector<Motion> motions;
   VecX f(6 * system.n_slots());
   for (int k = 0; k < kPoses; ++k) {
-    const State state = planar_state(system, start, k);
+    State state = planar_state(system, start, k);
+    if (!later) state.t = start.t;
     system.motions(state, motions);
     Inputs in;
     in.t = state.t, in.motions = motions;
     in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
     in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
     for (std::size_t l = 0; l < look.rows.size(); ++l)
-      if (!system.merged(*system.links()[l])) look_at_link(system, *system.links()[l], in, look.rows[l]);
+      if (!system.merged(*system.links()[l]))
+        look_at_link(system, *system.links()[l], in, look.rows[l], k == 0 ? &look.out[l] : nullptr);
     for (std::size_t l = 0; l < look.forces.size(); ++l) {
       f.setZero();
       WrenchSum sum(in.motions, f);
@@ -157,6 +184,43 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
   return {};
 }
 
+// Lever arms along the normal tip a body over unless links hold it in the plane: then their rows that lie out of it have
+// full rank. Names what has the arm.
+Refusal check_tipping(const System& system, const Look& look) {
+  std::vector<Eigen::Triplet<double>> numbers;
+  int m = 0, n = 0;
+  for (std::size_t l = 0; l < look.rows.size(); ++l)
+    for (std::size_t row = 0; row < look.out[l].size(); ++row) {
+      if (look.rows[l][row].lies_in()) continue;
+      for (const OutOfPlane& of : look.out[l][row])
+        for (int c = 0; c < 3; ++c)
+          numbers.emplace_back(m, 3 * of.slot + c, of.J[static_cast<std::size_t>(c)] / (c == 0 ? 1 : system.length()));
+      ++m;
+    }
+  for (int k = 0; k < system.n_slots(); ++k)  // a particle does not turn
+    if (system.slot(k).freedoms == Freedoms::particle)
+      for (int c = 1; c < 3; ++c) numbers.emplace_back(m++, 3 * k + c, 1.0);
+  n = 3 * system.n_slots();
+  if (m >= n) {
+    Eigen::SparseMatrix<double> J(m, n);
+    J.setFromTriplets(numbers.begin(), numbers.end());
+    J.makeCompressed();
+    if (Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>>(J).rank() == n) return {};
+  }
+  const std::string problem = in_plane_words(system.plane()) +
+                              ", and it has a lever arm along the normal, which tips bodies that the links do not hold "
+                              "in the plane; remove \"planar\", or put all into one plane";
+  for (std::size_t f = 0; f < look.forces.size(); ++f)
+    if (look.forces[f].has_arm()) return refusal_of({.kind = "force", .name = system.forces()[f]->name()}, problem);
+  for (std::size_t l = 0; l < look.rows.size(); ++l)
+    for (const Shares& row : look.rows[l])
+      if (row.lies_in() && row.has_arm())
+        return refusal_of({.kind = "link", .name = system.links()[l]->name()}, problem);
+  return ModelError(in_plane_words(system.plane()) +
+                    ", and welded bodies have their mass centres beside it, which tips them as no link holds them in "
+                    "the plane; remove \"planar\"");
+}
+
 // The reactions that a force reads must be complete.
 Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
   if (force.reacting() == nullptr) return {};
@@ -171,6 +235,14 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
       return refusal_of(thing, what + "link '" + link->name() + "', which lies out of the plane; remove \"planar\"");
   }
   return {};
+}
+
+// Whether everything says of itself that it stays in the plane.
+bool declared(const System& system) {
+  return std::ranges::all_of(
+             system.links(),
+             [&](const auto& link) { return system.merged(*link) || link->stays_in_plane(system.plane()); }) &&
+         std::ranges::all_of(system.forces(), [&](const auto& force) { return force->stays_in_plane(system.plane()); });
 }
 
 }  // namespace
@@ -192,7 +264,11 @@ std::optional<ModelError> System::setup_plane() {
       bool& ready;
       ~Borrowed() { ready = false; }
     } borrowed{ready_ = true};
-    look = look_in_plane(*this);
+    try {
+      look = look_in_plane(*this, true);
+    } catch (const ModelError&) {
+      look = look_in_plane(*this, false);
+    }
   } catch (const ModelError& error) {  // a link or force that cannot be evaluated in planar poses
     return error;
   }
@@ -214,17 +290,35 @@ std::optional<ModelError> System::setup_plane() {
     Planar* own = links_[l]->planar();
     rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
+  if (offsets_)
+    if (Refusal refusal = check_tipping(*this, look)) return refusal;
   for (const auto& force : forces_)
     if (Refusal refusal = check_reads(*force, *this, planar_rows_, offsets_)) return refusal;
   return {};
 }
 
-Plane find_plane(System& system) {
+namespace {
+
+// Code of a user that throws where it is only looked at will say so in the run.
+bool stays_in(System& system, const std::function<bool(Plane)>& starts_in) {
+  try {
+    if (system.try_setup() || system.has_offsets() || !declared(system)) return false;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+    return false;
+  }
+  return !starts_in || starts_in(system.plane());
+}
+
+}  // namespace
+
+Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
   const Plane before = system.plane();
   Plane found;
   for (int n = 2; n >= 0 && !found; --n) {
     system.set_planar(Plane{n});
-    if (!system.try_setup() && !system.has_offsets()) found = Plane{n};
+    if (stays_in(system, starts_in)) found = Plane{n};
   }
   system.set_planar(before);
   return found;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/solvers/stop_rule.h"
-#include <lockstep/lock.h>
 #include <lockstep/body.h>
+#include <lockstep/lock.h>
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/solvers/schur_floors.h"
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep::lanes {
 namespace {
@@ -193,7 +195,20 @@ Flags8 Batch::evaluate(const double* y, const Numbers8& t, double* rate) {
   const Flags8 unmet = check_rows(corrections);
   pass_.rates(plan_, z_, rate);
   state_rates(y, t, rate);
+  if (watches_) see_pivots();
   return unmet;
+}
+
+void Batch::watch_pivots() { watches_ = has_loops(*systems_[0], systems_[0]->start().modes); }
+
+void Batch::see_pivots() {
+  for (std::size_t l = 0; l < kL && !floors_known_; ++l) {
+    const auto of_lane = [&](const double* numbers) { return [=](std::size_t i) { return numbers[kL * i + l]; }; };
+    const auto floors = schur::measure_pivot_floors(plan_, of_lane(E_.data()), of_lane(J_.data()));
+    for (std::size_t k = 0; k < floors.size(); ++k) pivot_floors_[kL * k + l] = floors[k];
+  }
+  floors_known_ = true;
+  pass_.pivots(plan_, z_, pivot_floors_.data(), pivots_.data());
 }
 
 // a from x = lambda, and the one correction that closed loops always need; returns the number of corrections.

@@ -43,6 +43,12 @@ class LOCKSTEP_API Batch {
 
   /// d/dt of the states y at the times t. Returns true in the lanes whose rows could not be satisfied.
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate);
+  /// From now on evaluate() sees the pivots, in mechanisms with loops.
+  void watch_pivots();
+  bool watches() const { return watches_; }
+  /// Of the last evaluate(): how many pivots are small, and the smallest of the others, relative to its diagonal.
+  double n_small(std::size_t lane) const { return pivots_[lane]; }
+  double smallest_pivot(std::size_t lane) const { return pivots_[kL + lane]; }
   /// Projects positions and velocities in the wanted lanes; quaternions are normalised in all.
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed);
 
@@ -54,6 +60,7 @@ class LOCKSTEP_API Batch {
   void state_rates(const double* y, const Numbers8& t, double* rate);
   Inputs inputs(int lane, const double* y, double t);
   int first_solution();
+  void see_pivots();
   Flags8 check_rows(int corrections);
   void gather_rows(const double* y, const Numbers8& t);
   void solve_for(const double* c, const Flags8& wanted, bool fresh);
@@ -68,12 +75,15 @@ class LOCKSTEP_API Batch {
   Plan plan_;
   bool has_laws_ = false, has_forces_ = false;
   bool rows_moved_ = false;  // since the last factor
+  bool watches_ = false, floors_known_ = false;
   Numbers z_;
   Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_,
       diagonal_, pivot_, E_, r_, C_, Ct_, Cd_, length_;
   alignas(64) std::array<double, kLanes * 4> scratch_{};
   alignas(64) Numbers8 unmet_{};
-  alignas(64) std::array<double, 3 * kLanes> floors_{};  // one pack per RowKind
+  alignas(64) std::array<double, 3 * kLanes> floors_{};        // one pack per RowKind
+  alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind
+  alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;

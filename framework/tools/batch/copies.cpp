@@ -197,7 +197,8 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
                        text::number(times.front()) + " s; leave out the times before the starts");
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
-  const lanes::RunTask task{w.options, *w.method->scheme(), w.make_integrator, times, output};
+  const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
+  const lanes::RunTask task{w.options, *w.method->scheme(), watches, w.make_integrator, times, output};
   for (const auto& batch : w.batches) {
     const auto n = static_cast<std::size_t>(batch->size());
     const auto states = starts.subspan(w.first(*batch), n);

@@ -36,6 +36,7 @@ class OutputSchedule {
 struct RunTask {
   const CopiesOptions& options;
   const EmbeddedScheme& scheme;
+  bool watches;  ///< a copy near a singular position leaves the lanes
   const std::function<std::unique_ptr<Integrator>()>& make_integrator;
   std::span<const double> times;
   const Copies::Output& output;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/tools/batch/lane_blocks.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/lane_rows.h"
@@ -116,6 +117,21 @@ LOCKSTEP_LANE void unmet(const Plan& plan, const Numbers& z, double tolerance, d
   K::put(out, 0, marks);
 }
 
+// PivotWatch::see
+LOCKSTEP_LANE void pivots(const Plan& plan, const Numbers& z, const double* left, double* out) {
+  V n_small{}, smallest = V{} + 1.0;
+  for (const schur::Node& node : plan.nodes)
+    for (int k = 0; k < node.m; ++k) {
+      const V pivot = K::number(z.pivot, node.x + k), diagonal = K::number(z.diagonal, node.x + k);
+      const V kept = K::number(left, static_cast<int>(node.kinds.of(k)));
+      const V small = what_counts_as_small(diagonal, kept);
+      const V relative = pivot < small ? V{} + 1.0 : pivot / diagonal;
+      n_small += pivot < small ? V{} + 1.0 : V{};
+      smallest = relative < smallest ? relative : smallest;
+    }
+  K::put(out, 0, n_small), K::put(out, 1, smallest);
+}
+
 LOCKSTEP_LANE void norm(const Plan& plan, const double* c, const double* L, double* out) {
   V t{}, r{};
   for (const schur::Node& node : plan.nodes)
@@ -180,6 +196,8 @@ LOCKSTEP_PASS(largest_scales, (const Plan& plan, const Numbers& z, double* out),
 LOCKSTEP_PASS(energies, (const Plan& plan, const Numbers& z, double* out), (plan, from(z, lane), out + lane))
 LOCKSTEP_PASS(unmet, (const Plan& plan, const Numbers& z, double tolerance, double* out),
               (plan, from(z, lane), tolerance, out + lane))
+LOCKSTEP_PASS(pivots, (const Plan& plan, const Numbers& z, const double* left, double* out),
+              (plan, from(z, lane), left + lane, out + lane))
 LOCKSTEP_PASS(norm, (const Plan& plan, const double* c, const double* L, double* out),
               (plan, c + lane, L + lane, out + lane))
 LOCKSTEP_PASS(rates, (const Plan& plan, const Numbers& z, double* rate), (plan, from(z, lane), rate + lane))
@@ -203,6 +221,7 @@ Passes all_passes() {
   out.largest_scales = largest_scales_pass;
   out.energies = energies_pass;
   out.unmet = unmet_pass;
+  out.pivots = pivots_pass;
   out.norm = norm_pass;
   out.rates = rates_pass;
   out.combine = combine_pass;

@@ -25,6 +25,9 @@ struct Passes {
   void (*energies)(const Plan&, const Numbers&, double* out) = nullptr;
   /// A pack, 0 where |r| <= tolerance max(scale, floor of its kind) in every row, else 1 (also for a NaN).
   void (*unmet)(const Plan&, const Numbers&, double tolerance, double* out) = nullptr;
+  /// Of the pivots: how many are small, and the smallest of the others, relative to its diagonal; 2 packs. `left`: what
+  /// proximal terms leave of each RowKind; 3 packs.
+  void (*pivots)(const Plan&, const Numbers&, const double* left, double* out) = nullptr;
   /// The norm of Dynamics::norm for each copy: metres; L: a pack.
   void (*norm)(const Plan&, const double* c, const double* L, double* out) = nullptr;
   /// rate = d/dt of the state y: velocities, (1/2) q w by the raw quaternion, a.

@@ -15,6 +15,16 @@ namespace {
 
 constexpr std::size_t kL = kLanes;
 
+// What SingularPassage asks of the stages of an attempt.
+struct Pivots {
+  double fewest = HUGE_VAL, most = 0;  // small ones
+  double smallest = 1;                 // of the others, relative to its diagonal
+  void add(double n_small, double least) {
+    fewest = std::min(fewest, n_small), most = std::max(most, n_small);
+    smallest = std::min(smallest, least);
+  }
+};
+
 struct Lane {
   explicit Lane(int order) : control(order) {}
   bool going = false;  // steps in lanes
@@ -24,6 +34,9 @@ struct Lane {
   OutputSchedule schedule;
   PiControl control;
   ErrorNorm norm;
+  Pivots first, stages;     // of the first stage, and of all of them
+  double usual = HUGE_VAL;  // number of small pivots: those of rows that are redundant everywhere
+  NearSingular singular;
 };
 
 class LaneRun {
@@ -46,6 +59,7 @@ class LaneRun {
   }
 
   void run(std::span<const State> starts) {
+    if (task_.watches) batch_.watch_pivots();
     begin(starts);
     while (std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.going; })) {
       choose_steps();
@@ -66,6 +80,9 @@ class LaneRun {
   void accept(int lane, double error);
   void reject(int lane, double factor);
   void leave(int lane);
+  void see_pivots(bool first);
+  bool near_singular(int lane);
+  double fastest_turn(int lane) const;
 
   Batch& batch_;
   const RunTask& task_;
@@ -164,15 +181,43 @@ void LaneRun::combine_stages(const Weights& w, const double* y, double* out) {
 // True in lanes where an evaluation failed.
 Flags8 LaneRun::evaluate_stages() {
   Flags8 failed{};
+  for (Lane& lane : lanes_) lane.stages = {};
   for (int i = first_done_ ? 1 : 0; i < tableau_.n_stages; ++i) {
     if (i > 0) combine_stages(a_[static_cast<std::size_t>(i)], y_.data(), stage_.data());
     Numbers8 t = t_;
     for (std::size_t l = 0; l < kL; ++l) t[l] += tableau_.c[i] * h_[l];
     const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[static_cast<std::size_t>(i)].data());
     for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || unmet[l];
+    if (batch_.watches()) see_pivots(i == 0);
   }
   first_done_ = true;
   return failed;
+}
+
+void LaneRun::see_pivots(bool first) {
+  for (std::size_t l = 0; l < kL; ++l) {
+    Lane& the = lanes_[l];
+    if (first) the.first = {};
+    (first ? the.first : the.stages).add(batch_.n_small(l), batch_.smallest_pivot(l));
+  }
+}
+
+// Whether a stage of the attempt is near a singular position: there more pivots are small than elsewhere.
+bool LaneRun::near_singular(int lane) {
+  Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  the.usual = std::min({the.usual, the.first.fewest, the.stages.fewest});
+  return std::max(the.first.most, the.stages.most) > the.usual ||
+         std::min(the.first.smallest, the.stages.smallest) < the.singular.limit();
+}
+
+// Angular velocity of the body of a copy that turns fastest, rad/s.
+double LaneRun::fastest_turn(int lane) const {
+  double w2 = 0;
+  for (int k = 0; k < batch_.plan().n_slots; ++k) {
+    const double* w = y_.data() + kL * (batch_.plan().v_at() + 6 * static_cast<std::size_t>(k) + 3) + lane;
+    w2 = std::max(w2, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
+  }
+  return std::sqrt(w2);
 }
 
 double LaneRun::error_of(int lane) {
@@ -219,7 +264,7 @@ void LaneRun::attempt() {
   for (int l = 0; l < batch_.size(); ++l) {
     const auto i = static_cast<std::size_t>(l);
     if (!lanes_[i].going) continue;
-    if (failed[i]) {
+    if (failed[i] || (batch_.watches() && near_singular(l))) {
       leave(l);
       continue;
     }
@@ -237,6 +282,7 @@ void LaneRun::attempt() {
 void LaneRun::accept(int lane, double error) {
   const auto l = static_cast<std::size_t>(lane);
   Lane& the = lanes_[l];
+  if (batch_.watches()) the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * fastest_turn(lane));
   for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
   first_done_ = false;
   t_[l] += h_[l];

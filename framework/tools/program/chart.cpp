@@ -93,7 +93,8 @@ std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& 
 }  // namespace
 
 int chart_command(const Arguments& args) {
-  const Loaded loaded = load(args);
+  Loaded loaded = load(args);
+  loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const std::string csv = csv_path(
       args.out.empty() ? ""
                        : (std::filesystem::path(args.out) / std::filesystem::path(args.scene).stem()).string() + ".csv",

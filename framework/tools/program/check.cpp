@@ -77,7 +77,9 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
 std::string formulation_of(const Mechanism& m, Dynamics& dynamics, const State& start, const MobilityReport& r,
                            const Registry& registry) {
   const Formulation asked = m.run.formulation;
-  if (asked == Formulation::omega || asked == Formulation::quaternion) return to_string(asked);
+  if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
+  if (const Plane plane = m.system.plane())
+    return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
   const IntegratorInfo method = make_integrator(m.run, registry)->info();
   std::string why = dynamics.why_not_joint(start.modes);
   if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
@@ -124,6 +126,13 @@ int list_channels(const System& system, bool as_json) {
   return kExitOk;
 }
 
+/// Whether the mechanism, in space unless the scene names its plane, has joint coordinates.
+bool is_tree_in_space(const Loaded& loaded) {
+  Mechanism m = build_mechanism(in_space(loaded.scene), loaded.registry);
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
+  return dynamics.why_not_joint(m.system.start().modes).empty();
+}
+
 /// What the scene could also leave out without an approximation.
 std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
   std::vector<std::string> all;
@@ -164,7 +173,7 @@ int check_command(const Arguments& args) {
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
   std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
-  if (!args.full && m.run.formulation == Formulation::omega && dynamics.why_not_joint(start.modes).empty() &&
+  if (!args.full && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
       make_integrator(m.run, loaded.registry)->info().joint)
     more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
                                "velocities and no rows instead of {} and {}",

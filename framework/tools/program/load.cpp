@@ -63,7 +63,10 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
 
 // Planar motion and merged bodies.
 void put_shortcuts(Scene& scene, const Arguments& args) {
-  if (args.full) scene.root = scene.root.without({"planar", "merge"});
+  if (args.full) {
+    scene.root = scene.root.without({"planar", "merge"});
+    scene.root.object()->push_back({"planar", Value("off"), scene.root.where});
+  }
   if (args.planar.empty()) return;
   scene.root = scene.root.without({"planar"});
   scene.root.object()->push_back({"planar", Value(args.planar), scene.root.where});

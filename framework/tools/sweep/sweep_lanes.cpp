@@ -67,7 +67,7 @@ std::vector<double> output_times(const RunSettings& run) {
 }
 
 std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
-  auto lane = std::make_unique<Lane>(Lane{build_mechanism(scene, registry)});
+  auto lane = std::make_unique<Lane>(Lane{build_mechanism(in_space(scene), registry)});
   record_places(lane->mechanism);
   return lane;
 }
