@@ -396,6 +396,14 @@ TEST_CASE("a plugin whose packed relocations are damaged is refused", "[plugin][
           [](auto& l) { l.template table<std::uint64_t>(kPacked, 1) = l.template table<std::uint64_t>(kPacked); }},
          {"what a packed relocation points to is 0 bytes at address 0x40000000; must be in one mapped segment",
           [](auto& l) { l.template at<std::uint64_t>(l.template table<std::uint64_t>(kPacked)) = kFar; }},
+         {"the place of a packed relocation after another one is ",
+          [](auto& l) {
+            const std::uint64_t first = l.template table<std::uint64_t>(kPacked);
+            l.template table<std::uint64_t>(kPacked, 1) = first;
+            l.template table<std::uint64_t>(kPacked) = first + 8;
+          }},
+         {"what a packed relocation points to is 0; must be at least ",
+          [](auto& l) { l.template at<std::uint64_t>(l.template table<std::uint64_t>(kPacked)) = 0; }},
          {"a function of its list of functions that open it is 1 bytes at address ",
           [](auto& l) { l.template table<std::uint64_t>(DT_INIT_ARRAY) = l.segment(PT_DYNAMIC).p_vaddr; }}});
 }

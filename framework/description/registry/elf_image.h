@@ -46,6 +46,8 @@ class ElfImage {
   void need_at_most(std::string_view what, std::uint64_t value, std::uint64_t limit) const;
   [[noreturn]] void refuse(std::string_view why) const;
 
+  /// Where its header and the table of segments end, to which nothing in it points.
+  std::uint64_t end_of_headers() const { return sizeof(Elf64_Ehdr) + segments_.size_bytes(); }
   /// The first segment of a type (PT_DYNAMIC, ...), or null.
   const Elf64_Phdr* segment(std::uint32_t type) const;
 

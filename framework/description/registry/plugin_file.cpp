@@ -256,12 +256,17 @@ class PluginFile {
   }
 
   // The packed form: an even number is a place, an odd one says by its bits which of the 63 places after it follow.
+  // Linkers write the places in ascending order. A place with a small number in it is no pointer.
   void check_packed_relocations() {
+    Number last = 0;
     const auto relocate = [&](Number place) {
       const Number to = image_.at<Number>("what a packed relocation writes", place, 1).front();
       image_.need_mapped("what a packed relocation writes", place, 8, PF_W);
       image_.need_mapped("what a packed relocation points to", to, 0, 0);
+      image_.need_at_least("what a packed relocation points to", to, image_.end_of_headers());
       write_once(place, to);
+      image_.need_at_least("the place of a packed relocation after another one", place, last);
+      last = place;
     };
     Number next = 0;
     for (const PackedRelocation word : table<PackedRelocation>("its packed relocations", kPacked, kPackedSize)) {

@@ -136,14 +136,15 @@ bool is_tree_in_space(const Loaded& loaded) {
 /// What the scene could also leave out without an approximation.
 std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
   std::vector<std::string> all;
-  Mechanism other = build_mechanism(loaded.scene, loaded.registry);
-  if (!m.system.plane())
-    if (const Plane plane = find_plane(other.system)) {
-      other.system.set_planar(plane);
-      other.system.setup();
-      all.push_back(fmt::format("\"planar\": \"{}\" is exact here: {} unknown velocities instead of {}", "xyz"[plane.n],
-                                other.system.n_velocities(), m.system.n_velocities()));
-    }
+  if (loaded.scene.root.find("planar") != nullptr && !m.system.plane()) {
+    Scene scene = loaded.scene;
+    scene.root = scene.root.without({"planar"});
+    const Mechanism other = build_mechanism(scene, loaded.registry);
+    if (const Plane plane = other.system.plane())
+      all.push_back(
+          fmt::format("without \"planar\" it moves in the plane with normal {}: {} unknown velocities instead of {}",
+                      "xyz"[static_cast<std::size_t>(plane.n)], other.system.n_velocities(), m.system.n_velocities()));
+  }
   if (loaded.scene.root.find("merge") != nullptr) return all;
   Scene scene = loaded.scene;
   scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
