@@ -48,7 +48,8 @@ std::unique_ptr<StepControl> control_of(const EmbeddedScheme& scheme, const Embe
 EmbeddedRungeKutta::EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options)
     : AdaptiveStepper(scheme.tableau.order, control_of(scheme, options)),
       scheme_(scheme),
-      passage_(options.stages, scheme.name),
+      passage_(options.fixed && options.stages == StagesWhen::automatic ? StagesWhen::plain : options.stages,
+               scheme.name),
       watch_(scheme.stability) {}
 
 const EmbeddedScheme* EmbeddedRungeKutta::scheme() const {

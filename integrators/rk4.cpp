@@ -14,7 +14,7 @@ constexpr EmbeddedScheme kScheme{"rk4", {4, 4, 4, 3, kA[0], kB, kC}};
 
 TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: teaching and comparison", {}}; }
 
-Rk4::Rk4() : EmbeddedRungeKutta(kScheme, {.fixed = true, .stages = StagesWhen::plain}) {}
+Rk4::Rk4() : EmbeddedRungeKutta(kScheme, {.fixed = true}) {}
 
 IntegratorInfo Rk4::info() const { return {"rk4", 4, false, false, 4, takes_joint()}; }
 

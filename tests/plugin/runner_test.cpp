@@ -168,6 +168,12 @@ TEST_CASE("results replace neither what a scene is read from nor what another ru
     CHECK(contains(r.text, "would replace"));
     CHECK(bytes(law) == text);
     CHECK(bytes(arm) == scene);
+    const Called swept = call("sweep '" + arm + "' --vary gravity.1=-1,-2 --record " + record);
+    INFO(swept.text);
+    CHECK(swept.exit == 2);
+    CHECK(contains(swept.text, "would replace"));
+    CHECK(bytes(law) == text);
+    CHECK(bytes(arm) == scene);
   }
   const std::string busy = kFolder + "/busy.csv";
   fs::remove(busy);

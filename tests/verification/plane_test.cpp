@@ -238,6 +238,9 @@ TEST_CASE("what does not say that it stays in the plane keeps the mechanism in s
     const auto sine = laws::sine({.amplitude = 0.1, .omega = 1});
     CHECK(moved(laws::along(Vec3(1, 1, 0), sine)));
     CHECK_FALSE(moved(laws::along(Vec3(0, 0, 1), late)));
+    const Vec3 z(0, 0, 1);  // a law itself: where it leaves the plane is not looked at
+    CHECK_FALSE(laws::path({{0, Vec3(0, 0, 0)}, {7, Vec3(1, 0, 0)}, {9, Vec3(0, 1, 0.01)}})->stays_in_plane(z));
+    CHECK(laws::path({{0, Vec3(0, 0, 1)}, {7, Vec3(1, 0, 1)}, {9, Vec3(0, 1, 1)}})->stays_in_plane(z));
     CHECK(moved(laws::components(sine, sine, laws::constant(0))));
     CHECK_FALSE(moved(laws::components(sine, sine, late)));
     CHECK(moved(laws::path({{0, Vec3(0, 0, 0)}, {1, Vec3(0.1, 0, 0)}, {2, Vec3(0, 0.1, 0)}},
@@ -263,6 +266,8 @@ TEST_CASE("what does not say that it stays in the plane keeps the mechanism in s
     };
     CHECK(turned(about(Vec3(0, 0, 1))));
     CHECK_FALSE(turned(about(Vec3(0, 1, 0))));
+    CHECK_FALSE(about(Vec3(0, 1, 0))->turns_about(Vec3(0, 0, 1)));
+    CHECK(about(Vec3(0, 1, 0))->turns_about(Vec3(0, -1, 0)));
   }
   SECTION("functions") {
     CHECK(found([&](Rod& r) { hold_tip<Straight<true>>(r); }));
@@ -285,6 +290,31 @@ TEST_CASE("planar by default: loops that are known to stay in their plane", "[ve
   CHECK_FALSE(plane_of(scene_path("heavy_top")));
   CHECK_FALSE(plane_of(own_scene("conical_pendulum")));
   CHECK_FALSE(plane_of(own_scene("conical_pendulum"), Formulation::omega));
+}
+
+TEST_CASE("what is added to a mechanism in its plane may bring it back into space", "[verification][plane]") {
+  Mechanism m = build_mechanism(read_scene(scene_path("four_bar")), builtin_registry());
+  REQUIRE(m.system.plane() == Plane{2});
+  const Marker& tip = m.system.add_marker("tip", m.system.body(m.system.bodies().back().name));
+  m.system.add(function_force("own", {&tip}, [](const Inputs&, WrenchSum&) {}));
+  m.system.setup();
+  CHECK_FALSE(m.system.plane());
+  m.system.set_planar(Plane{2});  // by name it is looked at only
+  m.system.setup();
+  CHECK(m.system.plane() == Plane{2});
+}
+
+TEST_CASE("lever arms of small mechanisms are seen", "[verification][plane]") {
+  const double size = 1e-5;
+  System system;
+  Body& rod =
+      system.add_body("rod", {1e-12, Vec3::Zero(), 1e-22 * Vec3(1, 10, 10).asDiagonal()}, {Vec3(size, 0, 0), {}});
+  rod.start = {Vec3(0, size, 0), Vec3(0, 0, 1)};
+  system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3(0, 0, 0.3 * size)));
+  system.set_planar(Plane{2});
+  system.setup();
+  CHECK(system.has_offsets());
+  CHECK_FALSE(find_plane(system));
 }
 
 TEST_CASE("a start or a force that leaves the plane is refused by name", "[verification][plane]") {
@@ -312,6 +342,14 @@ TEST_CASE("a lever arm along the normal is taken by links that hold the body", "
     return dynamics.evaluate(r.system.start()).a[5];
   };
   CHECK(turning(true) == Approx(turning(false)).epsilon(1e-13));
+
+  Rod beside;  // a body that flies freely does not matter, a link that is not in force does not help
+  beside.system.add_body("free", beside.rod.mass, {Vec3(0, 2, 0), {}});
+  push(beside, Vec3(0.5, 0, 0.1), {.force = Vec3(0, 1, 0)});
+  CHECK(refusal(beside.system) == "no error");
+  beside.joint.set_active_at_start(false);
+  beside.system.set_planar({});
+  CHECK(refusal(beside.system).find("tips body 'rod' over") != std::string::npos);
 }
 
 }  // namespace plane_test

@@ -26,7 +26,7 @@ class KeepRounding {
   ~KeepRounding() { std::fesetenv(&before_); }
 
  private:
-  std::fenv_t before_;
+  std::fenv_t before_{};
 };
 
 // Opened libraries by path. They are never closed, because objects carry their code.
@@ -84,7 +84,7 @@ void check_plugin_file(const std::string& file) {
 }
 
 std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders) {
-  const std::string file = find_plugin(name_or_path, folders);
+  std::string file = find_plugin(name_or_path, folders);
   const std::string name = plugin_name(file), who = "plugin '" + name + "': ";
   if (name == "built in") throw PluginError(who + "its file has the name of lockstep's own types; rename it");
   check_plugin_file(file);

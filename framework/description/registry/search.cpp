@@ -67,7 +67,7 @@ std::string problem_of(const fs::path& path, const fs::path& folder, const std::
     return "it leads out of the plugin folders, to " + file.string() +
            "; name that folder in LOCKSTEP_PLUGIN_PATH, or give the path";
   for (const fs::path& p : {file, file.parent_path(), fs::canonical(folder, error)})
-    if (const std::string stranger = stranger_at(p); !stranger.empty()) return stranger;
+    if (std::string stranger = stranger_at(p); !stranger.empty()) return stranger;
   return {};
 }
 

@@ -140,7 +140,8 @@ const VelocityTarget* Builder::start_out_of(Plane plane) const {
 void Builder::choose_plane(bool asked) {
   System& system = out_.system;
   if (!asked && (out_.run.formulation == Formulation::quaternion || goes_joint())) return;
-  system.set_planar(find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; }));
+  const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
+  system.set_planar(found, bool(found));
 }
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.
@@ -158,11 +159,12 @@ void Builder::set_up(const Params& root) {
       throw ModelError({.thing = {.kind = "link", .name = out->link},
                         .problem = "the scene is planar with normal " + normal + ", and it starts with " +
                                    text::brief(out->value) + (is_rotation(out->axis) ? " rad/s" : " m/s") +
-                                   " out of the plane; remove \"planar\", or start in the plane"});
+                                   " out of the plane; set \"planar\" to \"off\", or start in the plane"});
   } catch (const ModelError& error) {
     const auto& things = taken_[error.thing.kind];
     const auto found = things.find(error.thing.name);
-    refuse(found != things.end() ? found->second : scene_.root.where, "", error.what(), error);
+    refuse(found != things.end() ? found->second : scene_.root.where, "", error.what(),
+           static_cast<const ErrorData&>(error));
   }
 }
 

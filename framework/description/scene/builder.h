@@ -35,7 +35,7 @@ decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
-    refuse(where, context, error.what(), error);
+    refuse(where, context, error.what(), static_cast<const ErrorData&>(error));
   }
 }
 template <class F>

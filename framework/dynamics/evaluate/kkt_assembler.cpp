@@ -34,7 +34,7 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (system_.plane() && formulation_ == Formulation::quaternion)
     throw ModelError(
         "formulation quaternion has seven coordinates per body and does not support \"planar\"; use formulation omega, "
-        "or remove \"planar\"");
+        "or set \"planar\" to \"off\"");
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();

@@ -44,6 +44,8 @@ double time_to_turn(const State& y, double angle) {
 
 double NearSingular::limit() const { return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL); }
 
+double NearSingular::limit_from(double now) const { return std::min(kSingular, kUnusual * std::max(largest_, now)); }
+
 void NearSingular::add(double indicator, double angle) {
   largest_ = std::max(largest_, std::min(indicator, 1.0));
   turned_ += angle;

@@ -28,7 +28,7 @@ template <class T>
 struct Ends {
   MarkerOn<T> P,              ///< marker P on its slot
       S;                      ///< marker S on its slot, or the ground's origin
-  double t;                   ///< time, s
+  double t = 0;               ///< time, s
   std::span<const double> z;  ///< memory of the mechanism, State::z
 };
 
@@ -185,7 +185,7 @@ ForceAccount account(const MarkerFrame& P, const MarkerFrame& S, const Inputs& i
   const Ends<double> at = ends(P, S, in);
   AccountLoad load(at);
   act(at, load);
-  return load;
+  return static_cast<const ForceAccount&>(load);
 }
 
 /// Adds K and D of the formula act(ends, load) to `out`, with two passes over it for each slot that moves: pose and

@@ -56,7 +56,7 @@ class LOCKSTEP_API StiffnessWatch {
 /// Options of an embedded method.
 struct EmbeddedOptions {
   bool fixed = false;                         ///< steps of the length asked for, without error control
-  StagesWhen stages = StagesWhen::automatic;  ///< when stages are evaluated on the constraints
+  StagesWhen stages = StagesWhen::automatic;  ///< when stages are on the constraints; automatic is plain where `fixed`
 
   static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
   static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()

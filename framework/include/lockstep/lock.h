@@ -192,7 +192,7 @@ struct LinkPattern {
       mask{};                  ///< of a MarkerLock: without those of drives
   unsigned char grounded = 0;  ///< 1 if the body of P is fixed, plus 2 if that of S is
   /// A total order, so that patterns can be keys of a map.
-  friend auto operator<=>(const LinkPattern&, const LinkPattern&) = default;
+  friend auto operator<=>(const LinkPattern&, const LinkPattern&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// The rows of a link, as plan_rows() reports them.
@@ -381,13 +381,16 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void engage(const Inputs&, std::span<double> s) const override;
 
   bool setup_plane(Plane) override;
-  /// By what its laws and those of its markers say of themselves; drives are in the plane.
-  bool stays_in_plane(Plane) const override;
+  /// By what its laws and those of its markers say of themselves; drives are in the plane. A derived class with rows of
+  /// its own answers for them.
+  bool stays_in_plane(Plane plane) const override { return row_count() == n_rows_ && laws_stay_in_plane(plane); }
   RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
   void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
  protected:
+  /// Whether the laws of the lock and of its markers keep a mechanism in this plane, as they say; drives are in it.
+  bool laws_stay_in_plane(Plane) const;
   /// Rows of the mask and of the drives; a derived class adds its own. Throws ModelError: neither body can move, or a
   /// turn of a particle is held.
   RowPlan plan_rows() override;

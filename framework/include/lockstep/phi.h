@@ -73,8 +73,8 @@ inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa,
 }
 
 /// What a function Phi may define about itself. All of it is optional; what is misspelt, or does not fit the function,
-/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kStaysInPlane, kKind, kMemory as below, and kNames, the names of
-/// its rows in messages and channels. Functions:
+/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kStaysInPlane, kKind, kMemory as below, and kNames,
+/// the names of its rows in messages and channels. Functions:
 ///   - initialise(link, y...) is called by setup() with the coordinates of the start: phase angles, refusals;
 ///   - reset(z, y...) and accept_step(z, y...) write its kMemory numbers at the start and after accepted steps;
 ///   - breakpoints(t0, t1, out) and diagnose(t) are those of Driven, for laws.

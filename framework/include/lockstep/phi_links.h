@@ -201,7 +201,7 @@ class PhiLock : public MarkerLock, public Remembering {
   }
 
   /// By what phi and all laws say of themselves.
-  bool stays_in_plane(Plane plane) const override { return Traits::kStaysInPlane && MarkerLock::stays_in_plane(plane); }
+  bool stays_in_plane(Plane plane) const override { return Traits::kStaysInPlane && laws_stay_in_plane(plane); }
 
   /// Of the lock's laws and of those in phi.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {

@@ -115,4 +115,5 @@ constexpr lockstep_abi_record abi_of_this_build() {
 #define LOCKSTEP_PLUGIN(registry)                                                                       \
   extern "C" LOCKSTEP_API const lockstep_abi_record lockstep_abi;                                       \
   extern "C" LOCKSTEP_API constexpr lockstep_abi_record lockstep_abi = ::lockstep::abi_of_this_build(); \
+  /* NOLINTNEXTLINE(bugprone-macro-parentheses): the name of a parameter */                             \
   extern "C" LOCKSTEP_API void lockstep_register_plugin(::lockstep::Registry& registry)

@@ -333,7 +333,9 @@ enum class StagesWhen {
 /// the mechanism has turned.
 class LOCKSTEP_API NearSingular {
  public:
-  double limit() const;                      ///< that indicator
+  double limit() const;  ///< that indicator
+  /// The same where a first indicator, `now`, is taken for usual: no position counts as near because it is the start.
+  double limit_from(double now) const;
   void add(double indicator, double angle);  ///< after a step: its smallest, and the turn of its fastest body, rad
   void save(Snapshot& out) const { out.put(largest_), out.put(turned_); }        ///< saves both sums
   void restore(const Snapshot& in) { largest_ = in.get(), turned_ = in.get(); }  ///< takes back what save() wrote
@@ -384,12 +386,12 @@ class LOCKSTEP_API SingularPassage {
 
   /// Saves what it knows of the next step.
   void save(Snapshot& out) const {
-    out.put(near_ ? 1 : 0), out.put(ahead_), out.put(longest_plain_);
+    out.put(near_ ? 1 : 0), out.put(ahead_), out.put(longest_plain_), out.put(probed_ ? 1 : 0);
     usual_.save(out);
   }
   /// Takes back what save() wrote.
   void restore(const Snapshot& in) {
-    near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get();
+    near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get(), probed_ = in.get() != 0;
     usual_.restore(in);
   }
 

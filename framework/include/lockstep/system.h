@@ -126,7 +126,10 @@ class LOCKSTEP_API System {
   /// Motion in the plane whose normal is this axis of the world (Plane{}: in space): three velocities per body, and the
   /// rows out of the plane are left out. Exact where axes, forces and starts lie in the plane; setup() refuses by name
   /// what leaves it.
-  void set_planar(Plane plane) { plane_ = plane, ready_ = false; }
+  /// `known`: only while all links and forces say that they stay in it (stays_in_plane) and nothing has a lever arm along
+  /// the normal, as find_plane() asks; what is added later and does not, brings the mechanism back into space.
+  void set_planar(Plane plane, bool known = false) { plane_ = plane, plane_is_known_ = known, ready_ = false; }
+  bool plane_is_known() const { return plane_is_known_; }  ///< as set_planar() was told
   Plane plane() const { return plane_; }  ///< the plane that was set; motion in space without one
 
   /// Whether bodies that are held to one another by a fixed link without laws, which fits at the start, move as one
@@ -239,6 +242,7 @@ class LOCKSTEP_API System {
 
   bool ready_ = false;
   Plane plane_;
+  bool plane_is_known_ = false;
   bool merge_ = false;
   std::vector<const Lock*> kept_;
   std::vector<bool> merged_;          // by number of the link

@@ -31,7 +31,8 @@ std::vector<const Marker*> MarkerForce::markers() const {
 
 bool MarkerForce::markers_stay_in(Plane plane, bool pushes) const {
   const auto stays = [&](const MarkerFrame& frame) {
-    const bool arm = pushes && frame.slot != kGround && std::abs(frame.u0[plane.n]) > kParallel * frame.u0.norm();
+    const bool arm =
+        pushes && frame.slot != kGround && std::abs(frame.u0[plane.n]) > kParallel * frame.u0.norm() + 1e-15;
     return !arm && frame.stays_in_plane(plane);
   };
   return stays(P_) && (!s_ || stays(S_));

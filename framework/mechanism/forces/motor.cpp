@@ -19,9 +19,10 @@ void Motor::setup() {
 
 // The law may be zero wherever the system evaluates it, so direction and lever arms are looked at here.
 bool Motor::stays_in_plane(Plane plane) const {
-  const double along = S_.A0(plane.n, 2);  // of z of S, along the normal
-  if (effort_ == Effort::torque) return markers_stay_in(plane, false) && 1 - std::abs(along) <= kParallel;
-  return markers_stay_in(plane) && std::abs(along) <= kParallel && S_.slot == kGround;
+  const Mat3& A = S_.A0;
+  if (effort_ == Effort::torque)
+    return markers_stay_in(plane, false) && std::hypot(A(plane.i(), 2), A(plane.j(), 2)) <= kParallel;
+  return markers_stay_in(plane) && std::abs(A(plane.n, 2)) <= kParallel && S_.slot == kGround;
 }
 
 std::vector<Quantity> Motor::quantities() const {

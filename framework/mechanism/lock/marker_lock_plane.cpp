@@ -21,7 +21,7 @@ int axis_along(const Mat3& A, int n) {
 
 [[noreturn, gnu::noinline, gnu::cold]] void leaves_plane(const MarkerLock& lock, double t) {
   throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + text::number(t) +
-                   " s, and the scene is planar; remove \"planar\"");
+                   " s, and the scene is planar; set \"planar\" to \"off\"");
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ bool MarkerLock::setup_plane(Plane plane) {
     if (k != a && includes(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
   if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
-    throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; remove \"planar\"");
+    throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; set \"planar\" to \"off\"");
   f.uP[0] = P_.u0[plane.i()], f.uP[1] = P_.u0[plane.j()];
   f.uS[0] = S_.u0[plane.i()], f.uS[1] = S_.u0[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)
@@ -52,7 +52,7 @@ bool MarkerLock::setup_plane(Plane plane) {
   return true;
 }
 
-bool MarkerLock::stays_in_plane(Plane plane) const {
+bool MarkerLock::laws_stay_in_plane(Plane plane) const {
   if (!P_.stays_in_plane(plane) || !S_.stays_in_plane(plane)) return false;
   const Vec3 normal = S_.A0.row(plane.n);
   const ImposedMotion& laws = imposed();

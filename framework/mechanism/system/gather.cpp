@@ -90,7 +90,7 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
                x > 1e-8 * std::max(1.0, length_)) {
       throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
                            ": asks for a motion out of the plane (" + text::brief(x) +
-                           ") at t = " + text::number(in.t) + " s, and the scene is planar; remove \"planar\"",
+                           ") at t = " + text::number(in.t) + " s, and the scene is planar; set \"planar\" to \"off\"",
                        {.thing = thing_of(*link), .t = in.t});
     }
   }
@@ -141,7 +141,8 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + text::brief(out) +
-                             " N at t = " + text::number(in.t) + " s, and the scene is planar; remove \"planar\"",
+                             " N at t = " + text::number(in.t) +
+                             " s, and the scene is planar; set \"planar\" to \"off\"",
                          {.thing = thing_of(*force), .t = in.t});
   }
 }

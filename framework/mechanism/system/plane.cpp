@@ -77,17 +77,19 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane) {
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
   if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
     return refusal_of(body, what + "it starts with " + text::brief(v[plane.n]) +
-                                " m/s along the normal; remove \"planar\", or start in the plane");
+                                " m/s along the normal; set \"planar\" to \"off\", or start in the plane");
   if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
     return refusal_of(
-        body, what + "it starts turning about an axis in the plane; remove \"planar\", or turn about the normal");
+        body,
+        what + "it starts turning about an axis in the plane; set \"planar\" to \"off\", or turn about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double J = s.J.trace();
   if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
     return refusal_of(
-        body, what + "the normal is not a principal axis of its inertia (products " +
-                  text::brief(s.J(plane.n, plane.i())) + " and " + text::brief(s.J(plane.n, plane.j())) +
-                  " kg m^2), so it would not stay in the plane without moments from its links; remove \"planar\"");
+        body,
+        what + "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
+            " and " + text::brief(s.J(plane.n, plane.j())) +
+            " kg m^2), so it would not stay in the plane without moments from its links; set \"planar\" to \"off\"");
   return {};
 }
 
@@ -96,6 +98,11 @@ struct OutOfPlane {
   int slot;
   std::array<double, 3> J;
 };
+
+// Whether the mass centres of a slot's bodies lie beside the plane of their common one.
+bool has_products(const Slot& s, Plane plane) {
+  return std::abs(s.J(plane.n, plane.i())) + std::abs(s.J(plane.n, plane.j())) > kTolerance * s.J.trace();
+}
 
 // The shares found in the sampled poses, by link and row and by force.
 struct Look {
@@ -119,7 +126,7 @@ void look_at_link(const System& system, const Lock& link, const Inputs& in, std:
     s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
     for (int i = 0; i < shape.n; ++i) {
       const auto J = block.J(i, row);
-      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], plane, 1.0 / system.length());
+      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], plane, system.length());
       if (!out) continue;
       const auto at = [&](int c) { return J[static_cast<std::size_t>(c)]; };
       (*out)[static_cast<std::size_t>(row)].push_back(
@@ -136,7 +143,7 @@ Look look_in_plane(const System& system, bool later) {
   look.forces.resize(system.forces().size());
   const State start = system.start();
   std::vector<Motion> motions;
-  VecX f(6 * system.n_slots());
+  VecX f = VecX::Zero(6 * system.n_slots());
   for (int k = 0; k < kPoses; ++k) {
     State state = planar_state(system, start, k);
     if (!later) state.t = start.t;
@@ -149,10 +156,12 @@ Look look_in_plane(const System& system, bool later) {
       if (!system.merged(*system.links()[l]))
         look_at_link(system, *system.links()[l], in, look.rows[l], k == 0 ? &look.out[l] : nullptr);
     for (std::size_t l = 0; l < look.forces.size(); ++l) {
-      f.setZero();
+      const Force& force = *system.forces()[l];
+      for (const int slot : force.slots()) f.segment<6>(6 * slot).setZero();
       WrenchSum sum(in.motions, f);
-      system.forces()[l]->apply(in, sum);
-      for (int i = 0; i < f.size(); ++i) look.forces[l].add(i % 6, f[i], system.plane(), system.length());
+      force.apply(in, sum);
+      for (const int slot : force.slots())
+        for (int i = 0; i < 6; ++i) look.forces[l].add(i, f[6 * slot + i], system.plane(), system.length());
     }
   }
   return look;
@@ -162,7 +171,7 @@ Refusal check_force(const Force& force, const Shares& s, Plane plane) {
   if (!s.leaves()) return {};
   return refusal_of({.kind = "force", .name = force.name()},
                     in_plane_words(plane) + ", and it pushes out of the plane (" + text::brief(s.out) +
-                        " N); turn it into the plane, or remove \"planar\"");
+                        " N); turn it into the plane, or set \"planar\" to \"off\"");
 }
 
 // A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
@@ -174,51 +183,83 @@ Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, doubl
   };
   if (s.lies_in() && s.leaves())
     return refuse(
-        "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or take "
-        "\"planar\" out");
+        "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or set "
+        "\"planar\" to \"off\"");
   if (s.in == 0 && s.out == 0 && s.arm == 0)
-    return refuse("has no direction in any planar pose; turn the link's markers, or remove \"planar\"");
+    return refuse("has no direction in any planar pose; turn the link's markers, or set \"planar\" to \"off\"");
   if (!s.lies_in() && s.free > kTolerance * std::max(1.0, length))
     return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(s.free) +
-                  "); remove \"planar\", or keep its law in the plane");
+                  "); set \"planar\" to \"off\", or keep its law in the plane");
   return {};
 }
 
-// Lever arms along the normal tip a body over unless links hold it in the plane: then their rows that lie out of it have
-// full rank. Names what has the arm.
-Refusal check_tipping(const System& system, const Look& look) {
+// A slot on which something with a lever arm along the normal acts, and what that is.
+struct Tipped {
+  int slot;
+  Thing thing;
+};
+
+std::vector<Tipped> tipped_slots(const System& system, const Look& look) {
+  std::vector<Tipped> out;
+  for (std::size_t f = 0; f < look.forces.size(); ++f)
+    if (look.forces[f].has_arm())
+      for (const int slot : system.forces()[f]->slots())
+        out.push_back({slot, {.kind = "force", .name = system.forces()[f]->name()}});
+  for (std::size_t l = 0; l < look.rows.size(); ++l) {
+    const Lock& link = *system.links()[l];
+    if (std::ranges::none_of(look.rows[l], [](const Shares& row) { return row.lies_in() && row.has_arm(); })) continue;
+    for (int k = 0; k < link.slots().n; ++k)
+      out.push_back({link.slots().slot[static_cast<std::size_t>(k)], {.kind = "link", .name = link.name()}});
+  }
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (has_products(system.slot(k), system.plane()))
+      out.push_back({k, {.kind = "body", .name = system.body_of_slot(k).name}});
+  std::erase_if(out, [&](const Tipped& t) { return system.slot(t.slot).freedoms == Freedoms::particle; });
+  return out;
+}
+
+// The rows out of the plane of links that hold at all times, transposed: three unknowns a slot.
+Eigen::SparseMatrix<double> rows_out_of_plane(const System& system, const Look& look) {
   std::vector<Eigen::Triplet<double>> numbers;
-  int m = 0, n = 0;
-  for (std::size_t l = 0; l < look.rows.size(); ++l)
+  int m = 0;
+  for (std::size_t l = 0; l < look.rows.size(); ++l) {
+    const Lock& link = *system.links()[l];
+    if (!link.active_at_start() || link.unilateral()) continue;
     for (std::size_t row = 0; row < look.out[l].size(); ++row) {
       if (look.rows[l][row].lies_in()) continue;
       for (const OutOfPlane& of : look.out[l][row])
         for (int c = 0; c < 3; ++c)
-          numbers.emplace_back(m, 3 * of.slot + c, of.J[static_cast<std::size_t>(c)] / (c == 0 ? 1 : system.length()));
+          numbers.emplace_back(3 * of.slot + c, m, of.J[static_cast<std::size_t>(c)] / (c == 0 ? 1 : system.length()));
       ++m;
     }
-  for (int k = 0; k < system.n_slots(); ++k)  // a particle does not turn
-    if (system.slot(k).freedoms == Freedoms::particle)
-      for (int c = 1; c < 3; ++c) numbers.emplace_back(m++, 3 * k + c, 1.0);
-  n = 3 * system.n_slots();
-  if (m >= n) {
-    Eigen::SparseMatrix<double> J(m, n);
-    J.setFromTriplets(numbers.begin(), numbers.end());
-    J.makeCompressed();
-    if (Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>>(J).rank() == n) return {};
   }
-  const std::string problem = in_plane_words(system.plane()) +
-                              ", and it has a lever arm along the normal, which tips bodies that the links do not hold "
-                              "in the plane; remove \"planar\", or put all into one plane";
-  for (std::size_t f = 0; f < look.forces.size(); ++f)
-    if (look.forces[f].has_arm()) return refusal_of({.kind = "force", .name = system.forces()[f]->name()}, problem);
-  for (std::size_t l = 0; l < look.rows.size(); ++l)
-    for (const Shares& row : look.rows[l])
-      if (row.lies_in() && row.has_arm())
-        return refusal_of({.kind = "link", .name = system.links()[l]->name()}, problem);
-  return ModelError(in_plane_words(system.plane()) +
-                    ", and welded bodies have their mass centres beside it, which tips them as no link holds them in "
-                    "the plane; remove \"planar\"");
+  Eigen::SparseMatrix<double> Jt(3 * system.n_slots(), m);
+  Jt.setFromTriplets(numbers.begin(), numbers.end());
+  Jt.makeCompressed();
+  return Jt;
+}
+
+// A lever arm along the normal gives moments about axes in the plane: links must take both, or the body tips over.
+Refusal check_tipping(const System& system, const Look& look) {
+  const Eigen::SparseMatrix<double> Jt = rows_out_of_plane(system, look);
+  Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
+  if (Jt.cols() > 0) qr.compute(Jt);
+  for (const Tipped& tipped : tipped_slots(system, look))
+    for (int c = 1; c < 3; ++c) {
+      VecX moment = VecX::Zero(Jt.rows());
+      moment[3 * tipped.slot + c] = 1;
+      if (Jt.cols() > 0) {
+        const VecX taken = qr.solve(moment);
+        if ((Jt * taken - moment).norm() < 1e-9) continue;
+      }
+      return refusal_of(tipped.thing,
+                        in_plane_words(system.plane()) +
+                            ", and it has a lever arm along the normal, which tips body '" +
+                            system.body_of_slot(tipped.slot).name +
+                            "' over, as its links do not take the moment; set \"planar\" to \"off\", or put all into "
+                            "one plane");
+    }
+  return {};
 }
 
 // The reactions that a force reads must be complete.
@@ -230,19 +271,28 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
     if (offsets)
       return refusal_of(thing, what +
                                    "reactions, which lack the moments of lever arms along the normal in a planar "
-                                   "scene; remove \"planar\", or put links and forces into one plane");
+                                   "scene; set \"planar\" to \"off\", or put links and forces into one plane");
     if (rows[static_cast<std::size_t>(link->number())].m == 0)
-      return refusal_of(thing, what + "link '" + link->name() + "', which lies out of the plane; remove \"planar\"");
+      return refusal_of(thing,
+                        what + "link '" + link->name() + "', which lies out of the plane; set \"planar\" to \"off\"");
   }
   return {};
 }
 
-// Whether everything says of itself that it stays in the plane.
-bool declared(const System& system) {
-  return std::ranges::all_of(
-             system.links(),
-             [&](const auto& link) { return system.merged(*link) || link->stays_in_plane(system.plane()); }) &&
-         std::ranges::all_of(system.forces(), [&](const auto& force) { return force->stays_in_plane(system.plane()); });
+// What does not say of itself that it stays in the plane.
+Refusal check_declared(const System& system) {
+  const auto refuse = [&](const char* kind, const std::string& name, std::string_view type) {
+    return refusal_of({.kind = kind, .name = name},
+                      fmt::format("'{}' does not say that it stays in the plane with normal "
+                                  "{} (stays_in_plane)",
+                                  type, axis_name(system.plane())));
+  };
+  for (const auto& link : system.links())
+    if (!system.merged(*link) && !link->stays_in_plane(system.plane()))
+      return refuse("link", link->name(), link->type());
+  for (const auto& force : system.forces())
+    if (!force->stays_in_plane(system.plane())) return refuse("force", force->name(), force->type());
+  return {};
 }
 
 }  // namespace
@@ -252,12 +302,13 @@ std::optional<ModelError> System::setup_plane() {
   for (const Slot& s : slots_) {
     for (const Body* b : s.bodies)
       if (Refusal refusal = check_body(*b, s, plane_)) return refusal;
-    const double products = std::abs(s.J(plane_.n, plane_.i())) + std::abs(s.J(plane_.n, plane_.j()));
-    if (products > kTolerance * s.J.trace()) offsets_ = true;  // welded bodies at different heights
+    offsets_ = offsets_ || has_products(s, plane_);  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
     return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) +
-                      " m/s^2 along it; remove \"planar\"");
+                      " m/s^2 along it; set \"planar\" to \"off\"");
+  if (plane_is_known_)
+    if (Refusal refusal = check_declared(*this)) return refusal;
   Look look;
   try {
     struct Borrowed {  // all but the plane is set up, so start() may be called
@@ -290,6 +341,9 @@ std::optional<ModelError> System::setup_plane() {
     Planar* own = links_[l]->planar();
     rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
+  if (offsets_ && plane_is_known_)
+    return ModelError(in_plane_words(plane_) +
+                      ", and there are lever arms along it, whose reactions would be left out");
   if (offsets_)
     if (Refusal refusal = check_tipping(*this, look)) return refusal;
   for (const auto& force : forces_)
@@ -297,31 +351,23 @@ std::optional<ModelError> System::setup_plane() {
   return {};
 }
 
-namespace {
-
-// Code of a user that throws where it is only looked at will say so in the run.
-bool stays_in(System& system, const std::function<bool(Plane)>& starts_in) {
-  try {
-    if (system.try_setup() || system.has_offsets() || !declared(system)) return false;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (...) {
-    return false;
-  }
-  return !starts_in || starts_in(system.plane());
-}
-
-}  // namespace
-
 Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
-  const Plane before = system.plane();
-  Plane found;
-  for (int n = 2; n >= 0 && !found; --n) {
-    system.set_planar(Plane{n});
-    if (stays_in(system, starts_in)) found = Plane{n};
+  struct Restore {
+    System& system;
+    Plane plane = system.plane();
+    bool known = system.plane_is_known();
+    ~Restore() { system.set_planar(plane, known); }
+  } const restore{system};
+  for (int n = 2; n >= 0; --n) {
+    system.set_planar(Plane{n}, true);
+    try {
+      if (!system.try_setup() && (!starts_in || starts_in(Plane{n}))) return Plane{n};
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (...) {  // code of a user that throws where it is only looked at will say so in the run
+    }
   }
-  system.set_planar(before);
-  return found;
+  return {};
 }
 
 }  // namespace lockstep

@@ -160,7 +160,12 @@ const Force& System::force(const std::string& name) const { return *find("force"
 
 void System::setup() {
   if (ready_) return;
-  if (std::optional<ModelError> refusal = try_setup()) throw ModelError(*refusal);
+  std::optional<ModelError> refusal = try_setup();
+  if (refusal && plane_is_known_) {
+    set_planar({});
+    refusal = try_setup();
+  }
+  if (refusal) throw ModelError(*refusal);
 }
 
 std::optional<ModelError> System::try_setup() {

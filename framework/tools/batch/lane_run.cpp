@@ -207,7 +207,7 @@ bool LaneRun::near_singular(int lane) {
   Lane& the = lanes_[static_cast<std::size_t>(lane)];
   the.usual = std::min({the.usual, the.first.fewest, the.stages.fewest});
   return std::max(the.first.most, the.stages.most) > the.usual ||
-         std::min(the.first.smallest, the.stages.smallest) < the.singular.limit();
+         std::min(the.first.smallest, the.stages.smallest) < the.singular.limit_from(the.first.smallest);
 }
 
 // Angular velocity of the body of a copy that turns fastest, rad/s.

@@ -100,7 +100,8 @@ void add_legend(Script& out, const Layout& all, const Legend& legend) {
 }
 
 void place(Script& out, const GridSpec& spec, const Layout& all, std::size_t k) {
-  const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(k / all.n_columns);
+  const std::size_t rows_above = k / all.n_columns;
+  const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(rows_above);
   const double left = kLeft + column * (all.plot_width + kBetween);
   const double top = all.top + row * spec.panel_height + kAbove;
   margins(out, left / all.width, (left + all.plot_width) / all.width, 1 - top / all.height,

@@ -94,7 +94,8 @@ void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
 }  // namespace
 
 int advise_command(const Arguments& args) {
-  const Loaded loaded = load(args);
+  Loaded loaded = load(args);
+  loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const double error = args.error.empty() ? kError : positive_number("--error", args.error, Unit::none);
   const ErrorKind kind = kind_of(args);
   const Interrupt interrupt;

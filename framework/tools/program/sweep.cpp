@@ -271,6 +271,7 @@ int sweep_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
   const Plan plan = make_plan(args);
   const std::string csv = table_path(args, plan.shard);
+  check_overwrites(csv, plan.loaded.scene);
   check_writable(csv);
   make_folder(args.histories);
   ResultFile rows(csv);

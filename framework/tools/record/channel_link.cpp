@@ -58,7 +58,7 @@ void add_rows(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   for (int k = 0; k < link.row_count(); ++k) {
     const RowKind kind = link.row_kind(k);
-    const std::string row = link.row_name(k);
+    const std::string& row = link.row_name(k);
     const bool translation = kind == RowKind::translation, rotation = kind == RowKind::rotation;
     add(out, "C_" + row, translation ? "m" : "", "residual of row " + row + "; 0 while the link is not active",
         of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.rows.block(e).C(i); }));

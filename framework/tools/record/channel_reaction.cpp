@@ -26,7 +26,7 @@ void add_wrench(const Lock& link, const std::string& prefix, int part, const std
       {"torque_on_s_world_", "N m", "torque on s's body about S by {}, world axes", false, false, true}};
   for (const Vector& v : kVectors)
     add_vector(out, prefix + v.name, v.unit, fmt::format(fmt::runtime(v.help), by), [=](const Sample& x) -> Vec3 {
-      const LinkWrench wrench = x.wrench(*l, v.on_p ? *P : *S, part);
+      const LinkWrench& wrench = x.wrench(*l, v.on_p ? *P : *S, part);
       const Vec3 f = v.force ? wrench.force : wrench.moment;
       return v.world ? f : Vec3(in_world(MarkerFrame(*S), x.values().in).A.transpose() * f);
     });
