@@ -61,7 +61,7 @@ class TranslationFrom final : public FromFunction<TranslationLaw, F> {
   using FromFunction<TranslationLaw, F>::FromFunction;
   TranslationValue at(double t) const override {
     const auto r = this->on_jet(t);
-    const Time x = r[0], y = r[1], z = r[2];
+    const Time &x = r[0], &y = r[1], &z = r[2];
     return {Vec3(x.v, y.v, z.v), Vec3(x.d, y.d, z.d), Vec3(x.h, y.h, z.h)};
   }
 };
