@@ -112,8 +112,8 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
     return made;
   }
   if (evaluated) made.error = estimate(h);
-  made.shifted = passage_.must_shift(stages_, scheme_.late_stage, made.error);
-  if (made.shifted) made.next = passage_.shift(stages_, scheme_.late_stage, h, made.error);
+  made.shifted = passage_.must_shift(stages_, made.error);
+  if (made.shifted) made.next = passage_.shift(stages_, h, made.error);
   made.accepted = evaluated && !made.shifted && made.error <= passage_.limit();
   return made;
 }

@@ -10,7 +10,7 @@ ConstantRotation::ConstantRotation(const Quat& q) : q_(require_orientation("cons
 
 RotationValue ConstantRotation::at(double) const { return {q_, Vec3::Zero(), Vec3::Zero()}; }
 
-bool ConstantRotation::turns_about(const Vec3& axis) const { return cross(q_.vec(), axis).norm() <= kParallel; }
+bool ConstantRotation::turns_about(const Vec3& axis) const { return are_parallel(q_.vec(), axis); }
 
 AxisRotation::AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law)
     : axis_(require_direction("axis_rotation", "axis", axis)), law_(std::move(law)) {
@@ -22,7 +22,7 @@ RotationValue AxisRotation::at(double t) const {
   return {Quat::from(std::cos(0.5 * y.y), Vec3(std::sin(0.5 * y.y) * axis_)), y.yd * axis_, y.ydd * axis_};
 }
 
-bool AxisRotation::turns_about(const Vec3& axis) const { return cross(axis_, axis).norm() <= kParallel; }
+bool AxisRotation::turns_about(const Vec3& axis) const { return are_parallel(axis_, axis); }
 
 void AxisRotation::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
 

@@ -74,7 +74,7 @@ bool SplineRotation::turns_about(const Vec3& axis) const {
     const Vec3 across = Vec3::Unit(k) - axis[k] * axis;
     VecX weights = VecX::Zero(4);
     weights.tail<3>() = across;
-    if (std::abs(across.dot(q)) > kParallel || !curve_.is_constant(weights)) return false;
+    if (!are_perpendicular(across, q) || !curve_.is_constant(weights)) return false;
   }
   return true;
 }

@@ -49,7 +49,7 @@ TranslationValue AlongLaw::at(double t) const {
 }
 
 bool AlongLaw::stays_in_plane(const Vec3& normal) const {
-  return std::abs(normal.dot(axis_)) <= kParallel || law_->is_constant();
+  return are_perpendicular(normal, axis_) || law_->is_constant();
 }
 
 void AlongLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }

@@ -1,6 +1,5 @@
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/integrator.h>
@@ -128,9 +127,7 @@ bool Builder::goes_joint() const {
 const VelocityTarget* Builder::start_out_of(Plane plane) const {
   for (const VelocityTarget& start : out_.start_speeds) {
     const Vec3 normal = MarkerFrame(*out_.system.link(start.link).pairs().front().second).A0.row(plane.n);
-    const Vec3 axis = Vec3::Unit(axis_index(start.axis) % 3);
-    const double out = is_rotation(start.axis) ? cross(axis, normal).norm() : std::abs(axis.dot(normal));
-    if (start.value != 0 && out > 1e-10) return &start;
+    if (start.value != 0 && !stays_in_plane(start.axis, normal)) return &start;
   }
   return nullptr;
 }

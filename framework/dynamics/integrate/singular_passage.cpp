@@ -128,13 +128,13 @@ bool SingularPassage::enters(const Stages& stages) {
 }
 
 // The next step would begin at the late stage.
-bool SingularPassage::must_shift(const Stages& stages, int late_stage, double error) const {
+bool SingularPassage::must_shift(const Stages& stages, double error) const {
   if (on_ == StagesOn::plain || shifts_ == kShifts || ill_conditioned(stages, 0)) return false;
-  return ill_conditioned(stages, late_stage) || (error > 1 && near(stages));
+  return ill_conditioned(stages, last_) || (error > 1 && near(stages));
 }
 
-double SingularPassage::shift(const Stages& stages, int late_stage, double h, double error) {
-  if (error < best_.error && !ill_conditioned(stages, late_stage)) best_ = {h, error};
+double SingularPassage::shift(const Stages& stages, double h, double error) {
+  if (error < best_.error && !ill_conditioned(stages, last_)) best_ = {h, error};
   if (++shifts_ < kShifts || best_.h == 0) return kShift * h;
   limit_ = kCross;
   return best_.h;

@@ -63,6 +63,12 @@ struct Drive {
   int state = 0;          ///< of a speed: which of the link's states
 };
 
+/// Whether a motion along or about this axis stays in the plane with this normal, of length 1; both in S axes.
+inline bool stays_in_plane(Axis axis, const Vec3& normal) {
+  const Vec3 along = Vec3::Unit(axis_index(axis) % 3);
+  return is_rotation(axis) ? are_parallel(along, normal) : are_perpendicular(along, normal);
+}
+
 /// The laws of a lock: where P is held on the rows of the mask, and what its drives do.
 struct LOCKSTEP_API ImposedMotion {
   LawPtr<TranslationLaw> move{};  ///< p(t), or null

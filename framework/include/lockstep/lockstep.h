@@ -18,6 +18,7 @@
 #include <lockstep/export.h>
 #include <lockstep/force.h>
 #include <lockstep/forces.h>
+#include <lockstep/formula.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/function_laws.h>
 #include <lockstep/integrator.h>

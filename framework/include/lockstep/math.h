@@ -43,6 +43,10 @@ template <class A, class B>
 inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+/// Whether a direction lies along another or against it; both of length 1, or one of them shorter.
+inline bool are_parallel(const Vec3& a, const Vec3& b) { return cross(a, b).norm() <= kParallel; }
+/// Whether two directions are at right angles; lengths likewise.
+inline bool are_perpendicular(const Vec3& a, const Vec3& b) { return std::abs(a.dot(b)) <= kParallel; }
 
 /// a~, the matrix of the cross product: a~ b = a x b.
 template <class A>

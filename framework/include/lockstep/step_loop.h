@@ -126,6 +126,9 @@ struct StepLoopOptions {
 struct AuditLimits {
   double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)
   double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
+
+  /// The same for a mechanism of this System::length(), m, with its violation in m.
+  AuditLimits of(double length) const { return {energy, violation > 0 ? violation : 1e-3 * length}; }
 };
 
 /// Counters, warnings and the end of a run.

@@ -371,9 +371,9 @@ class LOCKSTEP_API SingularPassage {
   /// stages_on() then says.
   bool enters(const Stages&);
   /// Whether an attempt of this error should be shifted rather than accepted or rejected.
-  bool must_shift(const Stages&, int late_stage, double error) const;
+  bool must_shift(const Stages&, double error) const;
   /// The step to attempt instead of h, s; after a dozen of them the best one, with a larger limit of its error.
-  double shift(const Stages&, int late_stage, double h, double error);
+  double shift(const Stages&, double h, double error);
   /// Errors up to this are accepted, in tolerances.
   double limit() const { return limit_; }
   /// After acceptance: decides where the stages of the next step are evaluated, and reckons when a singular position will

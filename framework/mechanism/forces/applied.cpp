@@ -1,7 +1,5 @@
 #include <lockstep/forces.h>
 
-#include <cmath>
-
 #include <lockstep/text.h>
 
 namespace lockstep {
@@ -35,7 +33,7 @@ bool Applied::stays_in_plane(Plane plane) const {
                  : vector_.axes == AppliedAxes::body ? Vec3(body_axes_.row(plane.n))
                                                      : Vec3(P_.A0.row(plane.n));
   const auto fits = [&](const Vec3& direction) {
-    return force ? std::abs(direction.dot(n)) <= kParallel : cross(direction, n).norm() <= kParallel;
+    return force ? are_perpendicular(direction, n) : are_parallel(direction, n);
   };
   if (vector_.law && !fits(vector_.direction)) return false;
   bool laws = vector_.law != nullptr;

@@ -1,4 +1,4 @@
-#include <lockstep/force.h>
+#include <lockstep/formula.h>
 
 namespace lockstep::formula {
 

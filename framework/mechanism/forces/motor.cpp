@@ -1,7 +1,5 @@
 #include <lockstep/forces.h>
 
-#include <cmath>
-
 namespace lockstep {
 
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
@@ -19,10 +17,9 @@ void Motor::setup() {
 
 // The law may be zero wherever the system evaluates it, so direction and lever arms are looked at here.
 bool Motor::stays_in_plane(Plane plane) const {
-  const Mat3& A = S_.A0;
-  if (effort_ == Effort::torque)
-    return markers_stay_in(plane, false) && std::hypot(A(plane.i(), 2), A(plane.j(), 2)) <= kParallel;
-  return markers_stay_in(plane) && std::abs(A(plane.n, 2)) <= kParallel && S_.slot == kGround;
+  const bool torque = effort_ == Effort::torque;
+  return markers_stay_in(plane, !torque) && lockstep::stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
+         (torque || S_.slot == kGround);
 }
 
 std::vector<Quantity> Motor::quantities() const {

@@ -33,8 +33,8 @@ std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, c
 }
 
 bool TorsionSpringDamper::stays_in_plane(Plane plane) const {
-  const auto along_normal = [&](const Mat3& A) { return std::hypot(A(plane.i(), 2), A(plane.j(), 2)) <= kParallel; };
-  return markers_stay_in(plane, false) && along_normal(S_.A0) && along_normal(P_.A0);
+  return markers_stay_in(plane, false) && lockstep::stays_in_plane(Axis::rz, S_.A0.row(plane.n)) &&
+         lockstep::stays_in_plane(Axis::rz, P_.A0.row(plane.n));
 }
 
 void TorsionSpringDamper::setup() {

@@ -58,10 +58,8 @@ bool MarkerLock::laws_stay_in_plane(Plane plane) const {
   const ImposedMotion& laws = imposed();
   if (laws.move && !laws.move->stays_in_plane(normal)) return false;
   if (laws.turn && !laws.turn->turns_about(normal)) return false;
-  return std::ranges::all_of(laws.drives, [&](const Drive& drive) {
-    const Vec3 axis = Vec3::Unit(axis_index(drive.axis) % 3);
-    return is_rotation(drive.axis) ? cross(axis, normal).norm() <= kParallel : std::abs(axis.dot(normal)) <= kParallel;
-  });
+  return std::ranges::all_of(laws.drives,
+                             [&](const Drive& drive) { return lockstep::stays_in_plane(drive.axis, normal); });
 }
 
 // Throws if a law leaves the plane at this time.

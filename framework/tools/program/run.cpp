@@ -101,8 +101,7 @@ bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
 // Without a report no energies are integrated, and drift alone is judged.
 Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   Audit audit;
-  audit.limits = limits;
-  if (!(limits.violation > 0)) audit.limits.violation = 1e-3 * sim.system().length();
+  audit.limits = limits.of(sim.system().length());
   audit.violation = sim.report().largest_violation;
   audit.drifted = !(audit.violation <= audit.limits.violation);
   if (audit.drifted)

@@ -10,7 +10,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kLongViolation = 1e-3;  // of the mechanism's length
 constexpr double kRounding = 1e-9;       // of the energies themselves: a smaller imbalance is no loss,
 constexpr double kStill = 1e-14;         // nor one below this times m L^2 / s^2
 
@@ -62,12 +61,10 @@ EnergyAudit::~EnergyAudit() = default;
 
 void EnergyAudit::start(const Sample& s) {
   Books& b = *books_;
-  const AuditLimits given = b.limits;
   b.kinetic = b.potential = b.drives = b.supplied = b.dissipated = {};
   b.at_instants = b.largest_kinetic = b.largest_potential = 0;
   b.audit = {};
-  b.audit.limits = given;
-  if (!(given.violation > 0)) b.audit.limits.violation = kLongViolation * s.system().length();
+  b.audit.limits = b.limits.of(s.system().length());
   b.least = 0;
   for (int k = 0; k < s.system().n_slots(); ++k) b.least += kStill * s.system().slot(k).mass;
   b.least *= s.system().length() * s.system().length();
