@@ -43,12 +43,23 @@ LOCKSTEP_KERNEL typename K::Number largest_energy(const Plan& plan, const Number
 /// The largest value of the rows of each kind.
 template <class K>
 LOCKSTEP_KERNEL void largest_by_kind(const Plan& plan, const double* values, typename K::Number* largest) {
-  for (int k = 0; k < 3; ++k) largest[k] = typename K::Number{};
+  typename K::Number t{}, r{}, f{};  // not an array: they stay in registers
   for (const Node& node : plan.nodes)
     for (int k = 0; node.link >= 0 && k < node.m; ++k) {
-      auto& most = largest[static_cast<int>(node.kinds.of(k))];
-      most = larger(K::number(values, node.x + k), most);
+      const typename K::Number value = K::number(values, node.x + k);
+      switch (node.kinds.of(k)) {
+        case RowKind::translation:
+          t = larger(value, t);
+          break;
+        case RowKind::rotation:
+          r = larger(value, r);
+          break;
+        case RowKind::function:
+          f = larger(value, f);
+          break;
+      }
     }
+  largest[0] = t, largest[1] = r, largest[2] = f;
 }
 
 // ------------------------------------------------------------------------------------------------- rows -> S
@@ -93,24 +104,27 @@ LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers&
   typename K::template Square<M> D{};
   typename K::Number linear{}, diagonal[M];
   for (const Side& side : plan.sides_of(node)) {
-    const bool own = !side.hub;  // a hub has its own columns instead
+    const bool own = !K::kPacked || !side.hub;  // a hub has its own columns instead; lanes have no hubs
     const double *J = K::at(z.rows, side.J), *I = K::at(z.inverse, X::mass * side.slot);
     double* Y = K::at(z.Y, side.Y);
-    const auto take = [&](int c, int i, const Slab& y) __attribute__((always_inline)) {
+    const auto take = [&](int c, auto i, const Slab& y) __attribute__((always_inline)) {
       K::store(K::at(Y, c * K::stride(M) + i), y);
-      for (int j = 0; own && j < K::columns(i, M); ++j) D.slab(i, j) += y * K::number(J, c * K::stride(M) + j);
+      if (own)
+        unrolled<K::columns(i, M)>([&](auto j) __attribute__((always_inline)) {
+          D.slab(i, j) += y * K::number(J, c * K::stride(M) + j);
+        });
     };
     const auto Jc = [&](int c, int i) __attribute__((always_inline)) {
       return K::template load<Slab>(K::at(J, c * K::stride(M) + i));
     };
-    for (int c = 0; c < kAngular; ++c)
-      for (int i = 0; i < K::slabs(M); ++i) take(c, i, Jc(c, i) * K::number(I, 0));
-    for (int i = 0; i < K::slabs(M); ++i)
+    unrolled<K::slabs(M)>([&](auto i) __attribute__((always_inline)) {
+      for (int c = 0; c < kAngular; ++c) take(c, i, Jc(c, i) * K::number(I, 0));
       for (int c = 0; c < X::nw; ++c) {
         Slab y = Jc(kAngular, i) * K::number(I, X::I[c][0]);
         for (int k = 1; k < X::nw; ++k) y += Jc(kAngular + k, i) * K::number(I, X::I[c][k]);
         take(kAngular + c, i, y);
       }
+    });
     if (own) linear += K::number(I, 0);
   }
   for (int i = 0; i < M; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <type_traits>
+#include <utility>
 
 namespace lockstep {
 
@@ -33,6 +34,15 @@ template <int kFirst = 1, int kLast = 8, class F>
     default:
       return call.template operator()<8>();
   }
+}
+
+/// f(i) for i = 0 ... n - 1, each of them a constant: what a loop's arrays hold stays in registers.
+template <int n, class F>
+[[gnu::always_inline]] inline void unrolled(F&& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+    (f(std::integral_constant<int, i>{}), ...);
+  }
+  (std::make_integer_sequence<int, n>{});
 }
 
 }  // namespace lockstep

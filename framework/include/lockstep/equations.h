@@ -170,14 +170,24 @@ LOCKSTEP_INLINE auto rotation_error(const B1& O1, const B2& O2, const P& p, cons
   return conjugate(m.q * d.q) * ((conjugate(O2.e) * O1.e) * p.q);
 }
 
-/// (4.12) The row of g.e for a quaternion g; h = e/2, A_SD = A_S A_D:
+/// (4.12) The row of g.e for a quaternion g, on the angular velocities of P and of D, each in its own axes; h = e/2:
 ///
-///   0 | A_P (h0 gv - g0 hv - hv x gv) | 0 | -A_SD (h0 gv - g0 hv + hv x gv)
-template <class H, class AP, class ASD, class G>
-LOCKSTEP_INLINE auto rotation_row(const H& h, const AP& A_P, const ASD& A_SD, const G& g) {
+///   0 | h0 gv - g0 hv - hv x gv | 0 | -(h0 gv - g0 hv + hv x gv)
+template <class H, class G>
+LOCKSTEP_INLINE auto rotation_row(const H& h, const G& g) {
   const auto even = h.w * g.v - g.w * h.v;
   const auto odd = cross(h.v, g.v);
-  return Row{vec::None{}, A_P * (even - odd), -(A_SD * (even + odd))};
+  return Row{vec::None{}, even - odd, -(even + odd)};
+}
+/// That row on those of O1 and of O2; A_SD = A_S A_D.
+template <class R, class AP, class ASD>
+LOCKSTEP_INLINE auto in_body_axes(const R& row, const AP& A_P, const ASD& A_SD) {
+  return Row{row.v, A_P * row.w1, A_SD * row.w2};
+}
+/// (4.12) The row of g.e on the angular velocities of O1 and O2, each in its own axes.
+template <class H, class AP, class ASD, class G>
+LOCKSTEP_INLINE auto rotation_row(const H& h, const AP& A_P, const ASD& A_SD, const G& g) {
+  return in_body_axes(rotation_row(h, g), A_P, A_SD);
 }
 
 /// Difference and sum of the angular velocities of P and D, each in its own axes, rad/s, and of their rates.

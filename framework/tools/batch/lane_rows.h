@@ -61,13 +61,14 @@ struct LinkRows {
   }
 };
 
-/// Calls f<j>() with the axis as a constant.
+/// f(Unit<j>) for the axis j, which is known only now. What f returns should be cheap: it is compiled three times.
 template <class F>
-LOCKSTEP_LANE void with_axis(int j, F&& f) {
-  if (j == 0) return f.template operator()<0>();
-  if (j == 1) return f.template operator()<1>();
-  return f.template operator()<2>();
+LOCKSTEP_LANE auto along(int j, F&& f) {
+  if (j == 0) return f(vec::Unit<0>{});
+  if (j == 1) return f(vec::Unit<1>{});
+  return f(vec::Unit<2>{});
 }
+LOCKSTEP_LANE V component(int j, const V3& a) { return j == 0 ? a.x : j == 1 ? a.y : a.z; }
 
 /// World axes, with the imposed shift d: rows n along the axes of the world (a triple), or of S.
 template <bool kTriple, For kFor, class D>
@@ -101,15 +102,14 @@ LOCKSTEP_LANE void translation(const Link& node, const LinkRows& in, const Numbe
     row.template operator()<0>(), row.template operator()<1>(), row.template operator()<2>();
   } else {
     const auto A_S = in.A_S();
-    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k)
-      with_axis(
-          node.row[static_cast<std::size_t>(k)], [&]<int j>() __attribute__((always_inline)) {
-            const auto n2 = A_S * vec::Unit<j>{};
-            const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
-            in.put(0, k, r.v, -r.v), in.put(3, k, r.w1, r.w2);
-            store(out, node.x + static_cast<std::size_t>(k), dot(r.v, c));
-            if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), dot(r.v, Ct));
-          });
+    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k) {
+      const V3 n2 = along(
+          node.row[static_cast<std::size_t>(k)], [&](auto axis) __attribute__((always_inline)) { return A_S * axis; });
+      const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
+      in.put(0, k, r.v, -r.v), in.put(3, k, r.w1, r.w2);
+      store(out, node.x + static_cast<std::size_t>(k), dot(r.v, c));
+      if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), dot(r.v, Ct));
+    }
   }
 }
 
@@ -146,13 +146,14 @@ LOCKSTEP_LANE void rotation(const Link& node, const LinkRows& in, const Numbers&
   for (int k = kTriple ? 3 : 0; k < node.m; ++k) {
     const int axis = node.row[static_cast<std::size_t>(k)] - 3;
     if (!kTriple && axis < 0) continue;
-    with_axis(
-        axis, [&]<int j>() __attribute__((always_inline)) {
-          const auto r = kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, vec::Unit<j>{}});
-          in.put(kTriple ? 0 : 3, k, r.w1, r.w2);
-          store(out, node.x + static_cast<std::size_t>(k), vec::get<j>(c));
-          if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), vec::get<j>(Ct));
+    const auto of_markers = along(
+        axis, [&](auto g) __attribute__((always_inline)) {
+          return kernel::rotation_row(h, vec::Quaternion{vec::Zero{}, g});
         });
+    const auto r = kernel::in_body_axes(of_markers, p.A, A_SD);
+    in.put(kTriple ? 0 : 3, k, r.w1, r.w2);
+    store(out, node.x + static_cast<std::size_t>(k), component(axis, c));
+    if constexpr (kCt) store(z.Ct, node.x + static_cast<std::size_t>(k), component(axis, Ct));
   }
 }
 
