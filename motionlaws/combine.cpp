@@ -115,4 +115,17 @@ LawPtr<MotionLaw> ShiftedLaw::make(const Params& p) {
   return laws::shift(p.law("law"), p.number("delay"));
 }
 
+namespace laws {
+LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws) { return std::make_shared<const SumLaw>(std::move(laws)); }
+LawPtr<MotionLaw> product(std::vector<LawPtr<MotionLaw>> laws) {
+  return std::make_shared<const ProductLaw>(std::move(laws));
+}
+LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offset) {
+  return std::make_shared<const ScaledLaw>(std::move(law), factor, offset);
+}
+LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
+  return std::make_shared<const ShiftedLaw>(std::move(law), delay);
+}
+}  // namespace laws
+
 }  // namespace lockstep

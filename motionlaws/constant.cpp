@@ -17,4 +17,8 @@ LawPtr<MotionLaw> Constant::make(const Params& p) {
   return laws::constant(p.number("value"));
 }
 
+namespace laws {
+LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
+}  // namespace laws
+
 }  // namespace lockstep

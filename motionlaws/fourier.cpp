@@ -50,4 +50,8 @@ LawPtr<MotionLaw> Fourier::make(const Params& p) {
   return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
 }
 
+namespace laws {
+LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
+}  // namespace laws
+
 }  // namespace lockstep

@@ -64,4 +64,10 @@ LawPtr<TranslationLaw> PathLaw::make(const Params& p) {
   return std::make_shared<const PathLaw>(SplineCurve("path", std::move(table.t), table.y, k, rates_of(ends)));
 }
 
+namespace laws {
+LawPtr<TranslationLaw> path(const PathLaw::Points& points, const SplineSettings& k, const PathEndValues& ends) {
+  return std::make_shared<const PathLaw>(points, k, ends);
+}
+}  // namespace laws
+
 }  // namespace lockstep

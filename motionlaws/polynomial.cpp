@@ -35,4 +35,10 @@ LawPtr<MotionLaw> Polynomial::make(const Params& p) {
   return laws::polynomial(p.numbers("coefficients"), p.number("t0"));
 }
 
+namespace laws {
+LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0) {
+  return std::make_shared<const Polynomial>(std::move(coefficients), t0);
+}
+}  // namespace laws
+
 }  // namespace lockstep

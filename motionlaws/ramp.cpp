@@ -24,4 +24,8 @@ LawPtr<MotionLaw> Ramp::make(const Params& p) {
   return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0"));
 }
 
+namespace laws {
+LawPtr<MotionLaw> ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
+}  // namespace laws
+
 }  // namespace lockstep

@@ -56,4 +56,10 @@ LawPtr<MotionLaw> Repeat::make(const Params& p) {
   return laws::repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
 }
 
+namespace laws {
+LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k) {
+  return std::make_shared<const Repeat>(std::move(law), period, k);
+}
+}  // namespace laws
+
 }  // namespace lockstep

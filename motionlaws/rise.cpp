@@ -89,4 +89,10 @@ LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {
   return laws::harmonic_rise(rise_settings(p));
 }
 
+namespace laws {
+LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
+LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
+LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
+}  // namespace laws
+
 }  // namespace lockstep

@@ -84,4 +84,16 @@ LawPtr<RotationLaw> RotationProduct::make(const Params& p) {
   return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second"));
 }
 
+namespace laws {
+LawPtr<RotationLaw> constant_rotation(const Quat& orientation) {
+  return std::make_shared<const ConstantRotation>(orientation);
+}
+LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law) {
+  return std::make_shared<const AxisRotation>(axis, std::move(law));
+}
+LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second) {
+  return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
+}
+}  // namespace laws
+
 }  // namespace lockstep

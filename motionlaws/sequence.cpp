@@ -101,4 +101,10 @@ LawPtr<MotionLaw> Sequence::make(const Params& p) {
   return laws::sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
 }
 
+namespace laws {
+LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k) {
+  return std::make_shared<const Sequence>(std::move(pieces), k);
+}
+}  // namespace laws
+
 }  // namespace lockstep

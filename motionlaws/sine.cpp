@@ -38,4 +38,8 @@ LawPtr<MotionLaw> Sine::make(const Params& p) {
   return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
 }
 
+namespace laws {
+LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
+}  // namespace laws
+
 }  // namespace lockstep

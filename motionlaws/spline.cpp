@@ -60,4 +60,10 @@ LawPtr<MotionLaw> Spline::make(const Params& p) {
   return std::make_shared<const Spline>(SplineCurve("spline", std::move(table.t), table.y, k, rates));
 }
 
+namespace laws {
+LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k, const SplineEndValues& ends) {
+  return std::make_shared<const Spline>(points, k, ends);
+}
+}  // namespace laws
+
 }  // namespace lockstep

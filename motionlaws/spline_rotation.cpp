@@ -109,4 +109,10 @@ LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
   return laws::spline_rotation(points, spline_settings(p));
 }
 
+namespace laws {
+LawPtr<RotationLaw> spline_rotation(const SplineRotation::Points& points, const SplineSettings& k) {
+  return std::make_shared<const SplineRotation>(points, k);
+}
+}  // namespace laws
+
 }  // namespace lockstep

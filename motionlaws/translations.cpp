@@ -91,4 +91,16 @@ LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
   return laws::along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
 }
 
+namespace laws {
+LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
+  return std::make_shared<const ConstantTranslation>(value);
+}
+LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
+  return std::make_shared<const ComponentsLaw>(std::move(x), std::move(y), std::move(z));
+}
+LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin) {
+  return std::make_shared<const AlongLaw>(axis, std::move(law), origin);
+}
+}  // namespace laws
+
 }  // namespace lockstep

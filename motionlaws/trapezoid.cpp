@@ -88,4 +88,8 @@ LawPtr<MotionLaw> Trapezoid::make(const Params& p) {
                     p.number("y0")});
 }
 
+namespace laws {
+LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
+}  // namespace laws
+
 }  // namespace lockstep

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/SVD>
-
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include "tests/support/catch.h"
+#include "tests/support/dense.h"
 #include "tests/support/lock_functions.h"
 #include "tests/support/lock_inputs.h"
 #include "tests/support/messages.h"
@@ -26,12 +25,6 @@ namespace {
 
 const MassProperties kMass{1.0, Vec3::Zero(), Mat3::Identity()};
 const Pose kJoint = pose_at(Vec3(0.3, -0.2, 0.9), axis_angle(Vec3(1, -2, 0.5), 1.2));
-
-int rank(const MatX& J) {
-  Eigen::JacobiSVD<MatX> svd(J);
-  svd.setThreshold(1e-9);
-  return static_cast<int>(svd.rank());
-}
 
 /// Two bodies, the joint's markers together at kJoint.
 struct Pair {
@@ -123,12 +116,12 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
     // the null space: six motions as one body, and the free ones; dimensions say that there are no others
     const int n_free = static_cast<int>(e.free.size());
     REQUIRE(n_free + link.row_count() == 6);
-    CHECK(rank(rows.J) == link.row_count());
+    CHECK(dense::rank(rows.J, 1e-9) == link.row_count());
     MatX motions(12, 6 + n_free);
     for (int k = 0; k < 6; ++k) motions.col(k) = common_motion(pair, k);
     for (int i = 0; i < n_free; ++i) motions.col(6 + i) = relative_motion(pair, e.free[static_cast<std::size_t>(i)]);
     CHECK((rows.J * motions).cwiseAbs().maxCoeff() < 1e-13);
-    CHECK(rank(motions) == 6 + n_free);
+    CHECK(dense::rank(motions, 1e-9) == 6 + n_free);
     for (int k = 0; k < 6; ++k) {
       const bool free = std::find(e.free.begin(), e.free.end(), k) != e.free.end();
       CAPTURE(k);
@@ -276,7 +269,7 @@ TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   CHECK(std::abs(link.phi().length_at(3.0) - 1.3) < 1e-14);
   const Rows rows = gathered(pair.system, pair.system.start());
   CHECK(rows.C.norm() < 1e-14);
-  CHECK(rank(rows.J) == 1);
+  CHECK(dense::rank(rows.J, 1e-9) == 1);
   for (int k = 0; k < 6; ++k) CHECK((rows.J * common_motion(pair, k)).norm() < 1e-14);
   // seen from S at rest: along the rod it is held at rate 1; across it, and about P, it is free
   const Vec3 n = d.normalized(), across = oracle::paper::skew(n) * Vec3(0, 0, 1);
@@ -326,7 +319,7 @@ TEST_CASE("a universal joint keeps four rows at every pair of cross angles", "[u
       CHECK(link.row_name(3) == "phi");
       CHECK(link.row_kind(3) == RowKind::function);
       CHECK(rows.C.norm() < 1e-14);
-      CHECK(rank(rows.J) == 4);
+      CHECK(dense::rank(rows.J, 1e-9) == 4);
       CHECK(std::abs(rows.J.block(3, 6 * pair.p->slot + 3, 1, 3).norm() - 1) < 1e-13);  // (7.5)
     }
 }

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/SVD>
-
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
+#include "tests/support/dense.h"
 #include "tests/support/lock_inputs.h"
 
 namespace masks_test {
@@ -73,12 +72,6 @@ void check_all_masks(const Configuration& c, unsigned laws, int grounded) {
     CAPTURE(laws, grounded, to_string(mask));
     CHECK(w < kTolerance);
   }
-}
-
-int rank(const MatX& J) {
-  Eigen::JacobiSVD<MatX> svd(J);
-  svd.setThreshold(1e-9);
-  return static_cast<int>(svd.rank());
 }
 
 }  // namespace
@@ -208,7 +201,7 @@ TEST_CASE("free turns through half and full turns stay right", "[verification][l
       CAPTURE(words, degrees);
       CHECK(worst(rows, Exact(c), mask, 0) < kTolerance);
       CHECK(rows.C.norm() < 1e-12);
-      CHECK(rank(rows.J) == count_rows(mask));
+      CHECK(dense::rank(rows.J, 1e-9) == count_rows(mask));
       // (4.19) on the constraint set the rotational rows of each body are orthogonal and of length 1/2
       const int first = count_rows(mask & Mask::xyz), n_turns = count_rows(mask & Mask::e123);
       const MatX B = rows.J.block(first, 3, n_turns, 3);
@@ -228,7 +221,7 @@ TEST_CASE("a driven turn goes on through full turns", "[verification][lock]") {
     CAPTURE(degrees);
     const Rows rows = gathered(two.system, two.system.start());
     CHECK(rows.C.norm() < 1e-12);
-    CHECK(rank(rows.J) == 6);
+    CHECK(dense::rank(rows.J, 1e-9) == 6);
     // a full turn more in the law is the same place: only the sign of the turning rows may differ
     TwoBodies more(c, 0);
     more.lock(c, mask_from("x y z e1 e2"), 0)
@@ -263,7 +256,7 @@ TEST_CASE("every mask has full row rank on its whole constraint set", "[verifica
       const Rows rows = gathered(two.system, two.system.start());
       CAPTURE(to_string(mask), seed);
       CHECK(rows.C.norm() < 1e-12);
-      CHECK(rank(rows.J) == count_rows(mask));
+      CHECK(dense::rank(rows.J, 1e-9) == count_rows(mask));
     }
   }
 }

@@ -1,7 +1,5 @@
 // Eigenvalues of linearised mechanisms from M, D, K and J of NewtonMatrix, against exact ones
 // (tests/verification/data/modes.csv): what is held by joints alone has no frequency without their geometric stiffness.
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <complex>
 #include <filesystem>
 #include <fstream>
@@ -10,12 +8,13 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/newton.h>
-#include <lockstep/solvers.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
+#include <lockstep/newton.h>
 #include <lockstep/phi_links.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/dense.h"
 #include "tests/support/paths.h"
 
 namespace modes_test {
@@ -82,20 +81,14 @@ struct Linear {
 
   /// (9.21) ( l^2 N^T M N + l N^T D N + N^T K N ) y = 0, N a basis of the null space of J.
   Eigenvalues eigenvalues() const {
-    Eigen::FullPivLU<MatX> lu(J);
-    lu.setThreshold(1e-9);
-    const MatX null = lu.kernel();
-    const MatX N = null.householderQr().householderQ() * MatX::Identity(null.rows(), null.cols());
+    const MatX N = dense::null_space(J, 1e-9);
     const Eigen::Index f = N.cols();
-    const Eigen::PartialPivLU<MatX> mass(MatX(N.transpose() * M * N));
+    const MatX mass = N.transpose() * M * N;
     MatX A = MatX::Zero(2 * f, 2 * f);
     A.topRightCorner(f, f).setIdentity();
-    A.bottomLeftCorner(f, f) = -mass.solve(MatX(N.transpose() * K * N));
-    A.bottomRightCorner(f, f) = -mass.solve(MatX(N.transpose() * D * N));
-    const Eigen::EigenSolver<MatX> solver(A, false);
-    Eigenvalues out;
-    for (Eigen::Index k = 0; k < 2 * f; ++k) out.push_back(solver.eigenvalues()[k]);
-    return out;
+    A.bottomLeftCorner(f, f) = -dense::solve(mass, N.transpose() * K * N);
+    A.bottomRightCorner(f, f) = -dense::solve(mass, N.transpose() * D * N);
+    return dense::eigenvalues(A);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/export.h>
 #include <lockstep/law.h>
 #include <lockstep/params.h>
 
@@ -73,21 +74,13 @@ class LOCKSTEP_API ShiftedLaw final : public MotionLaw {
 /// Functions that make laws as shared pointers. They throw what the constructors throw.
 namespace laws {
 /// A SumLaw: y = y_1 + y_2 + ...
-inline LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws) {
-  return std::make_shared<const SumLaw>(std::move(laws));
-}
+LOCKSTEP_API LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws);
 /// A ProductLaw: y = y_1 y_2 ...
-inline LawPtr<MotionLaw> product(std::vector<LawPtr<MotionLaw>> laws) {
-  return std::make_shared<const ProductLaw>(std::move(laws));
-}
+LOCKSTEP_API LawPtr<MotionLaw> product(std::vector<LawPtr<MotionLaw>> laws);
 /// A ScaledLaw: y = offset + factor law(t).
-inline LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offset = 0) {
-  return std::make_shared<const ScaledLaw>(std::move(law), factor, offset);
-}
+LOCKSTEP_API LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offset = 0);
 /// A ShiftedLaw: y = law(t - delay), delay in s.
-inline LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
-  return std::make_shared<const ShiftedLaw>(std::move(law), delay);
-}
+LOCKSTEP_API LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay);
 }  // namespace laws
 
 // Law 'repeat'.
@@ -118,9 +111,7 @@ class LOCKSTEP_API Repeat final : public MotionLaw {
 
 namespace laws {
 /// A Repeat of the law's time from 0 to `period`, s.
-inline LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k = {}) {
-  return std::make_shared<const Repeat>(std::move(law), period, k);
-}
+LOCKSTEP_API LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k = {});
 }  // namespace laws
 
 // Law 'sequence'.
@@ -162,9 +153,7 @@ class LOCKSTEP_API Sequence final : public MotionLaw {
 
 namespace laws {
 /// A Sequence of pieces.
-inline LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k = {}) {
-  return std::make_shared<const Sequence>(std::move(pieces), k);
-}
+LOCKSTEP_API LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k = {});
 }  // namespace laws
 
 }  // namespace lockstep

@@ -103,6 +103,8 @@ struct LOCKSTEP_API FaceOnCam {
   void accept_step(std::span<double> z, const LockCoords<Time>& y) const;  ///< from the contact near the last one
 };
 
+extern template class LOCKSTEP_API PhiLock<RollerOnCam>;
+
 /// A roller with the centre P on a disc cam about z of S. Free: everything but the distance of P from the profile,
 /// measured in the xy plane of S. It holds both ways, as in a groove; after set_unilateral() the roller may leave the
 /// cam.
@@ -115,6 +117,8 @@ class LOCKSTEP_API CamRoller final : public PhiLock<RollerOnCam> {
   static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
+
+extern template class LOCKSTEP_API PhiLock<FaceOnCam>;
 
 /// A flat face on a convex disc cam about z of S. The face passes through P, normal to y of P, which points away from
 /// the cam. Free: everything but the distance of the face from the cam; other joints keep z of P parallel to z of S.
@@ -251,6 +255,8 @@ struct OnPath {
   void accept_step(std::span<double> z, const LockCoords<Time>& y) const { curve.accept_step(z, y); }
 };
 
+extern template class LOCKSTEP_API PhiLock<OnCurve>;
+
 /// The origin of P stays on a space curve fixed to S. Free: moving along the curve, all turns. A closed curve is a law
 /// that repeats.
 class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observable {
@@ -265,6 +271,8 @@ class LOCKSTEP_API PointOnCurve final : public PhiLock<OnCurve>, public Observab
   static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
+
+extern template class LOCKSTEP_API PhiLock<OnPath>;
 
 /// P follows a path fixed to S: its origin stays on a curve c(s), its axes are those of S turned by q(s). Free: moving
 /// along the curve.
@@ -344,6 +352,8 @@ struct TurnsOfThree {
   }
 };
 
+extern template class LOCKSTEP_API PhiCoupling<TurnsOfTwo>;
+
 /// Two gears: theta1 + ratio theta2 (external, bevel) or theta1 - ratio theta2 (internal) keeps its value at the start.
 class LOCKSTEP_API Gear final : public PhiCoupling<TurnsOfTwo> {
  public:
@@ -377,6 +387,8 @@ class LOCKSTEP_API Belt final : public PhiCoupling<TurnsOfTwo> {
   static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
+
+extern template class LOCKSTEP_API PhiCoupling<TurnsOfThree>;
 
 /// Three turns on one carrier: theta1 + ratio theta2 - (1 + ratio) theta3 keeps its value at the start. Ratio 1 is a
 /// bevel differential: both wheels and the cage. Teeth of the ring over teeth of the sun is a planetary gear: sun, ring
@@ -416,6 +428,8 @@ struct RollingPinion {
   void initialise(const std::string&, const LockCoords<Time>& y) { reference = rolled(y).v; }
 };
 
+extern template class LOCKSTEP_API PhiLock<RollingPinion>;
+
 /// A pinion that rolls along a rack: its centre P moves along x of S, which is fixed to the rack and lies on the path
 /// of the centre. Free: rolling.
 class LOCKSTEP_API RollingRack final : public PhiLock<RollingPinion> {
@@ -452,6 +466,8 @@ struct PinionAndSlide {
     reference = advance(pinion, rack).v;
   }
 };
+
+extern template class LOCKSTEP_API PhiCoupling<PinionAndSlide>;
 
 /// A pinion and a rack whose joints are separate links on a common carrier, the ground or a moving one. They mesh at
 /// the start. The carrier's share of the tooth force is in the reactions of this link, not in those of the bearings.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/export.h>
 #include <lockstep/params.h>
 
 namespace lockstep {
@@ -61,17 +62,11 @@ class LOCKSTEP_API RotationProduct final : public RotationLaw {
 
 namespace laws {
 /// A ConstantRotation.
-inline LawPtr<RotationLaw> constant_rotation(const Quat& orientation) {
-  return std::make_shared<const ConstantRotation>(orientation);
-}
+LOCKSTEP_API LawPtr<RotationLaw> constant_rotation(const Quat& orientation);
 /// An AxisRotation.
-inline LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law) {
-  return std::make_shared<const AxisRotation>(axis, std::move(law));
-}
+LOCKSTEP_API LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law);
 /// A RotationProduct q1 q2.
-inline LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second) {
-  return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
-}
+LOCKSTEP_API LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second);
 }  // namespace laws
 
 // Translation laws 'constant', 'components' and 'along'. Axes are those of the frame in which the law is imposed.
@@ -123,17 +118,11 @@ class LOCKSTEP_API AlongLaw final : public TranslationLaw {
 
 namespace laws {
 /// A ConstantTranslation, m.
-inline LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
-  return std::make_shared<const ConstantTranslation>(value);
-}
+LOCKSTEP_API LawPtr<TranslationLaw> constant_translation(const Vec3& value);
 /// A ComponentsLaw.
-inline LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
-  return std::make_shared<const ComponentsLaw>(std::move(x), std::move(y), std::move(z));
-}
+LOCKSTEP_API LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z);
 /// An AlongLaw: x = origin + n law(t), n along `axis`.
-inline LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin = Vec3::Zero()) {
-  return std::make_shared<const AlongLaw>(axis, std::move(law), origin);
-}
+LOCKSTEP_API LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin = Vec3::Zero());
 }  // namespace laws
 
 }  // namespace lockstep

@@ -12,12 +12,15 @@ namespace lockstep {
 
 // From a quaternion on jets of time to a RotationValue.
 
-/// The rotation q = r/|r| of r(t), of any length but zero, with its derivatives: by (1.6) w = G(q) qd and, because
-/// G(qd) qd = 0, a = G(q) qdd.
+/// The rotation q = r/|r| of r(t), of any length but zero, with its derivatives: by (1.8) and (1.9) w and a are the
+/// vector parts of 2 q' qd and 2 q' qdd.
 inline RotationValue rotation_value(const QuatT<Time>& r) {
-  const QuatT<Time> q = normalized(r);
-  const Mat34 G = G_matrix(Quat{q.w.v, q.x.v, q.y.v, q.z.v});
-  return {{q.w.v, q.x.v, q.y.v, q.z.v}, G * Vec4(q.w.d, q.x.d, q.y.d, q.z.d), G * Vec4(q.w.h, q.x.h, q.y.h, q.z.h)};
+  const QuatT<Time> on_sphere = normalized(r);
+  const auto part = [&](double Time::*k) {
+    return Quat{on_sphere.w.*k, on_sphere.x.*k, on_sphere.y.*k, on_sphere.z.*k};
+  };
+  const Quat q = part(&Time::v), w = conjugate(q) * part(&Time::d), a = conjugate(q) * part(&Time::h);
+  return {q, {2 * w.x, 2 * w.y, 2 * w.z}, {2 * a.x, 2 * a.y, 2 * a.z}};
 }
 
 // Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, which has value,

@@ -37,6 +37,8 @@ struct DistanceFunction {
   std::string diagnose(double t) const { return law ? law_fault("the law of its length", law, t) : ""; }
 };
 
+extern template class LOCKSTEP_API PhiLock<DistanceFunction>;
+
 /// A distance between the origins of P and S, constant or by a law. Free: everything that keeps the distance. It has no
 /// direction at length zero: setup() throws ModelError where the length at t = 0 or the distance at the start is zero.
 class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
@@ -193,6 +195,8 @@ struct LOCKSTEP_API ScrewThread {
   std::string diagnose(double t) const;                                    ///< as Driven::diagnose
 };
 
+extern template class LOCKSTEP_API PhiLock<ScrewThread>;
+
 /// A screw on a thread about z of S. Free: turning about z, and with it sliding along z, for any number of turns.
 class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable {
  public:
@@ -238,6 +242,8 @@ struct StopAbout {
   }
 };
 
+extern template class LOCKSTEP_API PhiLock<StopAlong>;
+
 /// One end of a travel along x, y or z of S; a unilateral link, by default without restitution. Free: everything on one
 /// side of the limit.
 class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
@@ -252,6 +258,8 @@ class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
   SlideStop(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "stop"; }
 };
+
+extern template class LOCKSTEP_API PhiLock<StopAbout>;
 
 /// One end of a turn about z of S; a unilateral link, by default without restitution. The angle is within half a turn
 /// of zero at the start, and runs on past full turns. Free: everything on one side of the limit.
@@ -287,6 +295,8 @@ struct Cross {
     return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
   }
 };
+
+extern template class LOCKSTEP_API PhiLock<Cross>;
 
 /// Hooke's joint: origins coincide, and x of S and y of P are the pins of its cross. Free: turning about both pins.
 class LOCKSTEP_API Universal final : public PhiLock<Cross> {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/combined_laws.h>
+#include <lockstep/export.h>
 #include <lockstep/function_laws.h>
 #include <lockstep/law.h>
 #include <lockstep/law_checks.h>
@@ -33,7 +34,7 @@ class LOCKSTEP_API Constant final : public MotionLaw {
 
 namespace laws {
 /// A Constant: y = value.
-inline LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
+LOCKSTEP_API LawPtr<MotionLaw> constant(double value);
 }  // namespace laws
 
 // Law 'fourier'.
@@ -62,7 +63,7 @@ class LOCKSTEP_API Fourier final : public MotionLaw {
 
 namespace laws {
 /// A Fourier law.
-inline LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
+LOCKSTEP_API LawPtr<MotionLaw> fourier(FourierSettings k);
 }  // namespace laws
 
 // Law 'polynomial'.
@@ -83,9 +84,7 @@ class LOCKSTEP_API Polynomial final : public MotionLaw {
 
 namespace laws {
 /// A Polynomial in t - t0.
-inline LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0 = 0) {
-  return std::make_shared<const Polynomial>(std::move(coefficients), t0);
-}
+LOCKSTEP_API LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0 = 0);
 }  // namespace laws
 
 // Law 'ramp'.
@@ -105,9 +104,7 @@ class LOCKSTEP_API Ramp final : public MotionLaw {
 
 namespace laws {
 /// A Ramp: y = y0 + slope (t - t0).
-inline LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0) {
-  return std::make_shared<const Ramp>(slope, t0, y0);
-}
+LOCKSTEP_API LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0);
 }  // namespace laws
 
 // Laws 'poly345', 'cycloid' and 'harmonic_rise': a rise in a given time, constant before and after.
@@ -172,11 +169,11 @@ class LOCKSTEP_API HarmonicRise final : public Rise {
 
 namespace laws {
 /// A Poly345 rise.
-inline LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
+LOCKSTEP_API LawPtr<MotionLaw> poly345(const RiseSettings& k);
 /// A Cycloid rise.
-inline LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
+LOCKSTEP_API LawPtr<MotionLaw> cycloid(const RiseSettings& k);
 /// A HarmonicRise.
-inline LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
+LOCKSTEP_API LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k);
 }  // namespace laws
 
 // Law 'sine'.
@@ -204,7 +201,7 @@ class LOCKSTEP_API Sine final : public MotionLaw {
 
 namespace laws {
 /// A Sine law.
-inline LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
+LOCKSTEP_API LawPtr<MotionLaw> sine(const SineSettings& k);
 }  // namespace laws
 
 // Law 'trapezoid'.
@@ -241,7 +238,7 @@ class LOCKSTEP_API Trapezoid final : public MotionLaw {
 
 namespace laws {
 /// A Trapezoid.
-inline LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
+LOCKSTEP_API LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k);
 }  // namespace laws
 
 }  // namespace lockstep

@@ -68,8 +68,7 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
  public:
   /// Of exactly kPairs pairs. Throws ModelError: a pair that is missing, too many or given twice, a pair on one body,
   /// more than kMaxSlots bodies.
-  PhiCoupling(const CoupledPairs& coupled, Phi phi)
-      : Lock(coupled.name), function_(std::move(phi), pairs_of(coupled)) {}
+  PhiCoupling(const CoupledPairs& coupled, Phi phi);
 
   const Phi& phi() const { return function_.phi(); }  ///< the function
   /// The pairs that it couples.
@@ -77,91 +76,130 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
     return {function_.pairs().begin(), function_.pairs().end()};
   }
   /// Rows of phi.
-  void gather(Group links, const Inputs& in, RowSpan out) const override {
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const auto& link = static_cast<const PhiCoupling&>(*links[i]);
-      link.function_.fill(in, link.memory(in), link.slots(), 0, out.lane(i));
-    }
-  }
+  void gather(Group links, const Inputs& in, RowSpan out) const override;
 
   /// By what phi and the markers' laws say of themselves.
-  bool stays_in_plane(Plane plane) const override {
-    return Traits::kStaysInPlane && std::ranges::all_of(function_.pairs(), [&](const auto& pair) {
-             return MarkerFrame(*pair.first).stays_in_plane(plane) && MarkerFrame(*pair.second).stays_in_plane(plane);
-           });
-  }
+  bool stays_in_plane(Plane plane) const override;
 
   /// This.
   const TangentFormula* tangent_formula() const override { return this; }
   /// (9.12) From the second derivatives of phi.
-  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
-    function_.tangent(in, memory(in), lambda.data(), out);
-  }
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override;
 
   /// This.
   const Driven* driven() const override { return this; }
   /// Of the markers' laws and of those in phi.
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    for (const auto& [p, s] : function_.pairs())
-      MarkerFrame(*p).breakpoints(t0, t1, out), MarkerFrame(*s).breakpoints(t0, t1, out);
-    function_.breakpoints(t0, t1, out);
-  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   /// Of the laws in phi.
-  std::string diagnose(double t) const override { return function_.diagnose(t); }
+  std::string diagnose(double t) const override;
 
   /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
   /// Three numbers for each pair whose turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
   /// The angles at the start, and what phi.reset() writes.
-  void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  void start_memory(std::span<double> z) const override;
   /// The angles with their rates, and what phi.accept_step() writes.
-  void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
+  void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:
   /// Rows of phi. Throws ModelError: no body can move, a turn of a particle is read, or phi refuses the start.
-  RowPlan plan_rows() override {
-    function_.setup(name());
-    RowPlan plan;
-    function_.add_slots(plan.slots);
-    if (plan.slots.n == 0)
-      throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
-    for (int k = 0; k < Function::kRows; ++k) plan.add(Traits::row(k));
-    return plan;
-  }
+  RowPlan plan_rows() override;
   /// phi with its pairs, for channels of a derived class.
   const Function& function() const { return function_; }
   /// Its numbers in State::z at these inputs.
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
-  static typename Function::Pairs pairs_of(const CoupledPairs& attachment) {
-    typename Function::Pairs pairs;
-    std::vector<const Body*> seen;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      pairs[k] = {&attachment.p(k), &attachment.s(k)};
-      for (std::size_t j = 0; j < k; ++j)
-        if (pairs[j] == pairs[k])
-          throw ModelError("link '" + attachment.name + "': pairs " + std::to_string(j + 1) + " and " +
-                           std::to_string(k + 1) + " are the same two markers; couple two different joints");
-      for (const Marker* m : {pairs[k].first, pairs[k].second})
-        if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
-      if (pairs[k].first->body == pairs[k].second->body)
-        throw ModelError("link '" + attachment.name + "': both sides of pair " + std::to_string(k + 1) +
-                         " are on body '" + pairs[k].first->body->name + "'; name two bodies");
-    }
-    if (attachment.pairs.size() > pairs.size())
-      throw ModelError("link '" + attachment.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
-                       std::to_string(attachment.pairs.size()) + " are given; remove the others");
-    if (seen.size() > kMaxSlots)
-      throw ModelError("link '" + attachment.name + "' couples " + std::to_string(seen.size()) +
-                       " bodies; a link touches " + std::to_string(kMaxSlots) +
-                       " at most: measure its pairs from a common body");
-    return pairs;
-  }
+  static typename Function::Pairs pairs_of(const CoupledPairs& attachment);
 
   Function function_;
 };
+
+// Defined outside of the class, so that files that use an instance of it do not compile it again.
+
+template <class Phi>
+PhiCoupling<Phi>::PhiCoupling(const CoupledPairs& coupled, Phi phi)
+    : Lock(coupled.name), function_(std::move(phi), pairs_of(coupled)) {}
+
+template <class Phi>
+void PhiCoupling<Phi>::gather(Group links, const Inputs& in, RowSpan out) const {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& link = static_cast<const PhiCoupling&>(*links[i]);
+    link.function_.fill(in, link.memory(in), link.slots(), 0, out.lane(i));
+  }
+}
+
+template <class Phi>
+void PhiCoupling<Phi>::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
+  function_.tangent(in, memory(in), lambda.data(), out);
+}
+
+template <class Phi>
+bool PhiCoupling<Phi>::stays_in_plane(Plane plane) const {
+  return Traits::kStaysInPlane && std::ranges::all_of(function_.pairs(), [&](const auto& pair) {
+           return MarkerFrame(*pair.first).stays_in_plane(plane) && MarkerFrame(*pair.second).stays_in_plane(plane);
+         });
+}
+
+template <class Phi>
+void PhiCoupling<Phi>::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  for (const auto& [p, s] : function_.pairs())
+    MarkerFrame(*p).breakpoints(t0, t1, out), MarkerFrame(*s).breakpoints(t0, t1, out);
+  function_.breakpoints(t0, t1, out);
+}
+
+template <class Phi>
+std::string PhiCoupling<Phi>::diagnose(double t) const {
+  return function_.diagnose(t);
+}
+
+template <class Phi>
+void PhiCoupling<Phi>::start_memory(std::span<double> z) const {
+  function_.start_memory(z);
+}
+
+template <class Phi>
+void PhiCoupling<Phi>::accept_step(const Inputs& in, std::span<double> z) const {
+  function_.accept_step(in, z);
+}
+
+template <class Phi>
+RowPlan PhiCoupling<Phi>::plan_rows() {
+  function_.setup(name());
+  RowPlan plan;
+  function_.add_slots(plan.slots);
+  if (plan.slots.n == 0)
+    throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
+  for (int k = 0; k < Function::kRows; ++k) plan.add(Traits::row(k));
+  return plan;
+}
+
+template <class Phi>
+typename PhiCoupling<Phi>::Function::Pairs PhiCoupling<Phi>::pairs_of(const CoupledPairs& attachment) {
+  typename Function::Pairs pairs;
+  std::vector<const Body*> seen;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    pairs[k] = {&attachment.p(k), &attachment.s(k)};
+    for (std::size_t j = 0; j < k; ++j)
+      if (pairs[j] == pairs[k])
+        throw ModelError("link '" + attachment.name + "': pairs " + std::to_string(j + 1) + " and " +
+                         std::to_string(k + 1) + " are the same two markers; couple two different joints");
+    for (const Marker* m : {pairs[k].first, pairs[k].second})
+      if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
+    if (pairs[k].first->body == pairs[k].second->body)
+      throw ModelError("link '" + attachment.name + "': both sides of pair " + std::to_string(k + 1) +
+                       " are on body '" + pairs[k].first->body->name + "'; name two bodies");
+  }
+  if (attachment.pairs.size() > pairs.size())
+    throw ModelError("link '" + attachment.name + "' takes " + std::to_string(pairs.size()) + " pairs, and " +
+                     std::to_string(attachment.pairs.size()) + " are given; remove the others");
+  if (seen.size() > kMaxSlots)
+    throw ModelError("link '" + attachment.name + "' couples " + std::to_string(seen.size()) +
+                     " bodies; a link touches " + std::to_string(kMaxSlots) +
+                     " at most: measure its pairs from a common body");
+  return pairs;
+}
 
 // PhiLock: a joint whose rows are those of a mask and those of functions of the relative coordinates, phi(y, t) = 0
 // (theory, section 7). Jacobian, Ct, right side and geometric stiffness follow from those of the lock and the exact
@@ -179,61 +217,36 @@ class PhiLock : public MarkerLock, public Remembering {
 
  public:
   /// Of a function of one pair. Throws ModelError: both markers are on one body.
-  PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi)
-      : MarkerLock(std::move(name), p, s, mask), function_(std::move(phi), {{{&p, &s}}}) {
-    static_assert(Function::kPairs == 1, "a function of several pairs makes a PhiCoupling");
-  }
+  PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi);
 
   const Phi& phi() const { return function_.phi(); }  ///< the function
 
   /// Rows of the mask and the drives, then of phi.
-  void gather(Group links, const Inputs& in, RowSpan out) const override {
-    if (overlaps(rows(), Mask::all)) MarkerLock::gather(links, in, out);
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      const auto& link = static_cast<const PhiLock&>(*links[i]);
-      link.function_.fill(in, link.memory(in), link.slots(), link.first_, out.lane(i));
-    }
-  }
+  void gather(Group links, const Inputs& in, RowSpan out) const override;
   /// That of the lock and (9.11) that of phi.
-  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override {
-    MarkerLock::tangent(in, lambda, out);
-    function_.tangent(in, memory(in), lambda.data() + first_, out);
-  }
+  void tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const override;
 
   /// By what phi and all laws say of themselves.
-  bool stays_in_plane(Plane plane) const override { return Traits::kStaysInPlane && laws_stay_in_plane(plane); }
+  bool stays_in_plane(Plane plane) const override;
 
   /// Of the lock's laws and of those in phi.
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    MarkerLock::breakpoints(t0, t1, out);
-    function_.breakpoints(t0, t1, out);
-  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   /// Of the lock's laws and of those in phi.
-  std::string diagnose(double t) const override {
-    const std::string law = MarkerLock::diagnose(t);
-    return law.empty() ? function_.diagnose(t) : law;
-  }
+  std::string diagnose(double t) const override;
 
   /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
   /// Three numbers where turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
   /// The angle at the start, and what phi.reset() writes.
-  void start_memory(std::span<double> z) const override { function_.start_memory(z); }
+  void start_memory(std::span<double> z) const override;
   /// The angle with its rate, and what phi.accept_step() writes.
-  void accept_step(const Inputs& in, std::span<double> z) const override { function_.accept_step(in, z); }
+  void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:
   /// Rows of the lock, then of phi. A triple remains one if phi reads the rotation alone, which has no columns on v.
   /// Throws ModelError as MarkerLock does, and where phi refuses the start.
-  RowPlan plan_rows() override {
-    RowPlan plan = MarkerLock::plan_rows();
-    first_ = static_cast<int>(plan.rows.size());
-    function_.setup(name());
-    for (int k = 0; k < Function::kRows; ++k)
-      Traits::reads(0, Reads::translation) ? plan.add(Traits::row(k)) : plan.add_turning(Traits::row(k));
-    return plan;
-  }
+  RowPlan plan_rows() override;
   /// phi with its pair, for channels of a derived class.
   const Function& function() const { return function_; }
   /// Its numbers in State::z at these inputs.
@@ -243,5 +256,63 @@ class PhiLock : public MarkerLock, public Remembering {
   Function function_;
   int first_ = 0;  // first row of the function
 };
+
+template <class Phi>
+PhiLock<Phi>::PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi)
+    : MarkerLock(std::move(name), p, s, mask), function_(std::move(phi), {{{&p, &s}}}) {
+  static_assert(Function::kPairs == 1, "a function of several pairs makes a PhiCoupling");
+}
+
+template <class Phi>
+void PhiLock<Phi>::gather(Group links, const Inputs& in, RowSpan out) const {
+  if (overlaps(rows(), Mask::all)) MarkerLock::gather(links, in, out);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& link = static_cast<const PhiLock&>(*links[i]);
+    link.function_.fill(in, link.memory(in), link.slots(), link.first_, out.lane(i));
+  }
+}
+
+template <class Phi>
+void PhiLock<Phi>::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
+  MarkerLock::tangent(in, lambda, out);
+  function_.tangent(in, memory(in), lambda.data() + first_, out);
+}
+
+template <class Phi>
+bool PhiLock<Phi>::stays_in_plane(Plane plane) const {
+  return Traits::kStaysInPlane && laws_stay_in_plane(plane);
+}
+
+template <class Phi>
+void PhiLock<Phi>::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  MarkerLock::breakpoints(t0, t1, out);
+  function_.breakpoints(t0, t1, out);
+}
+
+template <class Phi>
+std::string PhiLock<Phi>::diagnose(double t) const {
+  const std::string law = MarkerLock::diagnose(t);
+  return law.empty() ? function_.diagnose(t) : law;
+}
+
+template <class Phi>
+void PhiLock<Phi>::start_memory(std::span<double> z) const {
+  function_.start_memory(z);
+}
+
+template <class Phi>
+void PhiLock<Phi>::accept_step(const Inputs& in, std::span<double> z) const {
+  function_.accept_step(in, z);
+}
+
+template <class Phi>
+RowPlan PhiLock<Phi>::plan_rows() {
+  RowPlan plan = MarkerLock::plan_rows();
+  first_ = static_cast<int>(plan.rows.size());
+  function_.setup(name());
+  for (int k = 0; k < Function::kRows; ++k)
+    Traits::reads(0, Reads::translation) ? plan.add(Traits::row(k)) : plan.add_turning(Traits::row(k));
+  return plan;
+}
 
 }  // namespace lockstep

@@ -22,24 +22,13 @@ struct MarkerFrame {
 
   MarkerFrame() = default;
   /// Of a marker on a body that has its slot already (System::setup).
-  explicit MarkerFrame(const Marker& m)
-      : slot(m.body->slot), translation_law(m.translation_law), rotation_law(m.rotation_law) {
-    const Pose pose = m.body->in_slot * m.local;
-    u0 = pose.x, q0 = normalized(pose.q), A0 = rotation(q0);
-    home.u = u0, home.q = q0, home.A = A0;
-  }
+  LOCKSTEP_API explicit MarkerFrame(const Marker& m);
 
   /// Whether its laws keep a mechanism that moves in this plane there, as they say of themselves.
-  bool stays_in_plane(Plane plane) const {
-    const Vec3 normal = A0.row(plane.n);
-    return (!translation_law || translation_law->stays_in_plane(normal)) &&
-           (!rotation_law || rotation_law->turns_about(normal));
-  }
+  LOCKSTEP_API bool stays_in_plane(Plane plane) const;
   /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
   /// e.
-  bool parallel() const {
-    return !translation_law && !rotation_law && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15);
-  }
+  LOCKSTEP_API bool parallel() const;
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
   MarkerMotion at(double t) const {
@@ -88,10 +77,7 @@ struct MarkerOn {
   Vec3T<T> slot_rate() const { return slot.A * slot.w; }
 };
 /// Motion of a marker in the world at these inputs.
-inline MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
-  const MarkerOn<double> m{in.slot(f.slot), f.at(in.t)};
-  return {m.x(), m.v(), m.w(), m.A()};
-}
+LOCKSTEP_API MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in);
 
 // Relative kinematics of a pair of markers: the seven coordinates of P seen from S, with everything that a function of
 // them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.

@@ -342,12 +342,11 @@ class WrenchSum {
     if (slot == kGround) return;
     const Motion& O = motion(slot);
     f_.segment<3>(6 * slot) += F;
-    f_.segment<3>(6 * slot + 3) += O.A.transpose() * cross(Vec3(x - O.x), F);
+    add_moment(slot, cross(Vec3(x - O.x), F));
   }
   /// Adds the moment tau (world axes, N m).
   void torque(int slot, const Vec3& tau) const {
-    if (slot == kGround) return;
-    f_.segment<3>(6 * slot + 3) += motion(slot).A.transpose() * tau;
+    if (slot != kGround) add_moment(slot, tau);
   }
   /// Adds a generalised force with the parts v (world) and w (slot axes), as in the row of a jacobian.
   void along(int slot, const Vec3& v, const Vec3& w) const {
@@ -358,6 +357,11 @@ class WrenchSum {
 
  private:
   const Motion& motion(int slot) const { return motions_[static_cast<std::size_t>(slot + 1)]; }
+  // A^T M. By components: an expression of Eigen's would be compiled in every file that includes this.
+  void add_moment(int slot, const Vec3& M) const {
+    const Mat3& A = motion(slot).A;
+    for (int i = 0; i < 3; ++i) f_[6 * slot + 3 + i] += A(0, i) * M[0] + A(1, i) * M[1] + A(2, i) * M[2];
+  }
   std::span<const Motion> motions_;
   VecX& f_;
 };

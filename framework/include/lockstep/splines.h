@@ -131,10 +131,8 @@ class LOCKSTEP_API PathLaw final : public TranslationLaw {
 
 namespace laws {
 /// A PathLaw.
-inline LawPtr<TranslationLaw> path(const PathLaw::Points& points, const SplineSettings& k = {},
-                                   const PathEndValues& ends = {}) {
-  return std::make_shared<const PathLaw>(points, k, ends);
-}
+LOCKSTEP_API LawPtr<TranslationLaw> path(const PathLaw::Points& points, const SplineSettings& k = {},
+                                         const PathEndValues& ends = {});
 }  // namespace laws
 
 
@@ -170,10 +168,8 @@ class LOCKSTEP_API Spline final : public MotionLaw {
 
 namespace laws {
 /// A Spline.
-inline LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {},
-                                const SplineEndValues& ends = {}) {
-  return std::make_shared<const Spline>(points, k, ends);
-}
+LOCKSTEP_API LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {},
+                                      const SplineEndValues& ends = {});
 }  // namespace laws
 
 
@@ -231,9 +227,7 @@ class LOCKSTEP_API SplineRotation final : public RotationLaw {
 
 namespace laws {
 /// A SplineRotation.
-inline LawPtr<RotationLaw> spline_rotation(const SplineRotation::Points& points, const SplineSettings& k = {}) {
-  return std::make_shared<const SplineRotation>(points, k);
-}
+LOCKSTEP_API LawPtr<RotationLaw> spline_rotation(const SplineRotation::Points& points, const SplineSettings& k = {});
 }  // namespace laws
 
 }  // namespace lockstep

@@ -145,4 +145,7 @@ std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& 
   return std::make_unique<CamFlat>(attachment.name, attachment.p(), attachment.s(), p.law("radius"));
 }
 
+template class PhiLock<RollerOnCam>;
+template class PhiLock<FaceOnCam>;
+
 }  // namespace lockstep

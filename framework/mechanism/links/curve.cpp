@@ -144,4 +144,7 @@ std::unique_ptr<Lock> PathFollower::make(const Attachment& attachment, const Par
       Options{.path = p.translation_law("path"), .turn = p.rotation_law("turning"), .near = p.number("near")});
 }
 
+template class PhiLock<OnCurve>;
+template class PhiLock<OnPath>;
+
 }  // namespace lockstep

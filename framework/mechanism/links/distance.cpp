@@ -46,4 +46,6 @@ std::unique_ptr<Lock> Distance::make(const Attachment& attachment, const Params&
   return std::make_unique<Distance>(attachment.name, attachment.p(), attachment.s(), params.law("length"));
 }
 
+template class PhiLock<DistanceFunction>;
+
 }  // namespace lockstep

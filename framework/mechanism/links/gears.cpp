@@ -82,4 +82,7 @@ std::unique_ptr<Lock> Differential::make(const Attachment& attachment, const Par
   return std::make_unique<Differential>(attachment, p.number("ratio"));
 }
 
+template class PhiCoupling<TurnsOfTwo>;
+template class PhiCoupling<TurnsOfThree>;
+
 }  // namespace lockstep

@@ -35,4 +35,7 @@ std::unique_ptr<Lock> RackAndPinion::make(const Attachment& attachment, const Pa
   return std::make_unique<RackAndPinion>(attachment, p.number("radius"));
 }
 
+template class PhiLock<RollingPinion>;
+template class PhiCoupling<PinionAndSlide>;
+
 }  // namespace lockstep

@@ -41,4 +41,6 @@ std::unique_ptr<Lock> Screw::make(const Attachment& attachment, const Params& p)
                                  p.has("slip") ? p.law("slip") : LawPtr<MotionLaw>{});
 }
 
+template class PhiLock<ScrewThread>;
+
 }  // namespace lockstep

@@ -55,4 +55,7 @@ std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& par
                                      SlideStop::Options{.axis = axis_index(axis), .limit = limit, .low = low});
 }
 
+template class PhiLock<StopAlong>;
+template class PhiLock<StopAbout>;
+
 }  // namespace lockstep

@@ -12,4 +12,6 @@ std::unique_ptr<Lock> Universal::make(const Attachment& attachment, const Params
   return std::make_unique<Universal>(attachment.name, attachment.p(), attachment.s());
 }
 
+template class PhiLock<Cross>;
+
 }  // namespace lockstep

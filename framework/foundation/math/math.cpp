@@ -1,0 +1,37 @@
+#include <lockstep/math.h>
+
+namespace lockstep {
+
+// (1.12)
+Vec3 rotation_vector(const Quat& q) {
+  const double sign = q.w < 0 ? -1.0 : 1.0;
+  const Vec3 v = sign * q.vec();
+  const double n = v.norm();
+  if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
+  return 2.0 * std::atan2(n, sign * q.w) / n * v;
+}
+
+Quat axis_angle(const Vec3& n, double angle) {
+  const double s = std::sin(0.5 * angle) / n.norm();
+  return {std::cos(0.5 * angle), s * n[0], s * n[1], s * n[2]};
+}
+
+Quat quaternion_of(const Mat3& A) {
+  const double t = A.trace();
+  int k = 0;
+  double most = t;
+  for (int i = 0; i < 3; ++i)
+    if (A(i, i) > most) most = A(i, i), k = i + 1;
+  Quat q;
+  if (k == 0) q = {1.0 + t, A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1)};
+  if (k == 1) q = {A(2, 1) - A(1, 2), 1.0 + 2.0 * A(0, 0) - t, A(0, 1) + A(1, 0), A(0, 2) + A(2, 0)};
+  if (k == 2) q = {A(0, 2) - A(2, 0), A(0, 1) + A(1, 0), 1.0 + 2.0 * A(1, 1) - t, A(1, 2) + A(2, 1)};
+  if (k == 3) q = {A(1, 0) - A(0, 1), A(0, 2) + A(2, 0), A(1, 2) + A(2, 1), 1.0 + 2.0 * A(2, 2) - t};
+  return normalized(q);
+}
+
+Pose operator*(const Pose& a, const Pose& b) { return {a.x + rotation(a.q) * b.x, a.q * b.q}; }
+
+Pose inverse(const Pose& a) { return {-(rotation(a.q).transpose() * a.x), conjugate(a.q)}; }
+
+}  // namespace lockstep
