@@ -11,6 +11,7 @@ struct CamProfile {
   double base, lift, lobes;
   static constexpr Reads kReads = Reads::translation;     // the turn of P does not matter
   static constexpr RowKind kKind = RowKind::translation;  // phi is a length
+  static constexpr bool kStaysInPlane = true;             // a planar mechanism stays in its plane
 
   template <class T>
   T operator()(const LockCoords<T>& y) const {

@@ -8,6 +8,7 @@
 #include <lockstep/recorder.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
 
 namespace runner_test {
@@ -55,6 +56,28 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
   CHECK(quiet.exit == 0);
   CHECK(quiet.text.empty());
   CHECK(fs::exists(kFolder + "/four_bar.csv"));
+}
+
+TEST_CASE("check names what keeps a scene in space that moves in a plane", "[runner]") {
+  nlohmann::json scene = nlohmann::json::parse(std::ifstream(kFourBar));
+  scene["markers"] = nlohmann::json::parse(
+      R"([{"name": "tip", "body": "crank"}, {"name": "post", "body": "ground", "position": [1, 0, 0]}])");
+  scene["forces"] =
+      nlohmann::json::parse(R"([{"name": "pull", "type": "template_force", "p": "tip", "s": "post", "strength": 1}])");
+  const std::string file = kFolder + "/pulled.json", plugin = " --plugin '" + test_plugin("template_force") + "'";
+  std::ofstream(file) << scene;
+  const Called undeclared = call("check pulled.json" + plugin);
+  INFO(undeclared.text);
+  CHECK(contains(undeclared.text, "formulation         omega: "));
+  CHECK(contains(undeclared.text,
+                 "\"planar\": \"z\" would give 9 unknown velocities instead of 18; not chosen: force 'pull': "
+                 "'template_force' does not say that it stays in the plane with normal z (stays_in_plane)"));
+  scene["planar"] = "z";
+  std::ofstream(file) << scene;
+  CHECK(contains(call("check pulled.json" + plugin).text, "in the plane with normal z"));
+  scene.erase("planar"), scene["markers"][1]["position"] = {1, 0, 1};  // now it pulls out of the plane
+  std::ofstream(file) << scene;
+  CHECK_FALSE(contains(call("check pulled.json" + plugin).text, "would give"));
 }
 
 TEST_CASE("joint coordinates: proposed where scene and method take them, run with the summary", "[runner]") {

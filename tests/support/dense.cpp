@@ -13,11 +13,18 @@ int rank(const MatX& A, double threshold) {
   return static_cast<int>(svd.rank());
 }
 
+VecX least_squares(const MatX& A, const VecX& b, double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<MatX> decomposition(A);
+  decomposition.setThreshold(threshold);
+  return decomposition.solve(b);
+}
+
 MatX orthogonal(const MatX& A) { return A.householderQr().householderQ(); }
 
 MatX null_space(const MatX& A, double threshold) {
   Eigen::FullPivLU<MatX> lu(A);
   lu.setThreshold(threshold);
+  if (lu.dimensionOfKernel() == 0) return MatX(A.cols(), 0);
   const MatX kernel = lu.kernel();
   return orthogonal(kernel).leftCols(kernel.cols());
 }

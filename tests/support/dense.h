@@ -10,7 +10,9 @@ namespace lockstep::dense {
 
 /// How many singular values are larger than `threshold` times the largest.
 int rank(const MatX& A, double threshold);
-/// An orthonormal basis of the null space, by columns; pivots below `threshold` times the largest are zero.
+/// The shortest x that minimises |A x - b|; pivots below `threshold` times the largest are zero.
+VecX least_squares(const MatX& A, const VecX& b, double threshold);
+/// An orthonormal basis of the null space, by columns, no column where there is none; pivots likewise.
 MatX null_space(const MatX& A, double threshold);
 /// Q of A = Q R, orthogonal.
 MatX orthogonal(const MatX& A);

@@ -1,6 +1,10 @@
 #include "tests/support/random_kkt.h"
 
-#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/support/dense.h"
 
 namespace lockstep::test {
 
@@ -91,7 +95,7 @@ void KktBuilder::fill_masses() {
     const int width = kkt.pattern.width[s];
     const MatX A = numbers(width, width);
     const MatX M = std::pow(10.0, 0.5 * number()) * (MatX::Identity(width, width) + A * A.transpose() / width);
-    const MatX inverse = M.inverse();
+    const MatX inverse = dense::inverse(M);
     for (int i = 0; i < width; ++i)
       for (int k = 0; k < width; ++k) {
         const std::size_t at = kkt.pattern.M[s] + static_cast<std::size_t>(i * width + k);
@@ -163,21 +167,14 @@ KktSystem random_system(int shape, unsigned seed, bool redundant) {
 KktSolution solve_exactly(const KktSystem& system) {
   const MatX M = system.M(), J = system.J();
   KktSolution out;
-  if (system.kkt.pattern.m == 0) return {M.fullPivLu().solve(system.f), VecX(0), 0};
-  Eigen::CompleteOrthogonalDecomposition<MatX> rows(J);
-  rows.setThreshold(1e-10);
-  out.rank = static_cast<int>(rows.rank());
-  out.a = rows.solve(system.c);
-  Eigen::FullPivLU<MatX> lu(J);
-  lu.setThreshold(1e-10);
-  if (lu.dimensionOfKernel() > 0) {
-    const MatX N = lu.kernel();
-    out.a += N * (N.transpose() * M * N).fullPivLu().solve(VecX(N.transpose() * (system.f - M * out.a)));
-  }
+  if (system.kkt.pattern.m == 0) return {dense::solve(M, system.f), VecX(0), 0};
+  out.rank = dense::rank(J, 1e-10);
+  out.a = dense::least_squares(J, system.c, 1e-10);
+  if (const MatX N = dense::null_space(J, 1e-10); N.cols() > 0)
+    out.a += N * dense::solve(N.transpose() * M * N, N.transpose() * (system.f - M * out.a));
   const VecX root_E = system.kkt.E.cwiseSqrt();
-  Eigen::CompleteOrthogonalDecomposition<MatX> columns(J.transpose() * root_E.cwiseInverse().asDiagonal());
-  columns.setThreshold(1e-10);
-  out.lambda = columns.solve(system.f - M * out.a).cwiseQuotient(root_E);
+  const MatX columns = J.transpose() * root_E.cwiseInverse().asDiagonal();
+  out.lambda = dense::least_squares(columns, system.f - M * out.a, 1e-10).cwiseQuotient(root_E);
   return out;
 }
 

@@ -208,30 +208,65 @@ class FormulaForce : public MarkerForce, public Observable {
   using MarkerForce::MarkerForce;
 
   /// The wrench of the formula.
-  void apply(const Inputs& in, WrenchSum& out) const override { formula::apply(P_, S_, in, act(), out); }
+  void apply(const Inputs& in, WrenchSum& out) const override;
   /// The derivatives of the formula, on jets.
-  void tangent(const Inputs& in, TangentSum& out) const override { formula::tangent(P_, S_, in, act(), out); }
+  void tangent(const Inputs& in, TangentSum& out) const override;
   /// The energies that the formula stores, J.
-  double potential(const Inputs& in) const override { return account(in).potential; }
+  double potential(const Inputs& in) const override;
   /// The powers that it dissipates, W.
-  double dissipation(const Inputs& in) const override { return account(in).dissipation; }
+  double dissipation(const Inputs& in) const override;
   /// The powers that it and the markers' laws supply, W.
-  double supply(const Inputs& in) const override { return account(in).supply; }
+  double supply(const Inputs& in) const override;
   const Observable* observable() const override { return this; }  ///< this
   /// None, for forces without channels; a class that shows quantities overrides it.
   std::vector<Quantity> quantities() const override { return {}; }
   /// The k-th number that the formula shows; after the last one, the power.
-  double quantity(int k, const Inputs& in) const override {
-    const ForceAccount all = account(in);
-    return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;
-  }
+  double quantity(int k, const Inputs& in) const override;
 
  private:
   auto act() const {
     return [this](const auto& at, auto& load) { static_cast<const F&>(*this).act(at, load); };
   }
-  ForceAccount account(const Inputs& in) const { return formula::account(P_, S_, in, act()); }
+  ForceAccount account(const Inputs& in) const;
 };
+
+// Defined outside of the class, so that files that use a force do not compile its formula again.
+
+template <class F>
+ForceAccount FormulaForce<F>::account(const Inputs& in) const {
+  return formula::account(P_, S_, in, act());
+}
+
+template <class F>
+void FormulaForce<F>::apply(const Inputs& in, WrenchSum& out) const {
+  formula::apply(P_, S_, in, act(), out);
+}
+
+template <class F>
+void FormulaForce<F>::tangent(const Inputs& in, TangentSum& out) const {
+  formula::tangent(P_, S_, in, act(), out);
+}
+
+template <class F>
+double FormulaForce<F>::potential(const Inputs& in) const {
+  return account(in).potential;
+}
+
+template <class F>
+double FormulaForce<F>::dissipation(const Inputs& in) const {
+  return account(in).dissipation;
+}
+
+template <class F>
+double FormulaForce<F>::supply(const Inputs& in) const {
+  return account(in).supply;
+}
+
+template <class F>
+double FormulaForce<F>::quantity(int k, const Inputs& in) const {
+  const ForceAccount all = account(in);
+  return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;
+}
 
 // FunctionForce: a force from a function.
 

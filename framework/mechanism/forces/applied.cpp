@@ -159,10 +159,6 @@ std::unique_ptr<Force> AppliedTorque::make(const Attachment& attachment, const P
   return std::make_unique<AppliedTorque>(attachment.name, p_of(attachment, k), s_of(attachment, k), o);
 }
 
-// Instantiated here for callers that inline FormulaForce's functions.
-template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::WrenchLoad&) const;
-template LOCKSTEP_API void Applied::act(const Ends<double>&, formula::AccountLoad&) const;
-template LOCKSTEP_API void Applied::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<Applied>;
 
 }  // namespace lockstep

@@ -87,10 +87,6 @@ void Bushing::act(const Ends<T>& at, Load& load) const {
   load.shows(d, th, F, M);
 }
 
-// Instantiated here for callers that inline FormulaForce's functions.
-template LOCKSTEP_API void Bushing::act(const Ends<double>&, formula::WrenchLoad&) const;
-template LOCKSTEP_API void Bushing::act(const Ends<double>&, formula::AccountLoad&) const;
-template LOCKSTEP_API void Bushing::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<Bushing>;
 
 }  // namespace lockstep

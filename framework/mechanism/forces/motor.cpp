@@ -66,10 +66,6 @@ std::unique_ptr<Force> TorqueMotor::make(const Attachment& attachment, const Par
                                        Options{k.law("torque")});
 }
 
-// Instantiated here for callers that inline FormulaForce's functions.
-template LOCKSTEP_API void Motor::act(const Ends<double>&, formula::WrenchLoad&) const;
-template LOCKSTEP_API void Motor::act(const Ends<double>&, formula::AccountLoad&) const;
-template LOCKSTEP_API void Motor::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<Motor>;
 
 }  // namespace lockstep

@@ -68,10 +68,6 @@ void SpringDamper::act(const Ends<T>& at, Load& load) const {
   load.shows(length, rate, apart ? pull : T(0));
 }
 
-// Instantiated here for callers that inline FormulaForce's functions.
-template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::WrenchLoad&) const;
-template LOCKSTEP_API void SpringDamper::act(const Ends<double>&, formula::AccountLoad&) const;
-template LOCKSTEP_API void SpringDamper::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<SpringDamper>;
 
 }  // namespace lockstep

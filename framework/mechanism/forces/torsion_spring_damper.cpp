@@ -71,10 +71,6 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   load.shows(angle, rate, has_angle ? torque : T(0));
 }
 
-// Instantiated here for callers that inline FormulaForce's functions.
-template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<double>&, formula::WrenchLoad&) const;
-template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<double>&, formula::AccountLoad&) const;
-template LOCKSTEP_API void TorsionSpringDamper::act(const Ends<SlotJet>&, formula::TangentLoad&) const;
 template class FormulaForce<TorsionSpringDamper>;
 
 }  // namespace lockstep

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <lockstep/analysis.h>
 #include <lockstep/lock.h>
@@ -73,6 +76,14 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
   return all;
 }
 
+/// What keeps a run of the mechanism as it stands from joint coordinates; "" if nothing does.
+std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& start, const Registry& registry) {
+  const IntegratorInfo method = make_integrator(m.run, registry)->info();
+  std::string why = dynamics.why_not_joint(start.modes);
+  if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
+  return why;
+}
+
 /// The formulation of a run, and what it makes of the mechanism.
 std::string formulation_of(const Mechanism& m, Dynamics& dynamics, const State& start, const MobilityReport& r,
                            const Registry& registry) {
@@ -80,9 +91,7 @@ std::string formulation_of(const Mechanism& m, Dynamics& dynamics, const State& 
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
   if (const Plane plane = m.system.plane())
     return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
-  const IntegratorInfo method = make_integrator(m.run, registry)->info();
-  std::string why = dynamics.why_not_joint(start.modes);
-  if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
+  const std::string why = why_not_joint(m, dynamics, start, registry);
   return why.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms) : "omega: " + why;
 }
 
@@ -133,8 +142,23 @@ bool is_tree_in_space(const Loaded& loaded) {
   return dynamics.why_not_joint(m.system.start().modes).empty();
 }
 
+/// A plane that the scene could name, which is not found by itself because something does not say that it stays there.
+std::optional<std::string> nameable_plane(const Loaded& loaded, const Mechanism& m) {
+  for (const char* normal : {"z", "y", "x"}) try {
+      Scene scene = loaded.scene;
+      scene.root.object()->push_back({"planar", Value(normal), scene.root.where});
+      Mechanism named = build_mechanism(scene, loaded.registry);
+      named.system.set_planar(named.system.plane(), true);
+      if (const std::optional<ModelError> why = named.system.try_setup())
+        return fmt::format("\"planar\": \"{}\" would give {} unknown velocities instead of {}; not chosen: {}", normal,
+                           named.system.n_velocities(), m.system.n_velocities(), why->what());
+    } catch (const Error&) {  // not in this plane
+    }
+  return {};
+}
+
 /// What the scene could also leave out without an approximation.
-std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
+std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, bool needs_rows) {
   std::vector<std::string> all;
   if (loaded.scene.root.find("planar") != nullptr && !m.system.plane()) {
     Scene scene = loaded.scene;
@@ -145,6 +169,8 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m) {
           fmt::format("without \"planar\" it moves in the plane with normal {}: {} unknown velocities instead of {}",
                       "xyz"[static_cast<std::size_t>(plane.n)], other.system.n_velocities(), m.system.n_velocities()));
   }
+  if (loaded.scene.root.find("planar") == nullptr && !m.system.plane() && needs_rows)
+    if (std::optional<std::string> plane = nameable_plane(loaded, m)) all.push_back(*std::move(plane));
   if (loaded.scene.root.find("merge") != nullptr) return all;
   Scene scene = loaded.scene;
   scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
@@ -173,7 +199,8 @@ int check_command(const Arguments& args) {
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
-  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m);
+  const bool needs_rows = !why_not_joint(m, dynamics, start, loaded.registry).empty();
+  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, needs_rows);
   if (!args.full && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
       make_integrator(m.run, loaded.registry)->info().joint)
     more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
