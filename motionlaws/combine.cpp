@@ -1,5 +1,6 @@
 #include <lockstep/laws.h>
 
+#include <utility>
 
 namespace lockstep {
 namespace {

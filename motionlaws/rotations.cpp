@@ -1,6 +1,7 @@
 #include <lockstep/frame_laws.h>
 
 #include <cmath>
+#include <utility>
 
 #include <lockstep/laws.h>
 

@@ -1,9 +1,9 @@
 #include <lockstep/laws.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "motionlaws/side.h"
-
 
 namespace lockstep {
 

@@ -1,5 +1,7 @@
 #include <lockstep/frame_laws.h>
 
+#include <utility>
+
 #include <lockstep/laws.h>
 
 namespace lockstep {
@@ -29,7 +31,7 @@ TranslationValue ComponentsLaw::at(double t) const {
 
 bool ComponentsLaw::stays_in_plane(const Vec3& normal) const {
   for (std::size_t i = 0; i < 3; ++i)
-    if (std::abs(normal[static_cast<Eigen::Index>(i)]) > kParallel && !laws_[i]->is_constant()) return false;
+    if (!are_perpendicular(Vec3::Unit(static_cast<Eigen::Index>(i)), normal) && !laws_[i]->is_constant()) return false;
   return true;
 }
 

@@ -61,23 +61,32 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 TEST_CASE("check names what keeps a scene in space that moves in a plane", "[runner]") {
   nlohmann::json scene = nlohmann::json::parse(std::ifstream(kFourBar));
   scene["markers"] = nlohmann::json::parse(
-      R"([{"name": "tip", "body": "crank"}, {"name": "post", "body": "ground", "position": [1, 0, 0]}])");
+      R"([{"name": "tip", "body": "crank"}, {"name": "post", "body": "ground", "at": [1, 0, 0]}])");
   scene["forces"] =
       nlohmann::json::parse(R"([{"name": "pull", "type": "template_force", "p": "tip", "s": "post", "strength": 1}])");
   const std::string file = kFolder + "/pulled.json", plugin = " --plugin '" + test_plugin("template_force") + "'";
   std::ofstream(file) << scene;
-  const Called undeclared = call("check pulled.json" + plugin);
-  INFO(undeclared.text);
-  CHECK(contains(undeclared.text, "formulation         omega: "));
-  CHECK(contains(undeclared.text,
-                 "\"planar\": \"z\" would give 9 unknown velocities instead of 18; not chosen: force 'pull': "
-                 "'template_force' does not say that it stays in the plane with normal z (stays_in_plane)"));
-  scene["planar"] = "z";
-  std::ofstream(file) << scene;
-  CHECK(contains(call("check pulled.json" + plugin).text, "in the plane with normal z"));
-  scene.erase("planar"), scene["markers"][1]["position"] = {1, 0, 1};  // now it pulls out of the plane
-  std::ofstream(file) << scene;
-  CHECK_FALSE(contains(call("check pulled.json" + plugin).text, "would give"));
+  const auto checked = [&](const char* options) {
+    std::ofstream(file) << scene;
+    const Called r = call("check pulled.json " + std::string(options) + plugin);
+    CAPTURE(r.text);
+    CHECK(r.exit == 0);
+    return r.text;
+  };
+  const std::string proposal =
+      "\"planar\": \"z\" gives 9 unknown velocities instead of 18, if nothing leaves that plane: force 'pull': "
+      "'template_force' does not say that it stays in the plane with normal z; let its stays_in_plane()";
+  const std::string in_space = "formulation         omega: link 'D' closes a loop";
+  CHECK(contains(checked(""), in_space));
+  CHECK(contains(checked(""), proposal));
+  CHECK(contains(checked("--planar auto"), proposal));
+  CHECK_FALSE(contains(checked("--formulation quaternion"), "gives 9"));  // it takes no plane
+  CHECK(contains(checked("--planar z"), "in the plane with normal z"));
+  scene["links"][3]["at"] = {0.28, 0, 0.1};  // a lever arm along the normal
+  CHECK_FALSE(contains(checked(""), "gives 9"));
+  scene["links"][3]["at"] = {0.28, 0, 0}, scene["markers"][1]["at"] = {1, 0, 1};  // now it pulls out of the plane
+  CHECK(contains(checked(""), in_space));
+  CHECK_FALSE(contains(checked(""), "gives 9"));
 }
 
 TEST_CASE("joint coordinates: proposed where scene and method take them, run with the summary", "[runner]") {

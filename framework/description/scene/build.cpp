@@ -127,7 +127,7 @@ bool Builder::goes_joint() const {
 const VelocityTarget* Builder::start_out_of(Plane plane) const {
   for (const VelocityTarget& start : out_.start_speeds) {
     const Vec3 normal = MarkerFrame(*out_.system.link(start.link).pairs().front().second).A0.row(plane.n);
-    if (start.value != 0 && !stays_in_plane(start.axis, normal)) return &start;
+    if (start.value != 0 && !axis_stays_in_plane(start.axis, normal, 1e-10)) return &start;
   }
   return nullptr;
 }

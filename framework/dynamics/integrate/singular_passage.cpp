@@ -127,7 +127,7 @@ bool SingularPassage::enters(const Stages& stages) {
   return true;
 }
 
-// The next step would begin at the late stage.
+// The next step would begin where stage last_ is.
 bool SingularPassage::must_shift(const Stages& stages, double error) const {
   if (on_ == StagesOn::plain || shifts_ == kShifts || ill_conditioned(stages, 0)) return false;
   return ill_conditioned(stages, last_) || (error > 1 && near(stages));

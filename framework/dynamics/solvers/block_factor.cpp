@@ -26,13 +26,14 @@ struct Passes {
     const int n = pivot.width;
     T X[kMaxBlock * kMaxBlock];  // sign W_b
     for (int b = 0; b < pivot.n_later; ++b)
-      for_size(s[b].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        T* W = A + s[b].U;
-        solve_lower<kJ, false>(A + pivot.D, W, n);
-        for (int i = 0; i < n * kJ; ++i) X[i] = pivot.sign * W[i];
-        for (int a = 0; a <= b; ++a) subtract_product<kJ>(A + *target++, A + s[a].U, X, n, s[a].width);
-      });
+      for_size(
+          s[b].width, [&](auto width) __attribute__((always_inline)) {
+            constexpr int kJ = decltype(width)::value;
+            T* W = A + s[b].U;
+            solve_lower<kJ, false>(A + pivot.D, W, n);
+            for (int i = 0; i < n * kJ; ++i) X[i] = pivot.sign * W[i];
+            for (int a = 0; a <= b; ++a) subtract_product<kJ>(A + *target++, A + s[a].U, X, n, s[a].width);
+          });
   }
 
   // Subtracts Z_a^T W_b from block (a, b), and W_a^T Z_b from its mirror image, which is stored transposed.
@@ -41,19 +42,20 @@ struct Passes {
     const std::size_t* target = targets(pivot);
     const int n = pivot.width;
     for (int b = 0; b < pivot.n_later; ++b)
-      for_size(s[b].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        T *W_b = A + s[b].U, *Z_b = W_b + n * kJ;
-        exchange_rows(W_b, n, kJ, order);
-        solve_lower<kJ, true>(A + pivot.D, W_b, n);
-        solve_upper_transposed<kJ>(A + pivot.D, Z_b, n);
-        for (int a = 0; a <= b; ++a, ++target) {
-          const int n_a = s[a].width;
-          const T* W_a = A + s[a].U;
-          subtract_product<kJ>(A + *target, W_a + n * n_a, W_b, n, n_a);
-          if (a < b) subtract_product<kJ>(A + *target + n_a * kJ, W_a, Z_b, n, n_a);
-        }
-      });
+      for_size(
+          s[b].width, [&](auto width) __attribute__((always_inline)) {
+            constexpr int kJ = decltype(width)::value;
+            T *W_b = A + s[b].U, *Z_b = W_b + n * kJ;
+            exchange_rows(W_b, n, kJ, order);
+            solve_lower<kJ, true>(A + pivot.D, W_b, n);
+            solve_upper_transposed<kJ>(A + pivot.D, Z_b, n);
+            for (int a = 0; a <= b; ++a, ++target) {
+              const int n_a = s[a].width;
+              const T* W_a = A + s[a].U;
+              subtract_product<kJ>(A + *target, W_a + n * n_a, W_b, n, n_a);
+              if (a < b) subtract_product<kJ>(A + *target + n_a * kJ, W_a, Z_b, n, n_a);
+            }
+          });
   }
 
   void forward(const Node& pivot, const unsigned char* order, T* b) const {
@@ -69,7 +71,10 @@ struct Passes {
     const Later* s = later(pivot);
     for (int l = 0; l < pivot.n_later; ++l) {
       const T* Z = A + s[l].U + (plan.symmetric ? 0 : n * s[l].width);
-      for_size(s[l].width, [&](auto width) { subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1); });
+      for_size(
+          s[l].width, [&](auto width) __attribute__((always_inline)) {
+            subtract_product<decltype(width)::value>(b + s[l].first, y, Z, n, 1);
+          });
     }
   }
 
@@ -80,14 +85,15 @@ struct Passes {
     for (int l = 0; l < pivot.n_later; ++l) {
       const T* W = A + s[l].U;
       const T* x_s = b + s[l].first;
-      for_size(s[l].width, [&](auto width) {
-        constexpr int kJ = decltype(width)::value;
-        for (int i = 0; i < n; ++i) {
-          T sum(0);
-          for (int j = 0; j < kJ; ++j) sum += times(W[i * kJ + j], x_s[j]);
-          x[i] -= plan.symmetric ? pivot.sign * sum : sum;
-        }
-      });
+      for_size(
+          s[l].width, [&](auto width) __attribute__((always_inline)) {
+            constexpr int kJ = decltype(width)::value;
+            for (int i = 0; i < n; ++i) {
+              T sum(0);
+              for (int j = 0; j < kJ; ++j) sum += times(W[i * kJ + j], x_s[j]);
+              x[i] -= plan.symmetric ? pivot.sign * sum : sum;
+            }
+          });
     }
     const T* D = A + pivot.D;  // R: above the diagonal, or L^T below it
     for (int i = n - 1; i >= 0; --i) {

@@ -1,4 +1,5 @@
-// for_size: turns a run-time size 1 .. 8 into a compile-time constant, so that loops over it are unrolled.
+// for_size: turns a run-time size 1 .. 8 into a compile-time constant, so that loops over it are unrolled;
+// unrolled: a loop whose index is a constant.
 #pragma once
 
 #include <type_traits>

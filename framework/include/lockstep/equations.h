@@ -179,7 +179,9 @@ LOCKSTEP_INLINE auto rotation_row(const H& h, const G& g) {
   const auto odd = cross(h.v, g.v);
   return Row{vec::None{}, even - odd, -(even + odd)};
 }
-/// That row on those of O1 and of O2; A_SD = A_S A_D.
+/// (4.12) A row on the angular velocities of P and D as the row on those of O1 and O2, A_SD = A_S A_D:
+///
+///   0 | A_P w1 | 0 | A_SD w2
 template <class R, class AP, class ASD>
 LOCKSTEP_INLINE auto in_body_axes(const R& row, const AP& A_P, const ASD& A_SD) {
   return Row{row.v, A_P * row.w1, A_SD * row.w2};

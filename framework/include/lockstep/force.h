@@ -230,7 +230,7 @@ class FormulaForce : public MarkerForce, public Observable {
   ForceAccount account(const Inputs& in) const;
 };
 
-// Defined outside of the class, so that files that use a force do not compile its formula again.
+// Defined outside of the class: files do not compile these again for a force that is declared `extern template`.
 
 template <class F>
 ForceAccount FormulaForce<F>::account(const Inputs& in) const {

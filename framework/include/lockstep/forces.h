@@ -11,6 +11,35 @@
 
 namespace lockstep {
 
+// Effort: the only difference between forces and torques of motors and applied loads.
+
+/// What a motor or an applied load exerts between two markers.
+enum class Effort {
+  force,   ///< N: on P's body at the origin of P, the opposite on S's body at the same point
+  torque,  ///< N m: on P's body, the opposite on S's body
+};
+
+/// "force" or "torque": the key in scenes, and the word in messages and channels.
+inline const char* word(Effort e) { return e == Effort::force ? "force" : "torque"; }
+/// "N" or "N m".
+inline const char* unit(Effort e) { return e == Effort::force ? "N" : "N m"; }
+
+/// Exerts f, N or N m, world axes, on P's body and the opposite on S's.
+template <class T, class Load>
+void exert(Effort e, const Vec3T<T>& f, const Ends<T>& at, Load& load) {
+  if (e == Effort::force)
+    load.force(f, at.P.x());
+  else
+    load.torque(f);
+}
+
+/// Velocity of the origin of P, m/s, or angular velocity of P, rad/s, as seen from S, in world axes.
+template <class T>
+Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
+  if (e == Effort::torque) return at.P.w() - at.S.w();
+  return at.P.v() - at.S.v() - cross(at.S.w(), Vec3T<T>(at.P.x() - at.S.x()));
+}
+
 // Forces 'applied_force' and 'applied_torque': a force at a marker or a torque on its body, constant or by laws.
 
 /// The axes in which an applied vector is given.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
-#include <type_traits>
 
 #include <lockstep/export.h>
 #include <lockstep/jet.h>
@@ -11,8 +11,6 @@
 #include <lockstep/rows.h>
 
 namespace lockstep {
-
-// Formulas of forces: what a force does, written once for any scalar; its wrench, its tangent and its powers follow.
 
 /// The two markers of a force at one instant. Without an S, S is the ground's origin.
 template <class T>
@@ -204,34 +202,5 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
 }
 
 }  // namespace formula
-
-// Effort: the only difference between forces and torques of motors and applied loads.
-
-/// What a motor or an applied load exerts between two markers.
-enum class Effort {
-  force,   ///< N: on P's body at the origin of P, the opposite on S's body at the same point
-  torque,  ///< N m: on P's body, the opposite on S's body
-};
-
-/// "force" or "torque": the key in scenes, and the word in messages and channels.
-inline const char* word(Effort e) { return e == Effort::force ? "force" : "torque"; }
-/// "N" or "N m".
-inline const char* unit(Effort e) { return e == Effort::force ? "N" : "N m"; }
-
-/// Exerts f, N or N m, world axes, on P's body and the opposite on S's.
-template <class T, class Load>
-void exert(Effort e, const Vec3T<T>& f, const Ends<T>& at, Load& load) {
-  if (e == Effort::force)
-    load.force(f, at.P.x());
-  else
-    load.torque(f);
-}
-
-/// Velocity of the origin of P, m/s, or angular velocity of P, rad/s, as seen from S, in world axes.
-template <class T>
-Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
-  if (e == Effort::torque) return at.P.w() - at.S.w();
-  return at.P.v() - at.S.v() - cross(at.S.w(), Vec3T<T>(at.P.x() - at.S.x()));
-}
 
 }  // namespace lockstep

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <utility>
 #include <vector>
 
 #include <lockstep/export.h>

@@ -64,9 +64,9 @@ struct Drive {
 };
 
 /// Whether a motion along or about this axis stays in the plane with this normal, of length 1; both in S axes.
-inline bool stays_in_plane(Axis axis, const Vec3& normal) {
+inline bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance = kParallel) {
   const Vec3 along = Vec3::Unit(axis_index(axis) % 3);
-  return is_rotation(axis) ? are_parallel(along, normal) : are_perpendicular(along, normal);
+  return is_rotation(axis) ? are_parallel(along, normal, tolerance) : are_perpendicular(along, normal, tolerance);
 }
 
 /// The laws of a lock: where P is held on the rows of the mask, and what its drives do.

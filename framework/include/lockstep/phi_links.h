@@ -116,7 +116,7 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
   Function function_;
 };
 
-// Defined outside of the class, so that files that use an instance of it do not compile it again.
+// Defined outside of the class: files do not compile these again for a function that is declared `extern template`.
 
 template <class Phi>
 PhiCoupling<Phi>::PhiCoupling(const CoupledPairs& coupled, Phi phi)
@@ -256,6 +256,8 @@ class PhiLock : public MarkerLock, public Remembering {
   Function function_;
   int first_ = 0;  // first row of the function
 };
+
+// Defined outside of the class, as those of PhiCoupling.
 
 template <class Phi>
 PhiLock<Phi>::PhiLock(std::string name, Marker& p, Marker& s, Mask mask, Phi phi)

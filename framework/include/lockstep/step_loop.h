@@ -127,7 +127,7 @@ struct AuditLimits {
   double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)
   double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
 
-  /// The same for a mechanism of this System::length(), m, with its violation in m.
+  /// These limits with the violation filled in: as given, else a thousandth of `length`, m (System::length()).
   AuditLimits of(double length) const { return {energy, violation > 0 ? violation : 1e-3 * length}; }
 };
 

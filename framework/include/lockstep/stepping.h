@@ -47,7 +47,7 @@ struct EmbeddedScheme {
   const char* name = "";          ///< name of the method
   Tableau tableau;                ///< its stages
   int end_stage = 0;              ///< the stage that is the rate at the end of the step
-  int late_stage = 0;             ///< another stage at c = 1
+  int late_stage = 0;             ///< the first other stage at c = 1
   double stability = 0;           ///< h |lambda| at the end of its interval of stability on the negative axis
   const double* error = nullptr;  ///< error = h sum e_i k_i; null: fixed step, only name and tableau count
   const double* second =

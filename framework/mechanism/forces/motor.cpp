@@ -18,7 +18,7 @@ void Motor::setup() {
 // The law may be zero wherever the system evaluates it, so direction and lever arms are looked at here.
 bool Motor::stays_in_plane(Plane plane) const {
   const bool torque = effort_ == Effort::torque;
-  return markers_stay_in(plane, !torque) && lockstep::stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
+  return markers_stay_in(plane, !torque) && axis_stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
          (torque || S_.slot == kGround);
 }
 

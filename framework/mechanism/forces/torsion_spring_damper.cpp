@@ -33,8 +33,8 @@ std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, c
 }
 
 bool TorsionSpringDamper::stays_in_plane(Plane plane) const {
-  return markers_stay_in(plane, false) && lockstep::stays_in_plane(Axis::rz, S_.A0.row(plane.n)) &&
-         lockstep::stays_in_plane(Axis::rz, P_.A0.row(plane.n));
+  return markers_stay_in(plane, false) && axis_stays_in_plane(Axis::rz, S_.A0.row(plane.n)) &&
+         axis_stays_in_plane(Axis::rz, P_.A0.row(plane.n));
 }
 
 void TorsionSpringDamper::setup() {

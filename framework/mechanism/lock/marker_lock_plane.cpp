@@ -58,8 +58,7 @@ bool MarkerLock::laws_stay_in_plane(Plane plane) const {
   const ImposedMotion& laws = imposed();
   if (laws.move && !laws.move->stays_in_plane(normal)) return false;
   if (laws.turn && !laws.turn->turns_about(normal)) return false;
-  return std::ranges::all_of(laws.drives,
-                             [&](const Drive& drive) { return lockstep::stays_in_plane(drive.axis, normal); });
+  return std::ranges::all_of(laws.drives, [&](const Drive& drive) { return axis_stays_in_plane(drive.axis, normal); });
 }
 
 // Throws if a law leaves the plane at this time.

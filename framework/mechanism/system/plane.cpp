@@ -283,8 +283,8 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
 Refusal check_declared(const System& system) {
   const auto refuse = [&](const char* kind, const std::string& name, std::string_view type) {
     return refusal_of({.kind = kind, .name = name},
-                      fmt::format("'{}' does not say that it stays in the plane with normal "
-                                  "{} (stays_in_plane)",
+                      fmt::format("'{}' does not say that it stays in the plane with normal {}; let its "
+                                  "stays_in_plane(), or kStaysInPlane of a function, say so",
                                   type, axis_name(system.plane())));
   };
   for (const auto& link : system.links())

@@ -61,7 +61,7 @@ struct LinkRows {
   }
 };
 
-/// f(Unit<j>) for the axis j, which is known only now. What f returns should be cheap: it is compiled three times.
+/// f(Unit<j>) for an axis j known at run time. f is compiled three times: keep it short. It returns one type for all.
 template <class F>
 LOCKSTEP_LANE auto along(int j, F&& f) {
   if (j == 0) return f(vec::Unit<0>{});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -84,15 +85,14 @@ std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& s
   return why;
 }
 
-/// The formulation of a run, and what it makes of the mechanism.
-std::string formulation_of(const Mechanism& m, Dynamics& dynamics, const State& start, const MobilityReport& r,
-                           const Registry& registry) {
+/// The formulation of a run, and what it makes of the mechanism; `why_not_joint`: what keeps it from joint coordinates.
+std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const MobilityReport& r) {
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
   if (const Plane plane = m.system.plane())
     return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
-  const std::string why = why_not_joint(m, dynamics, start, registry);
-  return why.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms) : "omega: " + why;
+  return why_not_joint.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms)
+                               : "omega: " + why_not_joint;
 }
 
 /// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
@@ -142,25 +142,30 @@ bool is_tree_in_space(const Loaded& loaded) {
   return dynamics.why_not_joint(m.system.start().modes).empty();
 }
 
-/// A plane that the scene could name, which is not found by itself because something does not say that it stays there.
-std::optional<std::string> nameable_plane(const Loaded& loaded, const Mechanism& m) {
-  for (const char* normal : {"z", "y", "x"}) try {
-      Scene scene = loaded.scene;
-      scene.root.object()->push_back({"planar", Value(normal), scene.root.where});
-      Mechanism named = build_mechanism(scene, loaded.registry);
-      named.system.set_planar(named.system.plane(), true);
-      if (const std::optional<ModelError> why = named.system.try_setup())
-        return fmt::format("\"planar\": \"{}\" would give {} unknown velocities instead of {}; not chosen: {}", normal,
-                           named.system.n_velocities(), m.system.n_velocities(), why->what());
-    } catch (const Error&) {  // not in this plane
-    }
+/// The scene in the plane with this normal, where only the word of a part is missing that it stays there.
+std::optional<std::string> if_named(const char* normal, const Loaded& loaded, const Mechanism& m) try {
+  Scene scene = loaded.scene;
+  scene.root = scene.root.without({"planar"});
+  scene.root.object()->push_back({"planar", Value(normal), scene.root.where});
+  Mechanism named = build_mechanism(scene, loaded.registry);
+  if (named.system.has_offsets()) return {};  // reactions would be incomplete
+  named.system.set_planar(named.system.plane(), true);
+  const std::optional<ModelError> missing = named.system.try_setup();
+  if (!missing) return {};
+  return fmt::format("\"planar\": \"{}\" gives {} unknown velocities instead of {}, if nothing leaves that plane: {}",
+                     normal, named.system.n_velocities(), m.system.n_velocities(), missing->what());
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (...) {  // not in this plane; code of a user that throws where it is only looked at will say so in the run
   return {};
 }
 
 /// What the scene could also leave out without an approximation.
 std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, bool needs_rows) {
   std::vector<std::string> all;
-  if (loaded.scene.root.find("planar") != nullptr && !m.system.plane()) {
+  const Value* planar = loaded.scene.root.find("planar");
+  const bool finds_plane = planar == nullptr || (planar->text() != nullptr && *planar->text() == "auto");
+  if (!finds_plane && !m.system.plane()) {
     Scene scene = loaded.scene;
     scene.root = scene.root.without({"planar"});
     const Mechanism other = build_mechanism(scene, loaded.registry);
@@ -169,8 +174,12 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
           fmt::format("without \"planar\" it moves in the plane with normal {}: {} unknown velocities instead of {}",
                       "xyz"[static_cast<std::size_t>(plane.n)], other.system.n_velocities(), m.system.n_velocities()));
   }
-  if (loaded.scene.root.find("planar") == nullptr && !m.system.plane() && needs_rows)
-    if (std::optional<std::string> plane = nameable_plane(loaded, m)) all.push_back(*std::move(plane));
+  if (finds_plane && !m.system.plane() && needs_rows && m.run.formulation != Formulation::quaternion)
+    for (const char* normal : {"z", "y", "x"})
+      if (std::optional<std::string> words = if_named(normal, loaded, m)) {
+        all.push_back(*std::move(words));
+        break;
+      }
   if (loaded.scene.root.find("merge") != nullptr) return all;
   Scene scene = loaded.scene;
   scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
@@ -199,15 +208,15 @@ int check_command(const Arguments& args) {
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
   const MobilityReport r = mobility(dynamics, start);
   const std::vector<LeftOut> out = left_out(m);
-  const bool needs_rows = !why_not_joint(m, dynamics, start, loaded.registry).empty();
-  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, needs_rows);
+  const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
+  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, !not_joint.empty());
   if (!args.full && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
       make_integrator(m.run, loaded.registry)->info().joint)
     more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
                                "velocities and no rows instead of {} and {}",
                                r.freedoms, r.unknowns, r.rows));
 
-  const std::string formulation = formulation_of(m, dynamics, start, r, loaded.registry);
+  const std::string formulation = formulation_of(m, not_joint, r);
 
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},

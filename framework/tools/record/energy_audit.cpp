@@ -10,8 +10,8 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kRounding = 1e-9;       // of the energies themselves: a smaller imbalance is no loss,
-constexpr double kStill = 1e-14;         // nor one below this times m L^2 / s^2
+constexpr double kRounding = 1e-9;  // of the energies themselves: a smaller imbalance is no loss,
+constexpr double kStill = 1e-14;    // nor one below this times m L^2 / s^2
 
 enum : std::size_t { kKinetic, kPotential, kDrives, kSupplied, kDissipated };
 
