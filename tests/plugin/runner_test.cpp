@@ -80,8 +80,10 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   CHECK(contains(checked(""), in_space));
   CHECK(contains(checked(""), proposal));
   CHECK(contains(checked("--planar auto"), proposal));
-  CHECK_FALSE(contains(checked("--formulation quaternion"), "gives 9"));  // it takes no plane
   CHECK(contains(checked("--planar z"), "in the plane with normal z"));
+  scene["run"]["formulation"] = "quaternion";  // it takes no plane
+  CHECK_FALSE(contains(checked(""), "gives 9"));
+  scene["run"].erase("formulation");
   scene["links"][3]["at"] = {0.28, 0, 0.1};  // a lever arm along the normal
   CHECK_FALSE(contains(checked(""), "gives 9"));
   scene["links"][3]["at"] = {0.28, 0, 0}, scene["markers"][1]["at"] = {1, 0, 1};  // now it pulls out of the plane
