@@ -34,3 +34,7 @@ target_compile_options(lockstep_own INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 warns of its own std::string
 target_compile_definitions(lockstep_own INTERFACE BOOST_DLL_USE_STD_FS)  # Boost.DLL from headers alone
+
+# g++ collects its garbage when its heap has doubled; with a larger one to begin with (in kB) templates compile by a tenth
+# faster.
+target_compile_options(lockstep_own INTERFACE $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=1000000>)

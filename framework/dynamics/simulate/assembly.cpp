@@ -2,7 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -103,8 +103,9 @@ class Assembler {
         factor.solve(e, rows.row(i).transpose(), none, a, lambda);
         response.col(i) = a;
       }
-      const MatX compliance = rows * response;
-      const VecX impulse = compliance.completeOrthogonalDecomposition().solve(gap);
+      // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
+      const MatX compliance = rows.lazyProduct(response);
+      const VecX impulse = compliance.fullPivLu().solve(gap);
       if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max(1.0, gap.lpNorm<Eigen::Infinity>()))
         throw AssemblyError("start velocity: " + target_names(targets) +
                             " cannot be met together; the mechanism does not move that way: "

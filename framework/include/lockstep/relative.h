@@ -113,8 +113,8 @@ using RelativeKinematics = RelativeKinematicsT<double>;
 /// The relative kinematics of P on the slot O1 and S on the slot O2; what `which` leaves out is zero. `laws`: zero if
 /// both markers are at rest on their slots, otherwise with::Bits of their laws. Never throws.
 template <class T>
-inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                                                  const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
+RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
+                                           const MarkerMotionT<T>& S, unsigned laws, Reads which = Reads::both) {
   constexpr unsigned kStill = with::rates | with::scalar_row;
   constexpr unsigned kMoving = kStill | with::uP | with::qP | with::uS | with::qS;
   RelativeKinematicsT<T> L;
@@ -143,6 +143,10 @@ inline RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const Mo
   }
   return L;
 }
+
+// On doubles it is compiled once, in the library.
+extern template LOCKSTEP_API RelativeKinematics relative_kinematics(const Motion&, const Motion&, const MarkerMotion&,
+                                                                    const MarkerMotion&, unsigned, Reads);
 
 // RelativePair: the relative coordinates of a pair with their rates, and the row of a function with a given gradient on
 // them. The jacobians of the coordinates themselves are never formed (theory, (7.1), (7.2)).

@@ -2,6 +2,9 @@
 
 namespace lockstep {
 
+template RelativeKinematics relative_kinematics(const Motion&, const Motion&, const MarkerMotion&, const MarkerMotion&,
+                                                unsigned, Reads);
+
 MarkerFrame::MarkerFrame(const Marker& m)
     : slot(m.body->slot), translation_law(m.translation_law), rotation_law(m.rotation_law) {
   const Pose pose = m.body->in_slot * m.local;
