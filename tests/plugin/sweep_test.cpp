@@ -166,7 +166,7 @@ TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]"
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
     "run": {"integrator": "rk4", "step": 1e-3, "until": 1, "record": ["arm.x"], "output": 1})");
-  const Called r = call("sweep '" + swing + "' --vary run.until=0.1,1e6,0.1 --record swing_sweep.csv",
+  const Called r = call("sweep '" + swing + "' --vary run.until=0.1,1e6,0.1 --jobs 1 --record swing_sweep.csv",
                         "timeout --foreground --preserve-status -s INT 3");
   INFO(r.text);
   CHECK(r.exit == 130);
@@ -174,6 +174,37 @@ TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]"
   const auto rows = results_of("swing_sweep.csv");
   REQUIRE(rows.size() == 2);
   CHECK(rows[1].back() == "ok");
+
+  // On two threads the third run is finished as well.
+  const Called both = call("sweep '" + swing + "' --vary run.until=0.1,1e6,0.1 --jobs 2 --record swing_both.csv",
+                           "timeout --foreground --preserve-status -s INT 3");
+  INFO(both.text);
+  CHECK(both.exit == 130);
+  CHECK(contains(both.text, "interrupted; the rows of 2 of 3 runs are in"));
+  const auto two = results_of("swing_both.csv");
+  REQUIRE(two.size() == 3);
+  CHECK(two[1].front() == "1");
+  CHECK(two[2].front() == "3");
+  CHECK(two[2].back() == "ok");
+}
+
+TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][sweep]") {
+  const std::string ten = "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1:3:20 ";
+  // In lanes, one by one, and with runs that cannot be built, which send their group back to be run one by one.
+  const std::string few = "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12 ";
+  for (const std::string& words : {ten, ten + "--lanes off ", few}) {
+    INFO(words);
+    const bool fails = words == few;
+    CHECK(call(words + "--jobs 1 --record jobs_1.csv --histories jobs_1 --quiet").exit == (fails ? 1 : 0));
+    CHECK(call(words + "--jobs 4 --record jobs_4.csv --histories jobs_4 --quiet").exit == (fails ? 1 : 0));
+    const auto rows = results_of("jobs_1.csv");
+    CHECK(rows.size() == (fails ? 13 : 21));
+    CHECK(results_of("jobs_4.csv") == rows);
+    CHECK(shell("diff -r jobs_1 jobs_4").text.empty());
+    CHECK_FALSE(fs::exists(kRunnerFolder + "/jobs_4.csv.partial"));
+  }
+  CHECK(contains(call(ten + "--jobs 0").text, "--jobs"));
+  CHECK(call(ten + "--jobs 0").exit == 2);
 }
 
 // The recipes are taken from the help, so that what is printed there is what works.

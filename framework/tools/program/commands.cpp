@@ -79,7 +79,8 @@ rows so far.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
-With GNU parallel, eight shards on all cores of this machine (units without blanks):
+Runs are shared out to all processors that the program may use (--jobs); shards share them out to several machines.
+With GNU parallel, eight shards (units without blanks):
   parallel lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard {}/8 --record mass_{}.csv ::: $(seq 8)
 Under Slurm, sbatch of a script with these lines:
   #SBATCH --array=1-8
@@ -99,6 +100,11 @@ void add_sweep(CLI::App& verb, Arguments& a) {
       "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here");
   add(verb, "--lanes", a.lanes, "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one",
       {"auto", "off"});
+  verb.add_option("--jobs", a.jobs,
+                  "threads that compute runs; default: the processors that the program may use, 1 with --shard. Laws, "
+                  "links and forces of plugins that share data among runs need --jobs 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
   add(verb, "--histories", a.histories, "DIR", "folder for the columns of each run, <its number>.csv");
   verb.add_flag("--quiet", a.quiet, "print errors only");
 }

@@ -43,6 +43,7 @@ struct Arguments {
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
   std::string lanes;              ///< "off": one run at a time
+  int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
   std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
 };
 

@@ -5,14 +5,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <csignal>
 
 namespace lockstep {
 namespace {
 
-// A signal handler can only reach a global variable.
-volatile std::sig_atomic_t signal_came = 0;
+// A signal handler can only reach a global variable; threads read it.
+std::atomic<int> signal_came = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 

@@ -4,18 +4,22 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <filesystem>
-#include <fstream>
+#include <mutex>
 #include <optional>
+#include <thread>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/program/run_queue.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
@@ -124,80 +128,114 @@ void make_folder(const std::string& folder) {
   if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; check --histories");
 }
 
-/// The table of results; every row is flushed.
-class ResultFile {
- public:
-  explicit ResultFile(std::string file) : file_(std::move(file)), out_(file_, std::ios::binary | std::ios::trunc) {}
-  void put(const std::string& line) {
-    errno = 0;
-    out_ << line << std::flush;
-    if (!out_)
-      throw FileError(fmt::format("cannot write '{}': {}; check the folder and the space left", file_,
-                                  errno != 0 ? std::strerror(errno) : "writing failed"));
-  }
-
- private:
-  std::string file_;
-  std::ofstream out_;
-};
-
 struct Tally {
   long done = 0, failed = 0, histories = 0, in_lanes = 0;
   std::string alone{};  // why the mechanism does not run in lanes
 };
 
-/// The runs of one shard in their order, eight at a time if the mechanism is suited.
+int jobs_of(const Arguments& args) {
+  if (args.jobs > 0) return args.jobs;
+  return args.shard.empty() ? available_processors() : 1;  // whoever shares out runs has a process for each processor
+}
+
+/// The runs of one shard: computed on several threads, eight at a time on each if the mechanism is suited; their rows
+/// are written in order.
 class Sweep {
  public:
-  Sweep(const Plan& plan, ResultFile& rows, const Interrupt& interrupt)
+  Sweep(const Plan& plan, GrowingFile& rows, const Interrupt& interrupt)
       : plan_(plan),
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
         interrupt_(interrupt),
-        progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs) {
-    if (plan.arguments.lanes == "off") tally_.alone = "as asked for";
+        progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
+        queue_(n_runs_, plan.arguments.lanes == "off" ? 1 : kLanes, kFewestLanes),
+        under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {
+    if (plan.arguments.lanes == "off") alone_ = "as asked for";
   }
 
   Tally go() {
-    rows_.put(sweep_header(plan_.variables, plan_.columns));
-    while (tally_.done < n_runs_ && !interrupt_.asked())
-      if (!run_lanes() && !run_one()) break;
+    rows_.clear();
+    rows_.append(sweep_header(plan_.variables, plan_.columns));
+    rows_.write();
+    {
+      std::vector<std::jthread> threads;
+      const Stopper stopper{queue_};  // before the threads are joined
+      for (std::atomic<double>& share : under_way_) threads.emplace_back([this, &share] { work(share); });
+      while (go_on() && !queue_.all_taken()) {
+        if (const std::optional<FinishedRun> run = queue_.take(std::chrono::milliseconds(100))) take(*run);
+        progress_.at(n_done());
+      }
+    }
     progress_.finish();
+    queue_.rethrow();
+    while (const std::optional<FinishedRun> run = queue_.take_rest()) take(*run);
+    tally_.alone = alone_;
     return tally_;
   }
   long n_runs() const { return n_runs_; }
 
  private:
-  // The next eight in lanes. False if they cannot be: then they run one by one before lanes are tried again.
-  bool run_lanes() {
-    const long n = std::min<long>(kLanes, n_runs_ - tally_.done);
-    if (!tally_.alone.empty() || n < kFewestLanes || tally_.done < next_try_) return false;
-    next_try_ = tally_.done + n;
-    std::vector<Scene> scenes;
-    std::vector<Table> histories(n);
+  struct Stopper {
+    RunQueue& queue;
+    ~Stopper() { queue.stop(); }
+  };
+
+  bool go_on() const { return !interrupt_.asked() && !queue_.stopped(); }
+  double n_done() const {
+    double n = static_cast<double>(queue_.n_finished());
+    for (const std::atomic<double>& share : under_way_) n += share;
+    return std::min(n, static_cast<double>(n_runs_) - 0.001);
+  }
+
+  // What a thread does. `share`: of its runs, for the progress.
+  void work(std::atomic<double>& share) {
     try {
-      for (long k = 0; k < n; ++k) scenes.push_back(plan_.scene(number(tally_.done + k)));
-    } catch (const std::exception&) {
-      return false;
+      while (go_on()) {
+        const std::optional<RunGroup> group = queue_.next();
+        if (!group) return;
+        if (group->n > 1)
+          run_lanes(*group, share);
+        else
+          run_one(group->first, share);
+        share = 0;
+      }
+    } catch (...) {
+      queue_.fail(std::current_exception());
     }
-    const LaneRuns lanes = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
-                                       watch(scenes.front().run.until, static_cast<double>(n)), &histories);
-    tally_.alone = lanes.unsuited;
-    if (lanes.runs.empty() || lanes.runs.front().broken_off) return false;
-    for (std::size_t k = 0; k < lanes.runs.size() && !lanes.runs[k].broken_off; ++k) take(lanes.runs[k], histories[k]);
-    tally_.in_lanes += n;
-    return true;
   }
 
-  // False if it was interrupted; then there is no row.
-  bool run_one() {
+  // A group in lanes; if it cannot be, its runs go back to be computed one by one.
+  void run_lanes(RunGroup group, std::atomic<double>& share) {
+    std::vector<Scene> scenes;
+    try {
+      for (long k = 0; k < group.n; ++k) scenes.push_back(plan_.scene(number(group.first + k)));
+    } catch (const std::exception&) {
+      return queue_.split(group, false);
+    }
+    std::vector<Table> histories(scenes.size());
+    LaneRuns lanes = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
+                                 watch(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
+    if (!lanes.unsuited.empty()) note_alone(lanes.unsuited);
+    if (lanes.runs.empty()) return queue_.split(group, !lanes.unsuited.empty());
+    std::vector<FinishedRun> done;
+    for (std::size_t i = 0; i < lanes.runs.size(); ++i) {
+      const long k = group.first + static_cast<long>(i);
+      const bool kept = keep(lanes.runs[i], k, histories[i]);
+      done.push_back({k, std::move(lanes.runs[i]), true, kept});
+    }
+    queue_.finish(std::move(done));
+  }
+
+  void run_one(long k, std::atomic<double>& share) {
     Table history;
-    const SweepRun run = compute(number(tally_.done), history);
-    if (!run.broken_off) take(run, history);
-    return !run.broken_off;
+    SweepRun run = compute(number(k), share, history);
+    const bool kept = keep(run, k, history);
+    std::vector<FinishedRun> done;
+    done.push_back({k, std::move(run), false, kept});
+    queue_.finish(std::move(done));
   }
 
-  SweepRun compute(long number, Table& history) {
+  SweepRun compute(long number, std::atomic<double>& share, Table& history) {
     Scene scene;
     try {
       scene = plan_.scene(number);
@@ -206,30 +244,39 @@ class Sweep {
       failed.failed = true, failed.status = what_of(error);
       return failed;
     }
-    return sweep_run(scene, plan_.loaded.registry, plan_.columns, watch(scene.run.until, 1), &history);
+    return sweep_run(scene, plan_.loaded.registry, plan_.columns, watch(share, scene.run.until, 1), &history);
   }
 
-  void take(const SweepRun& run, const Table& history) {
-    const long n = number(tally_.done);
-    if (!plan_.arguments.histories.empty() && history.n_columns() > 0) keep(n, history);
-    rows_.put(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, run));
-    if (run.failed) report(n, run.status);
-    progress_.at(static_cast<double>(++tally_.done));
+  void take(const FinishedRun& done) {
+    const long n = number(done.k);
+    rows_.append(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
+    rows_.write();
+    if (done.in_lanes) ++tally_.in_lanes;
+    if (done.kept) ++tally_.histories;
+    ++tally_.done;
+    if (done.run.failed) report(n, done.run.status);
   }
 
   long number(long k) const { return Grid::run(plan_.shard, k); }
-  std::function<bool(const State&)> watch(double until, double n) {
-    return [this, until, n](const State& s) {
-      progress_.at(static_cast<double>(tally_.done) + std::min(n * s.t / until, n - 0.001));
-      return !interrupt_.asked();
+  std::function<bool(const State&)> watch(std::atomic<double>& share, double until, double n) {
+    return [this, &share, until, n](const State& s) {
+      share = n * std::min(s.t / until, 1.0);
+      return go_on();
     };
   }
 
-  void keep(long number, const Table& history) {
+  // Writes the history of a run, if it was asked for and there is one.
+  bool keep(const SweepRun& run, long k, const Table& history) const {
+    if (plan_.arguments.histories.empty() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
-    write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number, width)).string(),
+    write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number(k), width)).string(),
               history);
-    ++tally_.histories;
+    return true;
+  }
+
+  void note_alone(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    alone_ = why;
   }
 
   void report(long number, const std::string& reason) {
@@ -241,11 +288,14 @@ class Sweep {
 
   const Plan& plan_;
   const long n_runs_;
-  ResultFile& rows_;
+  GrowingFile& rows_;
   const Interrupt& interrupt_;
   Progress progress_;
+  RunQueue queue_;
+  std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
   Tally tally_;
-  long next_try_ = 0;  // number of the run at which lanes are tried again
+  std::mutex mutex_;
+  std::string alone_;  // why runs go one by one
 };
 
 void print_heading(const Plan& plan, long n) {
@@ -265,6 +315,18 @@ void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
   if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
 }
 
+// Rows survive an error: the file that grew stays, and the message names it.
+Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
+  try {
+    const Tally tally = sweep.go();
+    rows.commit();
+    return tally;
+  } catch (const std::exception&) {
+    fmt::print(stderr, "lockstep: the rows so far are in {}\n", rows.partial());
+    throw;
+  }
+}
+
 }  // namespace
 
 int sweep_command(const Arguments& args) {
@@ -272,13 +334,12 @@ int sweep_command(const Arguments& args) {
   const Plan plan = make_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
-  check_writable(csv);
   make_folder(args.histories);
-  ResultFile rows(csv);
+  GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
   if (!args.quiet) print_heading(plan, sweep.n_runs());
-  const Tally tally = sweep.go();
+  const Tally tally = run_and_commit(sweep, rows);
   if (!args.quiet) print_end(plan, tally, csv);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);

@@ -1,0 +1,72 @@
+// RunQueue: the runs of a sweep, handed out to threads and taken back in order.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include <lockstep/sweep.h>
+
+namespace lockstep {
+
+/// Runs first .. first + n - 1, numbered from 0.
+struct RunGroup {
+  long first = 0, n = 1;
+};
+
+struct FinishedRun {
+  long k = 0;  ///< its number
+  SweepRun run;
+  bool in_lanes = false;  ///< computed beside others
+  bool kept = false;      ///< its history was written
+};
+
+/// Every function may be called by any thread.
+class RunQueue {
+ public:
+  /// Runs 0 .. n_runs - 1 in groups of `lanes`; an end of fewer than `fewest` goes out one by one.
+  RunQueue(long n_runs, long lanes, long fewest) : n_runs_(n_runs), lanes_(lanes), fewest_(fewest) {}
+
+  // For those who compute: each takes a group, and finishes all its runs or splits it.
+
+  /// The next runs to compute. Waits where a group that is out may still be split; none: nothing is left, or stopped.
+  std::optional<RunGroup> next();
+  /// Hands the runs of a group out again, one by one; `all`: and all that are not out yet.
+  void split(RunGroup, bool all);
+  void finish(std::vector<FinishedRun> group);
+  void stop();
+  bool stopped() const;
+  /// Stops; rethrow() throws `error`.
+  void fail(std::exception_ptr error);
+
+  // For the one who takes.
+
+  /// The run after the one that was taken last, waited for no longer than `time`.
+  std::optional<FinishedRun> take(std::chrono::milliseconds time);
+  /// After the others have stopped: what is finished beyond a run that is not.
+  std::optional<FinishedRun> take_rest();
+  bool all_taken() const;
+  long n_finished() const;
+  void rethrow() const;
+
+ private:
+  const long n_runs_;
+  long lanes_;
+  const long fewest_;
+  long next_ = 0, taken_ = 0, finished_ = 0, groups_out_ = 0;
+  std::deque<long> alone_;  // handed back, to go out one by one
+  std::map<long, FinishedRun> waiting_;
+  bool stopped_ = false;
+  std::exception_ptr error_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
+/// The processors that this process may use: its affinity, and the share that its control group has. At least one.
+int available_processors();
+
+}  // namespace lockstep
