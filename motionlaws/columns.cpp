@@ -1,5 +1,6 @@
 #include <lockstep/splines.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -7,98 +8,180 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/csv_cells.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
 
-constexpr std::string_view kAround = " \t\r\"";  // a cell
+// How the cells of a file are written: by its first line. Where semicolons or tabs separate them, a comma is a decimal
+// one.
+char separator_of(std::string_view line) {
+  for (const char c : {';', '\t'})
+    if (line.find(c) != std::string_view::npos) return c;
+  return ',';
+}
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t from = 0;;) {
-    const std::size_t to = line.find_first_of(",;", from);
-    cells.push_back(text::trimmed(line.substr(from, to - from), kAround));
-    if (to == std::string_view::npos) return cells;
-    from = to + 1;
+bool parse(std::string_view digits, double& value) {
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  return error == std::errc{} && end == digits.data() + digits.size();
+}
+
+// A column as the header has it: "x [mm]"; without a header its name is empty.
+struct CsvColumn {
+  std::string name, unit;  // unit: empty where numbers are SI
+};
+
+CsvColumn column_of(const std::string& cell) {
+  const auto open = cell.find('[');
+  if (open == std::string::npos || cell.back() != ']') return {cell, {}};
+  const std::string unit(text::trimmed(std::string_view(cell).substr(open + 1, cell.size() - open - 2)));
+  return {std::string(text::trimmed(std::string_view(cell).substr(0, open))), unit};
+}
+
+// The lines of a file that hold something, cell by cell.
+class Lines {
+ public:
+  explicit Lines(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+    if (!file_) throw FileError(path + ": cannot be opened; check the path, relative ones start at the scene's folder");
   }
-}
+  bool next(std::vector<std::string>& cells) {
+    for (std::string line; std::getline(file_, line);) {
+      if (++number_ == 1 && !take_byte_order_mark(line)) refuse("the file is UTF-16; save it as UTF-8");
+      const std::string_view shown = text::trimmed(line);
+      if (shown.empty() || shown.front() == '#') continue;
+      if (separator_ == 0) separator_ = separator_of(shown);
+      split_csv(line, separator_, cells);
+      return true;
+    }
+    if (file_.bad()) throw FileError(path_ + ": cannot be read to its end; check the file");
+    return false;
+  }
+  // A cell as a number, its decimal comma a point where commas separate nothing.
+  bool number(std::string cell, double& value) const {
+    if (separator_ != ',' && cell.find('.') == std::string::npos) std::ranges::replace(cell, ',', '.');
+    return parse(cell, value);
+  }
+  char separator() const { return separator_; }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw FileError(path_ + ":" + std::to_string(number_) + ": " + why);
+  }
 
-bool parse(std::string_view text, double& value) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
+ private:
+  std::string path_;
+  std::ifstream file_;
+  int number_ = 0;
+  char separator_ = 0;
+};
 
-bool all_numbers(const std::vector<std::string_view>& cells) {
+// The first line: the header, or without one as many columns without names. A line of both is refused: a word would
+// hide that the first row has a slip in it.
+std::vector<CsvColumn> columns_of(const Lines& lines, const std::vector<std::string>& cells, bool& header) {
   double ignored = 0;
-  for (const auto cell : cells)
-    if (!parse(cell, ignored)) return false;
-  return true;
+  const auto n_numbers = std::ranges::count_if(cells, [&](const auto& c) { return lines.number(c, ignored); });
+  header = n_numbers == 0;
+  if (header) {
+    std::vector<CsvColumn> columns;
+    for (const std::string& cell : cells) columns.push_back(column_of(cell));
+    return columns;
+  }
+  if (const auto word = std::ranges::find_if(cells, [&](const auto& c) { return !lines.number(c, ignored); });
+      word != cells.end())
+    lines.refuse("the first line holds " + std::to_string(n_numbers) + " numbers, and '" + *word +
+                 "', which is none; it must be a row of numbers, or name every column");
+  return std::vector<CsvColumn>(cells.size());
 }
 
-// The name of a column: x for "x [m]".
-std::string name_of(std::string_view cell) {
-  return std::string(text::trimmed(cell.substr(0, cell.find('[')), kAround));
-}
-
-std::size_t column_of(const std::string& wanted, const std::vector<std::string>& names, std::size_t n_columns,
-                      const std::string& place) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == wanted) return i;
+std::size_t find_column(const Lines& lines, const std::string& wanted, const std::vector<CsvColumn>& columns) {
+  const auto named = [&](const CsvColumn& c) { return c.name == wanted; };
+  if (const auto found = std::ranges::find_if(columns, named); found != columns.end()) {
+    if (std::ranges::count_if(columns, named) > 1)
+      lines.refuse("two columns are named '" + wanted + "'; name the column by its number, from 1");
+    return static_cast<std::size_t>(found - columns.begin());
+  }
   std::size_t k = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), k);
-  if (error == std::errc{} && end == wanted.data() + wanted.size() && k >= 1 && k <= n_columns) return k - 1;
-  throw FileError(
-      place + ": no column '" + wanted + "' among " + std::to_string(n_columns) +
-      (names.empty() ? "; the file has no header, name columns by number" : text::suggestion(wanted, names)));
+  if (error == std::errc{} && end == wanted.data() + wanted.size() && k >= 1 && k <= columns.size()) return k - 1;
+  std::vector<std::string> names;
+  for (const CsvColumn& c : columns) names.push_back(c.name);
+  const std::string advice = names.front().empty() ? "; the file has no header, name columns by number"
+                             : names.size() == 1   ? "; cells are separated by commas, semicolons or tabs"
+                                                   : text::suggestion(wanted, names);
+  lines.refuse("no column '" + wanted + "' among " + std::to_string(columns.size()) + advice);
+}
+
+// A column that was asked for.
+struct Wanted {
+  std::size_t k;
+  std::string unit;  // "mm"; empty: SI
+};
+
+Wanted wanted_of(const Lines& lines, const std::string& name, const std::vector<CsvColumn>& columns, Unit dimension) {
+  const std::size_t k = find_column(lines, name, columns);
+  const std::string& unit = columns[k].unit;
+  if (unit.empty()) return {k, {}};
+  const Measured one = read_quantity("1 " + unit, dimension);
+  if (!one.problem.empty()) lines.refuse("column '" + columns[k].name + "': " + one.problem);
+  return {k, one.value == 1 ? "" : unit};
+}
+
+double number_of(const Lines& lines, const std::vector<std::string>& cells, const Wanted& w) {
+  double value = 0;
+  const std::string& cell = cells[w.k];
+  if (!lines.number(cell, value) || !std::isfinite(value))
+    lines.refuse("column " + std::to_string(w.k + 1) + ", '" + cell + "' is not a finite number" +
+                 (cell.find(',') != std::string::npos && lines.separator() == ','
+                      ? "; the decimal separator is a point, or cells are separated by semicolons"
+                      : ""));
+  if (w.unit.empty()) return value;
+  const Measured si = read_quantity(text::number(value) + " " + w.unit, Unit::any);
+  if (!si.problem.empty()) lines.refuse("column " + std::to_string(w.k + 1) + ": " + si.problem);
+  return si.value;
+}
+
+// Every row has as many cells as the first line: a decimal comma that separates is found out by this.
+void check_count(const Lines& lines, const std::vector<std::string>& cells, std::size_t n_columns) {
+  if (cells.size() == n_columns) return;
+  const bool commas = lines.separator() == ',' && cells.size() > n_columns;
+  lines.refuse("has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(n_columns) +
+               (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
+}
+
+Columns table_of(const std::vector<std::vector<double>>& rows, std::size_t n_y) {
+  Columns table;
+  table.y.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(n_y));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    table.t.push_back(rows[i][0]);
+    for (std::size_t j = 0; j < n_y; ++j)
+      table.y(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j + 1];
+  }
+  return table;
 }
 
 }  // namespace
 
 Columns read_columns(const std::string& path, const std::string& t_column, const std::vector<std::string>& y_columns) {
-  std::ifstream file(path);
-  if (!file) throw FileError(path + ": cannot be opened; check the path, relative ones start at the scene's folder");
-  std::vector<std::size_t> columns;  // of t, then of y
+  Lines lines(path);
+  std::vector<std::string> cells;
+  if (!lines.next(cells)) throw FileError(path + ": has no rows of numbers");
+  bool header = false;
+  const std::vector<CsvColumn> columns = columns_of(lines, cells, header);
+  std::vector<Wanted> wanted{wanted_of(lines, t_column, columns, Unit::time)};
+  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name, columns, Unit::any));
+
   std::vector<std::vector<double>> rows;
-  std::string line;
-  for (int n = 1; std::getline(file, line); ++n) {
-    if (const std::string_view shown = text::trimmed(line, kAround); shown.empty() || shown.front() == '#') continue;
-    const std::string place = path + ":" + std::to_string(n);
-    const auto cells = cells_of(line);
-    if (columns.empty()) {
-      std::vector<std::string> names;
-      const bool header = !all_numbers(cells);
-      if (header)
-        for (const auto cell : cells) names.push_back(name_of(cell));
-      columns.push_back(column_of(t_column, names, cells.size(), place));
-      for (const auto& wanted : y_columns) columns.push_back(column_of(wanted, names, cells.size(), place));
-      if (header) continue;
-    }
+  for (bool more = header ? lines.next(cells) : true; more; more = lines.next(cells)) {
+    check_count(lines, cells, columns.size());
     std::vector<double> row;
-    for (const std::size_t k : columns) {
-      double value = 0;
-      if (k >= cells.size())
-        throw FileError(place + ": has " + std::to_string(cells.size()) + " cells; column " + std::to_string(k + 1) +
-                        " is missing");
-      if (!parse(cells[k], value))
-        throw FileError(place + ": column " + std::to_string(k + 1) + ", '" + std::string(cells[k]) +
-                        "' is not a finite number");
-      row.push_back(value);
-    }
+    for (const Wanted& w : wanted) row.push_back(number_of(lines, cells, w));
     if (!rows.empty() && row[0] <= rows.back()[0])
-      throw FileError(place + ": time " + text::number(row[0]) + " does not come after " +
-                      text::number(rows.back()[0]) + "; sort the rows by time");
+      lines.refuse("time " + text::number(row[0]) + " does not come after " + text::number(rows.back()[0]) +
+                   "; sort the rows by time");
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw FileError(path + ": has no rows of numbers");
-  Columns table;
-  table.y.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(y_columns.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    table.t.push_back(rows[i][0]);
-    for (std::size_t j = 1; j < rows[i].size(); ++j)
-      table.y(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j) - 1) = rows[i][j];
-  }
-  return table;
+  return table_of(rows, y_columns.size());
 }
 
 }  // namespace lockstep

@@ -203,6 +203,47 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("time 1 does not come after 2"));
   write("t,y\n");
   CHECK_THROWS_AS(read_columns(path, "t", {"y"}), FileError);
+
+  // Decimal commas: numbers where something else separates cells, refused where they separate.
+  write("t;y\n0;1,94\n0,5;-2,5e-1\n1;3.5\n");
+  const Columns commas = read_columns(path, "t", {"y"});
+  CHECK(commas.t == std::vector<double>{0, 0.5, 1});
+  CHECK(commas.y(0, 0) == 1.94);
+  CHECK(commas.y(1, 0) == -0.25);
+  CHECK(commas.y(2, 0) == 3.5);
+  write("t\ty\n0\t1,5\n");
+  CHECK(read_columns(path, "t", {"y"}).y(0, 0) == 1.5);
+  write("t;y\n0;1,234.5\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2: column 2, '1,234.5'"));
+  write("t,y\n0,1\n0.2,0,02\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}),
+                    says(path + ":3: has 3 cells, the first line has 2; if a comma is a decimal"));
+  write("t,y\n0,\"1,5\"\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2") && says("'1,5'") && says("by semicolons"));
+
+  // Units of the header, quotes, the mark before UTF-8, line ends of other systems.
+  write("\xEF\xBB\xBF\"t [ms]\",\"turn, crank [deg]\",y [mm],n [1]\r\n0,0,0.3,7\r\n20,180,12,8\r\n");
+  const Columns units = read_columns(path, "t", {"turn, crank", "y", "n"});
+  CHECK(units.t == std::vector<double>{0, 0.02});
+  CHECK(units.y(0, 1) == 0.0003);
+  CHECK(units.y(1, 0) == kPi);
+  CHECK(units.y(1, 1) == 0.012);
+  CHECK(units.y(1, 2) == 8);
+  write("t [m],y\n0,1\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}),
+                    says(path + ":1: column 't'") && says("a length") && says("a time"));
+  write("t,y [mmm]\n0,1\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":1: column 'y'") && says("unknown unit \"mmm\""));
+
+  write("t,y,y\n0,1,2\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":1: two columns are named 'y'"));
+  CHECK(read_columns(path, "t", {"3"}).y(0, 0) == 2);
+  write("0,O.5\n1,2\n");
+  CHECK_THROWS_WITH(read_columns(path, "1", {"2"}), says(path + ":1") && says("'O.5'"));
+  write("t y\n0 1\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says("separated by commas, semicolons or tabs"));
+  write("\xFF\xFEt,y\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says("UTF-16"));
   std::remove(path.c_str());
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path) && says("cannot be opened"));
 }

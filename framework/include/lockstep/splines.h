@@ -21,10 +21,12 @@ struct Columns {
 };
 
 /// Reads `t_column` and `y_columns` of the file at `path`. A column is named by the header's word before any "[unit]",
-/// or by its number from 1. Cells are separated by commas or semicolons; blank lines and lines that start with # are
-/// skipped; a file whose first line holds only numbers has no header. Numbers are SI with a decimal point, whatever the
-/// locale. Throws FileError with file and line: no such file, no such column, no rows, a missing cell or one that is
-/// not a finite number, times that do not increase.
+/// or by its number from 1; its numbers are converted from that unit to SI. The first line says how cells are separated:
+/// by semicolons, tabs or else commas; where these are not commas, numbers may have decimal ones. Cells may stand in
+/// double quotes; blank lines and lines that start with # are skipped; a file whose first line holds only numbers has no
+/// header. Independent of the locale. Throws FileError with file and line: no such file, no such column, two of its
+/// name, a unit that is none, no rows, a row of more or fewer cells than the first line, a cell that is not a finite
+/// number, a first line of words and numbers, times that do not increase.
 LOCKSTEP_API Columns read_columns(const std::string& path, const std::string& t_column,
                                   const std::vector<std::string>& y_columns);
 

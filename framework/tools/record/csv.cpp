@@ -13,6 +13,7 @@
 #include <lockstep/error.h>
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/record/csv_lines.h"
 
 namespace lockstep {
@@ -33,24 +34,6 @@ void append_number(std::string& line, double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value);
   line.append(text, end.ptr);
-}
-
-// Cells of one line; a quoted cell may hold commas.
-void split(std::string_view line, std::vector<std::string>& cells) {
-  cells.assign(1, {});
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
-      cells.back() += line[++i];
-    else if (c == '"')
-      inside = !inside;
-    else if (c == ',' && !inside)
-      cells.emplace_back();
-    else
-      cells.back() += c;
-  }
-  for (std::string& cell : cells) cell = std::string(text::trimmed(cell));
 }
 
 // "Bx [N]" -> Bx, N
@@ -120,9 +103,9 @@ Table read_csv(std::istream& in, const std::string& file) {
   std::vector<std::string> cells;
   if (!std::getline(in, text))
     throw FileError(fmt::format("{}:1: the file is empty; its first line must name the columns", file));
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // byte order mark
+  if (!take_byte_order_mark(text)) throw FileError(file + ":1: the file is UTF-16; save it as UTF-8");
   Table table;
-  split(text, cells);
+  split_csv(text, ',', cells);
   try {
     for (const std::string& cell : cells) add_titled_column(table, cell);
   } catch (const ModelError& e) {
@@ -131,7 +114,7 @@ Table read_csv(std::istream& in, const std::string& file) {
   std::vector<double> row(table.n_columns());
   for (int line = 2; std::getline(in, text); ++line) {
     if (text::trimmed(text).empty()) continue;
-    split(text, cells);
+    split_csv(text, ',', cells);
     if (cells.size() != row.size())
       throw FileError(
           fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column", file,
