@@ -79,16 +79,19 @@ const TypeInfo& SumLaw::info() {
 }
 
 const TypeInfo& ProductLaw::info() {
-  static const TypeInfo info{"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}};
+  static const TypeInfo info{"product",
+                             "y = y_1 y_2 ...",
+                             {{"laws", Form::laws, Unit::none, kRequired, "the factors", {}, LawQuantity::other}}};
   return info;
 }
 
 const TypeInfo& ScaledLaw::info() {
-  static const TypeInfo info{"scale",
-                             "y = offset + factor law(t)",
-                             {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
-                              {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
-                              {"offset", Form::number, Unit::any, 0, "what is added then"}}};
+  static const TypeInfo info{
+      "scale",
+      "y = offset + factor law(t)",
+      {{"law", Form::law, Unit::none, kRequired, "the law that is scaled", {}, LawQuantity::other},
+       {"factor", Form::number, Unit::any, 1, "what its value is multiplied by", {}, LawQuantity::other},
+       {"offset", Form::number, Unit::any, 0, "what is added then"}}};
   return info;
 }
 

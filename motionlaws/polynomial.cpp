@@ -24,10 +24,11 @@ LawValue Polynomial::at(double t) const {
 }
 
 const TypeInfo& Polynomial::info() {
-  static const TypeInfo info{"polynomial",
-                             "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
-                             {{"coefficients", Form::numbers, Unit::any, kRequired, "c0, c1, c2, ..."},
-                              {"t0", Form::number, Unit::time, 0, "origin of time"}}};
+  static const TypeInfo info{
+      "polynomial",
+      "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
+      {{"coefficients", Form::numbers, Unit::any, kRequired, "c0, c1, c2, ...", {}, LawQuantity::coefficients},
+       {"t0", Form::number, Unit::time, 0, "origin of time"}}};
   return info;
 }
 

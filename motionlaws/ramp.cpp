@@ -12,11 +12,12 @@ Ramp::Ramp(double slope, double t0, double y0) : slope_(slope), t0_(t0), y0_(y0)
 LawValue Ramp::at(double t) const { return {y0_ + slope_ * (t - t0_), slope_, 0.0}; }
 
 const TypeInfo& Ramp::info() {
-  static const TypeInfo info{"ramp",
-                             "y = y0 + slope (t - t0)",
-                             {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second"},
-                              {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
-                              {"y0", Form::number, Unit::any, 0, "value at t0"}}};
+  static const TypeInfo info{
+      "ramp",
+      "y = y0 + slope (t - t0)",
+      {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
+       {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
+       {"y0", Form::number, Unit::any, 0, "value at t0"}}};
   return info;
 }
 

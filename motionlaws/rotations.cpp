@@ -61,7 +61,7 @@ const TypeInfo& AxisRotation::info() {
   static const TypeInfo info{"axis_rotation",
                              "turn about an axis by a scalar law",
                              {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-                              {"law", Form::law, Unit::none, kRequired, "scalar law of the angle"}}};
+                              {"law", Form::law, Unit::angle, kRequired, "scalar law of the angle"}}};
   return info;
 }
 

@@ -38,14 +38,16 @@ const TypeInfo& Spline::info() {
     TypeInfo i{"spline",
                "smooth through points [t, y] or two columns of a CSV file",
                {{"points", Form::points, Unit::any, kOptional, "[[t, y], ...], times rising; this or file"},
-                {"file", Form::text, Unit::none, kOptional, "CSV file in SI units, path from the scene's folder"},
+                {"file", Form::text, Unit::none, kOptional,
+                 "CSV file, in SI or with units in its header; path from the scene's folder"},
                 {"t_column", Form::text, Unit::none, "t", "name or number of the column of times"},
                 {"y_column", Form::text, Unit::none, "y", "name or number of the column of values"}}};
     add_spline_keys(i.keys);
     for (const char* key : {"start_rate", "end_rate"})
-      i.keys.push_back({key, Form::number, Unit::any, 0, "yd at a clamped end"});
+      i.keys.push_back({key, Form::number, Unit::any, 0, "yd at a clamped end", {}, LawQuantity::rate});
     for (const char* key : {"start_acceleration", "end_acceleration"})
-      i.keys.push_back({key, Form::number, Unit::any, 0, "ydd at a clamped end of degree 5"});
+      i.keys.push_back(
+          {key, Form::number, Unit::any, 0, "ydd at a clamped end of degree 5", {}, LawQuantity::acceleration});
     return i;
   }();
   return info;

@@ -15,7 +15,7 @@ namespace {
 
 // The second line of a scene, "~" before the place that the message must name; and words that must be in the message.
 struct Bad {
-  const char* line;
+  std::string line;
   std::vector<std::string> words;
 };
 
@@ -144,6 +144,49 @@ const std::vector<Bad> kRuns = {
     {R"("run": {"step": 1 ~"until": 2})", {"comma"}},
 };
 
+// A law of the turn of the link A, and things of the link B along whose z a particle slides.
+std::string turning(const std::string& law) {
+  return R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )"
+         R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], )"
+         R"("drive": {"axis": "rz", "law": )" +
+         law + "}}]";
+}
+std::string sliding(const std::string& things) {
+  return R"("bodies": [{"name": "b", "particle": 1}], "links": [{"name": "B", "type": "point_on_line", "p": "b", )"
+         R"("s": "ground", "at": [0,0,0])" +
+         things;
+}
+
+const std::vector<Bad> kUnits = {
+    {turning(R"({"type": "ramp", "slope": ~"3 m/s"})"), {"link 'A', drive.law.slope", "a speed", "an angular speed"}},
+    {turning(R"({"type": "ramp", "slope": 1, "y0": ~"5 kg"})"), {"drive.law.y0", "a mass", "an angle"}},
+    {turning(R"(~"5 mm")"), {"link 'A', drive.law: ", "a length", "an angle"}},
+    {turning(R"({"type": "polynomial", "coefficients": ["1 deg", "2 rpm", ~"3 m/s^2"]})"),
+     {"drive.law.coefficients[2]", "an angular acceleration"}},
+    {turning(R"({"type": "sum", "laws": [1, {"type": "sine", "omega": 1, "amplitude": ~"5 mm"}]})"),
+     {"drive.law.laws[1].amplitude", "an angle"}},
+    {turning(
+         R"({"type": "shift", "delay": 1, "law": {"type": "spline", "points": [[0, 0], ["5 ms", ~"3 mm"], [1, 1]]}})"),
+     {"drive.law.law.points[1][1]", "an angle"}},
+    {turning(R"({"type": "spline", "points": [[0, 0], [~"5 mm", "3 deg"], [1, 1]]})"), {"points[1][0]", "a time"}},
+    {turning(R"({"type": "trapezoid", "distance": 1, "speed": "30 rpm", "acceleration": ~"3 m/s^2"})"),
+     {"drive.law.acceleration", "an angular acceleration"}},
+    {sliding(R"(, "drive": {"axis": "z", "speed": {"type": "ramp", "slope": ~"3 m/s"}}}])"),
+     {"link 'B', drive.speed.slope", "a speed", "an acceleration"}},
+    {sliding(R"(, "stops": [{"axis": "z", "low": ~"5 deg"}]}])"), {"link 'B', stops[0].low", "an angle", "a length"}},
+    {sliding(
+         R"(}, {"name": "C", "type": "stop", "p": "b", "s": "ground", "at": [0,0,0], "coordinate": "z", "low": ~"5 deg"}])"),
+     {"link 'C', low", "an angle", "a length"}},
+    {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": ~"b.z", "crosses": "5 kg"}}])"),
+     {"event 'e', when.crosses", "a mass", "a length"}},
+    {sliding(R"(}], "forces": [{"name": "f", "type": "applied_force", "p": "b", "at": [0,0,0], "direction": "x", )"
+             R"("law": {"type": "ramp", "slope": ~"3 N"}}])"),
+     {"force 'f', law.slope", "a force", "a force per second is expected (a number in N/s)"}},
+    {sliding(
+         R"(}], "markers": [{"name": "m", "body": "b", "translation": {"type": "along", "axis": "x", "law": ~"3 rad"}}])"),
+     {"marker 'm', translation.law", "an angle", "a length"}},
+};
+
 std::string refusal_of(const std::string& text) {
   const Registry registry = builtin_registry();
   try {
@@ -180,6 +223,26 @@ void check_all(const std::vector<Bad>& all) {
 TEST_CASE("a body that cannot be is refused at its place", "[unit][scene]") { check_all(kBodies); }
 TEST_CASE("a link, marker or force that cannot be is refused at its place", "[unit][scene]") { check_all(kLinks); }
 TEST_CASE("a run that cannot be is refused at its place", "[unit][scene]") { check_all(kRuns); }
+
+TEST_CASE("a unit that does not fit what a law drives is refused at its place", "[unit][scene]") { check_all(kUnits); }
+
+TEST_CASE("units that fit what a law drives are read", "[unit][scene]") {
+  const auto accepted = [](const std::string& line) { return refusal_of("{\"lockstep\": 1,\n" + line + "\n}"); };
+  for (const char* law :
+       {R"("90 deg")", R"({"type": "ramp", "slope": "30 rpm", "y0": "1 rev"})",
+        R"({"type": "polynomial", "coefficients": ["1 deg", "2 rpm", "3 deg/s^2"]})",
+        R"({"type": "product", "laws": ["2 mm", {"type": "ramp", "slope": "3 1/s"}]})",
+        R"({"type": "scale", "factor": "2 1/m", "offset": "3 deg", "law": {"type": "ramp", "slope": "3 m/s"}})"}) {
+    INFO(law);
+    CHECK(accepted(turning(law)) == "accepted");
+  }
+  CHECK(accepted(
+            sliding(R"(, "drive": {"axis": "z", "speed": {"type": "ramp", "slope": "3 mm/s^2", "y0": "1 m/s"}}}])")) ==
+        "accepted");
+  CHECK(accepted(sliding(
+            R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "b.vz", "crosses": "5 mm/s"}}])")) ==
+        "accepted");
+}
 
 TEST_CASE("a scene that is none says so", "[unit][scene]") {
   CHECK(refusal_of("[]").find("expected an object") != std::string::npos);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
-#include "framework/mechanism/params/read.h"
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -45,11 +46,15 @@ Params checked_params(const Params& params, const TypeInfo& info, const std::str
     if (key.form == Form::law) all.put_law(key.name, laws->scalar_law(v, place));
     if (key.form == Form::translation_law) all.put_law(key.name, laws->translation_law(v, place));
     if (key.form == Form::rotation_law) all.put_law(key.name, laws->rotation_law(v, place));
-    if (key.form != Form::laws) continue;
-    std::vector<LawPtr<MotionLaw>> list;
-    for (const Value& item : *v.list())
-      list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
-    all.put_law(key.name, std::move(list));
+    if (key.form == Form::laws) {
+      std::vector<LawPtr<MotionLaw>> list;
+      for (const Value& item : *v.list())
+        list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
+      all.put_law(key.name, std::move(list));
+    }
+    const Unit unit = key.form == Form::translation_law ? Unit::length : key.unit;
+    if (key.form != Form::rotation_law && unit != Unit::none && unit != Unit::any)
+      check_law_units(v, key.form, {unit, 0, key.of_law != LawQuantity::other}, *laws, place);
   }
   return all;
 }

@@ -63,6 +63,7 @@ void Builder::event(const Value& object, const std::string& owner) {
     const std::string sense = when.text("direction");
     request.channel = when.text("channel");
     request.crosses = when.number("crosses");
+    if (const std::string* given = when.value("crosses").text()) request.given = *given;
     request.where = when.value("channel").where;
     e.crossing = sense == "rising"    ? Event::Crossing::rising
                  : sense == "falling" ? Event::Crossing::falling

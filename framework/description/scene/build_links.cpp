@@ -3,9 +3,10 @@
 #include <cmath>
 
 #include <lockstep/lock.h>
+#include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
-#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -185,6 +186,10 @@ void Builder::drives(const Params& p, Lock& link) {
                    drive.has("speed") ? "\"law\" is given as well; a drive follows one of the two"
                                       : "nothing drives it; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
+    for (const auto& [key, per_second] : {std::pair{"law", 0}, std::pair{"speed", 1}})
+      if (drive.has(key))
+        check_law_units(drive.value(key), Form::law, {is_rotation(axis) ? Unit::angle : Unit::length, per_second},
+                        registry_, part_of(place, key));
     placed(drive.value("axis").where, [&] {
       if (drive.has("law")) joint->drive(axis, drive.law("law"));
       if (drive.has("speed")) joint->drive_speed(axis, drive.law("speed"));

@@ -1,9 +1,10 @@
 // Attributes of a link: that it is unilateral, the stops of its travel, its friction.
 #include <cmath>
 
-#include "framework/description/scene/builder.h"
-#include <lockstep/text.h>
 #include <lockstep/forces.h>
+#include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
+#include "framework/description/scene/builder.h"
 
 namespace lockstep {
 namespace {
@@ -68,6 +69,9 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
       joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
+  const Unit unit = is_rotation(axis) ? Unit::angle : Unit::length;
+  for (const char* key : {"low", "high"}) check_unit(p, key, unit);
+  check_unit(p, "rest_speed", unit, 1);
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
     p.refuse("high", "it is " + text::number(p.number("high")) + " and does not lie above \"low\", " +
                          text::number(p.number("low")) + "; exchange them");

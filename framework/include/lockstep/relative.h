@@ -144,7 +144,7 @@ RelativeKinematicsT<T> relative_kinematics(const MotionT<T>& O1, const MotionT<T
   return L;
 }
 
-// On doubles it is compiled once, in the library.
+/// On doubles: compiled once, in the library.
 extern template LOCKSTEP_API RelativeKinematics relative_kinematics(const Motion&, const Motion&, const MarkerMotion&,
                                                                     const MarkerMotion&, unsigned, Reads);
 

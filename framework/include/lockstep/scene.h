@@ -64,7 +64,8 @@ LOCKSTEP_API Scene scene_from(Value root, std::string file = {});
 struct EventRequest {
   Event event;            ///< without the condition
   std::string channel{};  ///< name of the channel; "": the event has no condition
-  double crosses = 0;     ///< value that the channel crosses, in its unit
+  double crosses = 0;     ///< value that the channel crosses, in SI
+  std::string given{};    ///< that value as it was written, if it has a unit
   Where where{};          ///< its place in the file
 };
 

@@ -117,11 +117,16 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
 }
 
 TypeInfo CamRoller::info() {
-  return {
-      "cam_roller",
-      "the centre P of a roller rides on a disc cam about z of S; free: everything else",
-      {{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"},
-       {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
+  return {"cam_roller",
+          "the centre P of a roller rides on a disc cam about z of S; free: everything else",
+          {{"radius",
+            Form::law,
+            Unit::length,
+            kRequired,
+            "of the cam, m, as a function of its angle from 0 to 2 pi rad",
+            {},
+            LawQuantity::other},
+           {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params& p) {
@@ -135,10 +140,15 @@ CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radiu
 }
 
 TypeInfo CamFlat::info() {
-  return {
-      "cam_flat",
-      "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
-      {{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"}}};
+  return {"cam_flat",
+          "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
+          {{"radius",
+            Form::law,
+            Unit::length,
+            kRequired,
+            "of the cam, m, as a function of its angle from 0 to 2 pi rad",
+            {},
+            LawQuantity::other}}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& p) {

@@ -2,9 +2,10 @@
 
 #include <cmath>
 
-#include <lockstep/kernel.h>
 #include <lockstep/error.h>
+#include <lockstep/kernel.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -46,8 +47,10 @@ std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& par
                   params.has("low") ? "\"low\" is given as well; one stop has one end, add another for the other"
                                     : "no limit is given; add \"low\" or \"high\"");
   const bool low = params.has("low");
-  const double limit = params.number(low ? "low" : "high");
   const Axis axis = axis_from(params.text("coordinate"));
+  const char* key = low ? "low" : "high";
+  const double limit =
+      read_number(params.value(key), is_rotation(axis) ? Unit::angle : Unit::length, part_of(params.owner(), key));
   if (axis == Axis::rz)
     return std::make_unique<TurnStop>(attachment.name, attachment.p(), attachment.s(),
                                       TurnStop::Options{.limit = limit, .low = low});

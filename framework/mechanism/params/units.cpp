@@ -177,6 +177,13 @@ double to_si(double x, const UnitFactor& f) {
   return f.ten >= 0 ? y * power_of_ten(f.ten) : y / power_of_ten(-f.ten);
 }
 
+// A dimension per second to a power, for which there may be no name: "a force per second".
+std::string wanted_rate(const UnitWords& w, int per_second) {
+  return std::string(w.article) + " " + w.name + (per_second == 1 ? " per second" : " per second^") +
+         (per_second == 1 ? "" : std::to_string(per_second)) + " is expected (a number in " + w.si +
+         (per_second == 1 ? "/s" : "/s^") + (per_second == 1 ? "" : std::to_string(per_second)) + ")";
+}
+
 std::string wanted(const UnitWords& w) {
   return std::string(w.article) + " " + w.name + " is expected (a number in " + w.si + ", or a text such as \"" +
          w.example + "\")";
@@ -187,10 +194,20 @@ std::string wanted(const UnitWords& w) {
 std::string name_of(Unit unit) { return words_of(unit).name; }
 std::string article_name_of(Unit unit) { return std::string(words_of(unit).article) + " " + words_of(unit).name; }
 std::string si_unit(Unit unit) { return words_of(unit).si; }
+Unit unit_of_si(std::string_view symbol) {
+  for (const UnitWords& w : kWords)
+    if (!symbol.empty() && symbol == w.si) return w.unit;
+  return Unit::any;
+}
 std::string example_of(Unit unit) { return words_of(unit).example; }
 
-Measured read_quantity(std::string_view text, Unit unit) {
+Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   const UnitWords& words = words_of(unit);
+  Dimension dimension = words.dimension;
+  dimension.s -= per_second;
+  if (per_second > 0 && unit != Unit::any)  // a length per second is a speed
+    for (const UnitWords& w : kWords)
+      if (w.dimension == dimension && w.unit != Unit::any) return read_quantity(text, w.unit);
   const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
   if (unit == Unit::none)
     return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
@@ -211,12 +228,12 @@ Measured read_quantity(std::string_view text, Unit unit) {
 
   const UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
-  if (unit != Unit::any && !(factor.dimension == words.dimension)) {
+  if (unit != Unit::any && !(factor.dimension == dimension)) {
     std::string given = "of another dimension";
     for (const UnitWords& w : kWords)
       if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension)
         given = article_name_of(w.unit);
-    return {0, quoted + " is " + given + "; here " + wanted(words)};
+    return {0, quoted + " is " + given + "; here " + (per_second > 0 ? wanted_rate(words, per_second) : wanted(words))};
   }
   result.value = to_si(result.value, factor);
   if (!std::isfinite(result.value)) return {0, quoted + " is beyond the range of numbers (1e308)"};

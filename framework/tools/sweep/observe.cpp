@@ -1,6 +1,8 @@
 #include <lockstep/sweep.h>
 
 #include "framework/description/scene/builder.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 
@@ -30,6 +32,10 @@ std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
     if (!request.channel.empty()) {
       const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
                                      [&] { return make_channel(m.system, request.channel); });
+      const Measured value =
+          request.given.empty() ? Measured{} : read_quantity(request.given, unit_of_si(channel.unit));
+      if (!value.problem.empty())
+        refuse(request.where, owner_of("event", event.name) + ", when.crosses", value.problem);
       recorder.follow(channel);
       event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
     }

@@ -1,0 +1,70 @@
+#include "framework/description/registry/law_units.h"
+
+#include <lockstep/registry.h>
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
+
+namespace lockstep {
+namespace {
+
+void check_text(const Value& v, Unit unit, int per_second, const std::string& context) {
+  if (v.text() == nullptr) return;
+  const Measured read = read_quantity(*v.text(), unit, per_second);
+  if (!read.problem.empty()) refuse(v.where, context, read.problem);
+}
+
+// The numbers of a key of a law.
+void check_numbers(const Value& v, const Key& key, const LawDimension& law, const std::string& context) {
+  int per_second = law.per_second;
+  if (key.of_law == LawQuantity::rate) ++per_second;
+  if (key.of_law == LawQuantity::acceleration) per_second += 2;
+  const bool a_rate = key.of_law != LawQuantity::value;
+  if (key.of_law == LawQuantity::other || (a_rate && !law.of_time)) return;
+  if (v.list() == nullptr) return check_text(v, law.unit, per_second, context);
+  for (std::size_t i = 0; i < v.list()->size(); ++i) {
+    const Value& one = (*v.list())[i];
+    const std::string at = item(context, i);
+    check_text(one, law.unit, per_second, at);
+    if (key.of_law == LawQuantity::coefficients) ++per_second;
+    if (one.list() == nullptr) continue;  // a point: the time, then values
+    for (std::size_t j = 0; j < one.list()->size(); ++j)
+      check_text((*one.list())[j], j == 0 ? Unit::time : law.unit, j == 0 ? 0 : per_second, item(at, j));
+  }
+}
+
+const TypeInfo* info_of(const std::string& type, Form form, const Registry& registry) {
+  const auto in = [&](const auto& shelf) {
+    const auto* entry = shelf.find(type);
+    return entry != nullptr ? &entry->info : nullptr;
+  };
+  return form == Form::translation_law ? in(registry.translation_laws) : in(registry.laws);
+}
+
+}  // namespace
+
+void check_unit(const Params& p, const std::string& key, Unit unit, int per_second) {
+  if (p.has(key)) check_text(p.value(key), unit, per_second, part_of(p.owner(), key));
+}
+
+void check_law_units(const Value& law, Form form, LawDimension dimension, const Registry& registry,
+                     const std::string& owner) {
+  if (law.list() != nullptr && form == Form::laws) {
+    for (std::size_t i = 0; i < law.list()->size(); ++i)
+      check_law_units((*law.list())[i], Form::law, dimension, registry, item(owner, i));
+    return;
+  }
+  check_text(law, dimension.unit, dimension.per_second, owner);
+  const Value* type = law.object() != nullptr ? law.find("type") : nullptr;
+  const TypeInfo* info = type != nullptr ? info_of(*type->text(), form, registry) : nullptr;
+  if (info == nullptr) return;
+  for (const Key& key : info->keys) {
+    const Value* v = law.find(key.name);
+    if (v == nullptr) continue;
+    const std::string place = part_of(owner, key.name);
+    if (!holds_law(key.form) && key.unit == Unit::any) check_numbers(*v, key, dimension, place);
+    if (holds_law(key.form) && key.unit == Unit::none && key.of_law == LawQuantity::value)
+      check_law_units(*v, key.form, dimension, registry, place);
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,29 @@
+// The units that laws are written in, against those of what they drive.
+#pragma once
+
+#include <string>
+
+#include <lockstep/export.h>
+#include <lockstep/params.h>
+
+namespace lockstep {
+
+class Registry;
+
+/// What the values of a law are: of the dimension `unit` per second^`per_second`. Without `of_time` its argument is no
+/// time, and its rates are not checked.
+struct LawDimension {
+  Unit unit = Unit::none;
+  int per_second = 0;
+  bool of_time = true;
+};
+
+/// Throws SceneError, with the place of the text and `owner`, where a law or one that it is made of has a unit of
+/// another dimension: a slope of "3 m/s" in a law of an angle. `form`: of the key that holds the law.
+LOCKSTEP_API void check_law_units(const Value& law, Form form, LawDimension, const Registry&, const std::string& owner);
+
+/// Throws SceneError where the text of a key of Unit::any has a unit of another dimension than `unit` per
+/// second^`per_second`.
+LOCKSTEP_API void check_unit(const Params&, const std::string& key, Unit unit, int per_second = 0);
+
+}  // namespace lockstep
