@@ -99,6 +99,9 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
     return checked.exit == 0 && contains(checked.text, words);
   };
   CHECK(says(chain, "", "formulation         joint: 10 unknown velocities, no rows"));
+  CHECK(says(chain, "", "  rod_1 on ground by 'J1': rz\n    rod_2 on rod_1 by 'J2': rz\n"));
+  CHECK(says(chain, "--json", R"("body": "rod_2")"));
+  CHECK(!says(kFourBar, "", "coordinates of the joints"));
   CHECK(says(chain, "--full", "formulation         omega\n"));
   CHECK(!says(chain, "", "\"formulation\": \"auto\""));
   CHECK(says(kFourBar, "", "formulation         omega, in the plane with normal z\n"));
@@ -107,6 +110,15 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(says(scene_file("explicit", pendulum + "dopri5\"}"), "", "formulation         joint: 1 unknown"));
   CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "--planar off",
              "formulation         omega: integrator radau5 does not take joint coordinates"));
+  CHECK(says(scene_file("driven_tree", R"("bodies": [{"name": "cart", "box": {"mass": 1, "size": [1, 1, 1]}},
+    {"name": "free", "sphere": {"mass": 1, "radius": 1}}, {"name": "rod", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "links": [{"name": "S", "type": "prismatic", "p": "cart", "s": "ground", "at": [0,0,0], "axis": "x",
+               "drive": {"axis": "z", "law": {"type": "ramp", "slope": 1}}},
+              {"name": "A", "type": "spherical", "p": "rod", "s": "cart", "at": [0,0,0]}], "run": {"until": 1})"),
+             "", "formulation         joint: 9 unknown velocities, no rows\n"));
+  CHECK(says(kRunnerFolder + "/driven_tree.json", "",
+             "  cart on ground by 'S': driven throughout, or held\n    rod on cart by 'A': rx, ry and rz\n"
+             "  free on no link: x, y, z, rx, ry and rz\n"));
   const std::string omega = "\", \"formulation\": \"omega\"}",
                     proposal = "\"formulation\": \"auto\" integrates the joints'";
   CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));

@@ -2,6 +2,7 @@
 // variations. Runs: joint_runs_test.cpp.
 #include <cmath>
 
+#include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include <lockstep/stepping.h>
@@ -176,7 +177,50 @@ VecX accelerations(Dynamics& dynamics, const State& slots) {
   return a;
 }
 
+/// What integrated states are given to read.
+struct Given {
+  VecX a, lambda;
+  std::vector<int> first_row;  // by number of the link; -1: it has no rows
+  long n = 0;                  // how often
+};
+class Witness final : public Auxiliary {
+ public:
+  Witness(std::shared_ptr<Given> given, bool of_laws)
+      : Auxiliary("witness"), given_(std::move(given)), of_laws_(of_laws) {}
+  int size() const override { return 1; }
+  bool vanishes_without_laws() const override { return of_laws_; }
+  void rates(const Evaluated& v, std::span<double> sd) const override {
+    sd[0] = 0;
+    given_->a = v.a, given_->lambda = v.lambda, ++given_->n;
+    given_->first_row.clear();
+    for (const int e : v.rows.entry_of_link)
+      given_->first_row.push_back(e < 0 ? -1 : v.rows.entries[static_cast<std::size_t>(e)].first_row);
+  }
+
+ private:
+  std::shared_ptr<Given> given_;
+  bool of_laws_;
+};
+
+/// Accelerations and multipliers found along the tree are those that omega solves for. `only_laws`: of links with laws.
+void check_given(const Given& given, const Solution& omega, const System& system, bool only_laws) {
+  REQUIRE(given.a.size() == omega.a.size());
+  CHECK(largest(given.a - omega.a) < 1e-10 * largest(omega.a));
+  for (const RowEntry& e : omega.rows.entries) {
+    const auto link = static_cast<std::size_t>(e.link);
+    const Jointed* joint = system.links()[link]->jointed();
+    const int first = given.first_row[link];
+    CHECK((first >= 0) == (!only_laws || joint->has_laws()));
+    for (int k = 0; first >= 0 && k < e.m; ++k)
+      CHECK(std::abs(given.lambda[first + k] - omega.lambda[e.first_row + k]) <
+            1e-10 * (1.0 + largest(omega.lambda)));  // 1 N
+  }
+}
+
 void check_accelerations(System& system, std::uint64_t seed) {
+  const auto given = std::make_shared<Given>();
+  const bool only_laws = seed % 2 == 0;
+  system.add(std::make_unique<Witness>(given, only_laws));
   Dynamics dynamics = joint_dynamics(system);
   const std::string why_not = dynamics.why_not_joint(system.start().modes);
   if (why_not.starts_with("no coordinate is free")) {
@@ -193,6 +237,8 @@ void check_accelerations(System& system, std::uint64_t seed) {
   dynamics.to_slots(slots);
   CHECK(dynamics.violation(slots) < 1e-12);
   CHECK(dynamics.violation_v(slots) < 1e-11);
+  CHECK(given->n == 1);
+  if (!only_laws || state.coordinates->has_laws()) check_given(*given, dynamics.evaluate(slots), system, only_laws);
   const VecX expected = accelerations(dynamics, slots);
   CHECK(largest(a - expected) < 1e-10 * largest(expected));
   double a2 = 0, al2 = 0;
@@ -252,6 +298,27 @@ TEST_CASE("slots without a link move freely", "[verification][joint]") {
       system.add_body("other", MassProperties{1.0, {0.1, 0.2, 0}, Vec3(1, 2, 2.5).asDiagonal()}, {{1, 0, 0}, {}});
   system.add<Revolute>("hinge", other, system.body("free"), pose_at(Vec3(0.5, 0, 0), Vec3(1, 1, 0)));
   for (std::uint64_t seed = 1; seed <= 4; ++seed) check_accelerations(system, seed);
+}
+
+TEST_CASE("particles that are free or tied to the ground accelerate as in omega, whatever the axes of their markers",
+          "[verification][joint]") {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    System system = random_tree(seed, 3);
+    for (const Mask mask : {Mask::none, Mask::x, Mask::y | Mask::z, Mask::xyz})
+      for (const bool turned : {false, true}) {
+        const std::string name = to_string(mask) + (turned ? "_turned" : "");
+        Body& bead = system.add_particle("bead" + name, draw.number(0.5, 2), draw.vector(1.0));
+        Marker& on_bead = system.add_marker("bead_marker" + name, bead, {Vec3::Zero(), Quat::from(draw.quaternion())});
+        system.add<SpringDamper>("spring" + name, on_bead, system.marker("a0"),
+                                 SpringDamper::Options{.stiffness = 30, .damping = 2, .free_length = 0.1});
+        if (mask == Mask::none || (turned && mask == Mask::xyz)) continue;
+        Marker& there = system.add_marker("ground_marker" + name, system.ground(), random_pose(draw));
+        system.add<GenericLock>("tie" + name, turned ? there : on_bead, turned ? on_bead : there, mask);
+      }
+    check_accelerations(system, seed);
+  }
 }
 
 TEST_CASE("a state read off gives its motions back", "[verification][joint]") {

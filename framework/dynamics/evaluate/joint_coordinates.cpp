@@ -21,30 +21,33 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.coordinates = JointTree::of(system_, modes, t.why_not);
   if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
-  const bool laws = t.coordinates && t.coordinates->has_laws();
-  system_.lay_out(laws ? modes : std::vector<bool>(modes.size(), false), t.rows);
-  t.solves = laws && std::ranges::any_of(system_.auxiliaries(), [](const auto& own) { return own->reads_solution(); });
+  if (t.coordinates) lay_out_reactions(t);
   return t;
 }
 
-std::string Dynamics::why_not_joint(const std::vector<bool>& modes) {
-  const Tree& t = tree(modes);
-  if (!t.coordinates || takes(*t.coordinates)) return t.why_not;
-  const auto driven =
-      std::ranges::find_if(t.coordinates->nodes(), [](const TreeNode& n) { return n.imposed != nullptr; });
-  return "link '" + driven->lock->name() + "' has laws, whose work takes the reactions of omega";
+// The rows that are gathered in joint coordinates: all of them if somebody reads accelerations or multipliers, those of
+// links with laws if nothing but the power of laws is read.
+void Dynamics::lay_out_reactions(Tree& t) const {
+  bool any = false, every = false;
+  for (const auto& own : system_.auxiliaries()) {
+    any = any || own->reads_solution();
+    every = every || (own->reads_solution() && !own->vanishes_without_laws());
+  }
+  std::vector<bool> shown = t.modes;
+  if (!every) shown.assign(t.modes.size(), false);
+  for (const TreeNode& n : t.coordinates->nodes())
+    if (n.imposed) shown[static_cast<std::size_t>(n.link)] = true;
+  system_.lay_out(shown, t.rows);
+  t.solves = every || (any && t.coordinates->has_laws());
+  if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);
 }
 
-// By itself a tree with laws stays in omega, whether their work is recorded or not.
-bool Dynamics::takes(const Coordinates& tree) const {
-  return options_.formulation == Formulation::joint || !tree.has_laws();
-}
+std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
 
 void Dynamics::to_formulation(State& state, const State* near) {
   if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)
     return to_slots(state);
-  std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
-  if (wanted && !takes(*wanted)) wanted = nullptr;
+  const std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
   if (state.coordinates == wanted) return;
   to_slots(state);
   if (!wanted) return;
@@ -95,10 +98,13 @@ void Dynamics::joint_rates(const State& state, StateRate& out) {
   out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves)
-      system_.state_rates(evaluate(state), out.s);
-    else
+    if (t.solves) {
+      system_.gather_rows(in, t.rows);
+      t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.f, t.rows);
+      system_.state_rates({in, t.reactions.a(), t.reactions.lambda(), t.rows}, out.s);
+    } else {
       system_.state_rates({in, t.none, t.none, t.rows}, out.s);
+    }
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
   ++work_.evaluations;

@@ -8,6 +8,7 @@
 #include <lockstep/dynamics.h>
 #include "framework/dynamics/tree/articulated.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/tree_reactions.h"
 
 namespace lockstep {
 
@@ -20,8 +21,9 @@ struct Dynamics::Tree {
   ArticulatedBodies bodies;
   std::vector<Motion> motions;
   VecX f, none;
-  RowTable rows;        // of the links in force where there are laws, else of none: the powers of laws are zero
-  bool solves = false;  // works of laws are recorded: reactions are needed
+  RowTable rows;        // of the links whose multipliers somebody reads, and of those with laws
+  bool solves = false;  // integrated states read accelerations or multipliers
+  TreeReactions reactions;
 };
 
 }  // namespace lockstep

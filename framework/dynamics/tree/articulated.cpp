@@ -209,4 +209,13 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
 }
 
+void ArticulatedBodies::accelerations(const JointTree& tree, std::span<const Motion> motions, VecX& a) const {
+  a.resize(6 * tree.n_slots());
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const int slot = tree.nodes()[k].slot;
+    a.segment<3>(6 * slot) = vector(nodes_[k].a);
+    a.segment<3>(6 * slot + 3) = motions[static_cast<std::size_t>(slot + 1)].A.transpose() * vector(nodes_[k].al);
+  }
+}
+
 }  // namespace lockstep

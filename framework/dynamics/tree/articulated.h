@@ -19,6 +19,8 @@ class ArticulatedBodies {
   /// The other two passes: accelerations of the coordinates under f, 6 per slot: N (world) and N m (slot axes), -w x J w
   /// included.
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
+  /// Accelerations as found last, 6 per slot: m/s^2 (world), rad/s^2 (slot axes).
+  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
   /// Largest acceleration of a slot, m/s^2, and its largest angular acceleration, rad/s^2, as found last.
   double largest_a() const { return largest_a_; }
   double largest_alpha() const { return largest_alpha_; }

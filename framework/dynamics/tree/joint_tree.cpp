@@ -13,6 +13,20 @@ namespace {
 // Rows that a tree joint may hold: any translations, and none, two or all of the turns.
 bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 
+bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
+
+// A particle keeps its axes: the ground alone can carry it, and it carries nothing.
+std::string refusal_of_particle(const Lock& link) {
+  for (const auto& [p, s] : link.pairs())
+    for (const auto& [m, other] : {std::pair{p, s}, std::pair{s, p}}) {
+      if (!is_particle(*m->body)) continue;
+      if (!other->body->fixed)
+        return "link '" + link.name() + "' ties the particle '" + m->body->name + "' to a body that moves";
+      if (!link.jointed()->imposed().empty()) return "link '" + link.name() + "' has laws on a particle";
+    }
+  return "";
+}
+
 // Why a link is no tree joint; "" for one that is.
 std::string refusal(const Lock& link) {
   const std::string who = "link '" + link.name() + "' ";
@@ -23,19 +37,13 @@ std::string refusal(const Lock& link) {
       if (m->translation_law || m->rotation_law) return who + "has a marker that moves on its body";
   if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
   if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
-  return "";
+  return refusal_of_particle(link);
 }
 
 // What stands in the way of joint coordinates, but for loops; "" for nothing.
 std::string obstacle(const System& system, const std::vector<bool>& modes) {
   if (system.plane()) return "the mechanism is planar";
   if (system.n_slots() == 0) return "nothing moves";
-  for (const auto& own : system.auxiliaries())
-    if (own->reads_solution() && own->controls_error())  // what is only recorded is solved for (Dynamics::rates)
-      return "the integrated states '" + own->name() + "' read accelerations or reactions";
-  for (int k = 0; k < system.n_slots(); ++k)
-    if (system.slot(k).freedoms == Freedoms::particle)
-      return "body '" + system.body_of_slot(k).name + "' is a particle";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
   for (const auto& link : system.links()) {
@@ -135,6 +143,10 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
       node.lock = &lock, node.rows = held, has_laws_ = true;
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
     }
+  }
+  if (system.slot(slot).freedoms == Freedoms::particle) {  // its axes are those of the world
+    held = held | Mask::e123;
+    P.q0 = S.q0;
   }
   node.reversed = P.slot != slot;
   const MarkerFrame &near = node.reversed ? P : S, &far = node.reversed ? S : P;

@@ -367,7 +367,7 @@ class LOCKSTEP_API Dynamics {
  private:
   struct Tree;
 
-  bool takes(const Coordinates& tree) const;  // rather than the slots' own
+  void lay_out_reactions(Tree&) const;
   Formulation kkt_formulation() const {
     return options_.formulation == Formulation::quaternion ? Formulation::quaternion : Formulation::omega;
   }

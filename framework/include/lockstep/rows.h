@@ -308,10 +308,11 @@ class LOCKSTEP_API Auxiliary {
   virtual int size() const = 0;                      ///< number of its states
   /// Whether its error controls the step of an adaptive integrator; that of a mere quadrature should not.
   virtual bool controls_error() const { return true; }
-  /// Whether rates() reads accelerations or multipliers. In joint coordinates they are solved for at every evaluation
-  /// where laws act and the states are only recorded (controls_error()); if they control the error, the mechanism is run
-  /// in other coordinates.
+  /// Whether rates() reads accelerations or multipliers. In joint coordinates they are then computed at every evaluation.
   virtual bool reads_solution() const { return true; }
+  /// Whether the multipliers that rates() reads count only with laws in time, as the power lambda . Ct does: it then gets
+  /// no other rows than those of links with laws, and no accelerations where there are none.
+  virtual bool vanishes_without_laws() const { return false; }
   /// Writes its states at the start; default: zeros.
   virtual void start(std::span<double> s) const;
   /// Writes d/dt of its states, which are in.s[first()], in.s[first() + 1], ...

@@ -12,6 +12,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -217,6 +218,9 @@ int check_command(const Arguments& args) {
                                r.freedoms, r.unknowns, r.rows));
 
   const std::string formulation = formulation_of(m, not_joint, r);
+  const bool joint =
+      not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint);
+  const std::vector<Branch> tree = joint ? tree_of(m.system, start.modes) : std::vector<Branch>{};
 
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
@@ -229,6 +233,7 @@ int check_command(const Arguments& args) {
                                 {"redundant", r.redundant},
                                 {"redundant_links", r.redundant_links},
                                 {"formulation", formulation},
+                                {"tree", tree_json(tree)},
                                 {"violation", violation},
                                 {"violation_v", violation_v},
                                 {"columns", recorder->table().names()},
@@ -245,6 +250,7 @@ int check_command(const Arguments& args) {
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, text::join(r.redundant_links));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
+  if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
   if (!more.empty()) fmt::print("could be left out too:\n");

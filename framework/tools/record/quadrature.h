@@ -10,11 +10,12 @@ namespace lockstep {
 
 class LOCKSTEP_API Quadrature final : public Auxiliary {
  public:
-  /// `of_reactions`: the rate is proportional to the multipliers, so that impulses add to it as forces do.
+  /// `of_reactions`: the rate is a power of laws, lambda . Ct over rows of links; impulses add to it as forces do.
   Quadrature(std::string name, std::function<double(const Evaluated&)> rate, bool of_reactions = false)
       : Auxiliary(std::move(name)), rate_(std::move(rate)), of_reactions_(of_reactions) {}
   int size() const override { return 1; }
   bool reads_solution() const override { return of_reactions_; }
+  bool vanishes_without_laws() const override { return of_reactions_; }
   bool controls_error() const override { return false; }  // what is only recorded must not change the run
   void rates(const Evaluated& values, std::span<double> sd) const override { sd[0] = rate_(values); }
   void impact(const Evaluated& impulses, std::span<double> s) const override {

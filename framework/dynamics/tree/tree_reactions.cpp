@@ -1,0 +1,69 @@
+#include "framework/dynamics/tree/tree_reactions.h"
+
+#include <Eigen/QR>
+
+namespace lockstep {
+
+void TreeReactions::begin(const JointTree& tree, const System& system, const RowTable& rows) {
+  carried_.assign(tree.nodes().size(), {});
+  node_of_link_.assign(system.links().size(), -1);
+  for (std::size_t k = 0; k < tree.nodes().size(); ++k)
+    if (const int link = tree.nodes()[k].link; link >= 0)
+      node_of_link_[static_cast<std::size_t>(link)] = static_cast<int>(k);
+  a_.setZero(6 * tree.n_slots());
+  lambda_.setZero(rows.n_rows);
+  length_ = system.length();
+}
+
+void TreeReactions::solve(const JointTree& tree, const System& system, std::span<const Motion> motions,
+                          const ArticulatedBodies& bodies, const VecX& f, const RowTable& rows) {
+  bodies.accelerations(tree, motions, a_);
+  wrenches(tree, system, motions, f);
+  for (const RowEntry& e : rows.entries) {
+    const auto node = static_cast<std::size_t>(node_of_link_[static_cast<std::size_t>(e.link)]);
+    const int slot = tree.nodes()[node].slot;
+    multipliers(e, rows, motions[static_cast<std::size_t>(slot + 1)], carried_[node], system.slot(slot), slot);
+  }
+}
+
+// m a = F + what the joint carries - what the joints of the children carry; likewise about the mass centre:
+//   J w' + w x J w = M + ...   with f = (F, M - w x J w)
+void TreeReactions::wrenches(const JointTree& tree, const System& system, std::span<const Motion> motions,
+                             const VecX& f) {
+  for (Wrench& w : carried_) w = {};
+  for (std::size_t k = carried_.size(); k-- > 0;) {
+    const TreeNode& n = tree.nodes()[k];
+    const Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
+    const Slot& slot = system.slot(n.slot);
+    Wrench& w = carried_[k];
+    w.force += slot.mass * a_.segment<3>(6 * n.slot) - f.segment<3>(6 * n.slot);
+    w.moment += own.A * (slot.J * a_.segment<3>(6 * n.slot + 3) - f.segment<3>(6 * n.slot + 3));
+    if (n.parent < 0) continue;
+    const int parent = tree.nodes()[static_cast<std::size_t>(n.parent)].slot;
+    Wrench& p = carried_[static_cast<std::size_t>(n.parent)];
+    p.force += w.force;
+    const Vec3 r = own.x - motions[static_cast<std::size_t>(parent + 1)].x;
+    p.moment += w.moment + cross(r, w.force);
+  }
+}
+
+// -J' lambda = (F, A' M) on the slot: six equations for at most six multipliers, which have one solution, since a joint
+// carries nothing along its free coordinates; three for a particle. Moments are divided by a length, as everywhere in
+// norms.
+void TreeReactions::multipliers(const RowEntry& e, const RowTable& rows, const Motion& motion, const Wrench& carried,
+                                const Slot& of, int slot) {
+  using Equations = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+  Equations Jt(6, e.m);
+  const RowView block = rows.block(e);
+  const int i = e.slots[0] == slot ? 0 : 1;
+  const double turns = of.freedoms == Freedoms::particle ? 0.0 : 1.0 / length_;
+  for (int k = 0; k < e.m; ++k) {
+    const std::array<double, 6> J = block.J(i, k);
+    Jt.col(k) << J[0], J[1], J[2], turns * J[3], turns * J[4], turns * J[5];
+  }
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << -carried.force, -turns * (motion.A.transpose() * carried.moment);
+  lambda_.segment(e.first_row, e.m) = Eigen::HouseholderQR<Equations>(Jt).solve(wrench);
+}
+
+}  // namespace lockstep

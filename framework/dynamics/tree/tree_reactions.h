@@ -1,0 +1,41 @@
+// TreeReactions: accelerations of the slots of a tree, and the multipliers of its joints.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <lockstep/rows.h>
+#include <lockstep/system.h>
+#include "framework/dynamics/tree/articulated.h"
+#include "framework/dynamics/tree/joint_tree.h"
+
+namespace lockstep {
+
+/// What the rows of a tree's links would give if they were solved for: from known accelerations by the equations of
+/// Newton and Euler, from the leaves to the roots (Featherstone 2008, section 5.3).
+class TreeReactions {
+ public:
+  /// Sizes everything for this tree and the rows of its links in force.
+  void begin(const JointTree&, const System&, const RowTable&);
+  /// After bodies.accelerate() under the forces f, with the rows gathered at the same state.
+  void solve(const JointTree&, const System&, std::span<const Motion> motions, const ArticulatedBodies& bodies,
+             const VecX& f, const RowTable& rows);
+
+  const VecX& a() const { return a_; }            ///< 6 per slot, as in Evaluated
+  const VecX& lambda() const { return lambda_; }  ///< one per row of the table
+
+ private:
+  // What the joint of a node carries onto its slot, about the mass centre, world axes.
+  struct Wrench {
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  };
+  void wrenches(const JointTree&, const System&, std::span<const Motion> motions, const VecX& f);
+  void multipliers(const RowEntry&, const RowTable&, const Motion&, const Wrench&, const Slot&, int slot);
+
+  std::vector<Wrench> carried_;    // by node
+  std::vector<int> node_of_link_;  // by number of the link; -1: none
+  VecX a_, lambda_;
+  double length_ = 1;
+};
+
+}  // namespace lockstep

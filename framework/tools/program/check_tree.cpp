@@ -1,0 +1,69 @@
+#include "framework/tools/program/check_tree.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/lock.h>
+#include <lockstep/text.h>
+#include "framework/dynamics/tree/joint_tree.h"
+
+namespace lockstep {
+namespace {
+
+constexpr std::size_t kMostLines = 40;
+
+// The coordinates that a lock leaves free and nothing drives.
+std::vector<std::string> free_axes(Mask held) {
+  std::vector<std::string> free;
+  const char* const names[] = {"x", "y", "z", "rx", "ry", "rz"};
+  for (int k = 0; k < 6; ++k)
+    if (!includes(held, row_of(static_cast<Axis>(k)))) free.emplace_back(names[k]);
+  return free;
+}
+
+}  // namespace
+
+std::vector<Branch> tree_of(const System& system, const std::vector<bool>& modes) {
+  std::string why_not;
+  const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not);
+  std::vector<Branch> all;
+  if (!tree) return all;
+  for (const TreeNode& n : tree->nodes()) {
+    Branch b;
+    b.body = system.body_of_slot(n.slot).name;
+    b.parent = "ground";
+    if (n.parent >= 0) {
+      const auto parent = static_cast<std::size_t>(n.parent);
+      b.parent = all[parent].body, b.depth = all[parent].depth + 1;
+    }
+    const Lock* link = n.link >= 0 ? system.links()[static_cast<std::size_t>(n.link)].get() : nullptr;
+    if (link != nullptr) b.link = link->name();
+    b.coordinates = free_axes(link != nullptr ? link->jointed()->rows() : Mask::none);
+    all.push_back(std::move(b));
+  }
+  return all;
+}
+
+std::string tree_text(const std::vector<Branch>& tree) {
+  std::string text;
+  for (std::size_t i = 0; i < tree.size() && i < kMostLines; ++i) {
+    const Branch& b = tree[i];
+    const std::string on = b.link.empty() ? "on no link" : fmt::format("on {} by '{}'", b.parent, b.link);
+    text += fmt::format("{:{}}{} {}: {}\n", "", 2 * (1 + b.depth), b.body, on,
+                        b.coordinates.empty() ? "driven throughout, or held" : text::join(b.coordinates));
+  }
+  if (tree.size() > kMostLines) text += fmt::format("  and {} more, see --json\n", tree.size() - kMostLines);
+  return text;
+}
+
+nlohmann::ordered_json tree_json(const std::vector<Branch>& tree) {
+  auto all = nlohmann::ordered_json::array();
+  for (const Branch& b : tree) {
+    all.push_back({{"body", b.body}, {"parent", nullptr}, {"link", nullptr}, {"coordinates", b.coordinates}});
+    if (!b.link.empty()) all.back()["parent"] = b.parent, all.back()["link"] = b.link;
+  }
+  return all;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,27 @@
+// The tree of joint coordinates, for `lockstep check`.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include <lockstep/system.h>
+
+namespace lockstep {
+
+/// A node of the tree: what moves, the link that carries it, and its coordinates.
+struct Branch {
+  std::string body, link, parent;        ///< link: empty where no link carries the body
+  std::vector<std::string> coordinates;  ///< "x", "rz": of P seen from S; of a free body in the world
+  int depth = 0;                         ///< 0: on the ground, or free
+};
+
+/// The tree of a mechanism that runs in joint coordinates with these links in force, parents before their children;
+/// empty if there is none.
+std::vector<Branch> tree_of(const System&, const std::vector<bool>& modes);
+
+/// One line a branch, indented by its depth, with a line end each; of long trees the first forty.
+std::string tree_text(const std::vector<Branch>&);
+nlohmann::ordered_json tree_json(const std::vector<Branch>&);
+
+}  // namespace lockstep
