@@ -161,6 +161,41 @@ TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
   CHECK(m.redundant_links == std::vector<std::string>{"A", "B", "C", "D"});
 }
 
+TEST_CASE("freedoms of a tree are counted link by link, however large it is", "[unit][dynamics]") {
+  constexpr int kBodies = 3000;  // a decomposition of all rows would take hours
+  System sys;
+  Body* last = &sys.ground();
+  for (int k = 0; k < kBodies; ++k) {
+    const std::string name = std::to_string(k);
+    Body& body = sys.add_body("body" + name, shapes::rod(1.0, {double(k), 0, 0}, {k + 1.0, 0, 0}));
+    sys.add<Revolute>("joint" + name, body, *last, pose_at({double(k), 0, 0}, Vec3(0.1 * k, 1, 0)));
+    last = &body;
+  }
+  sys.setup();
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+  const MobilityReport m = mobility(dynamics, sys.start());
+  CHECK(m.rows == 5 * kBodies);
+  CHECK(m.rank == 5 * kBodies);
+  CHECK(m.freedoms == kBodies);
+  CHECK(m.redundant == 0);
+  CHECK(m.redundant_links.empty());
+
+  // Half a turn off its hinge, about x: the row e1 has no gradient there.
+  System one;
+  Body& arm = one.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  one.add<Revolute>("hinge", arm, one.ground(), pose_at({0, 0, 0}));
+  one.setup();
+  Dynamics of_one(one, std::make_unique<SchurSolver>());
+  State flipped = one.start();
+  CHECK(mobility(of_one, flipped).freedoms == 1);
+  Pose pose = flipped.slot_pose(0);
+  pose.q = Quat{0, 1, 0, 0} * pose.q;
+  flipped.set_slot_pose(0, pose);
+  const MobilityReport off = mobility(of_one, flipped);
+  CHECK(off.rank == 4);
+  CHECK(off.redundant_links == std::vector<std::string>{"hinge"});
+}
+
 TEST_CASE("a system that grew is set up anew, and a state of before is refused", "[unit][dynamics]") {
   System sys = four_bar();
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());

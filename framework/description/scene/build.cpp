@@ -44,6 +44,11 @@ double positive(const Params& p, const std::string& key, const std::string& what
   return x;
 }
 
+bool Builder::is_taken(const std::string& kind, const std::string& name) const {
+  const auto found = taken_.find(kind);
+  return found != taken_.end() && found->second.contains(name);
+}
+
 std::vector<std::string> Builder::names(const std::string& kind) const {
   std::vector<std::string> all;
   if (const auto found = taken_.find(kind); found != taken_.end())

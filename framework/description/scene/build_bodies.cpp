@@ -215,10 +215,11 @@ void Builder::marker(const Value& object, const std::string& owner) {
   const Params p = params_of(object, "marker", owner, &registry_);
   const std::string name = claim(p, "marker");
   const std::string carrier = p.text("body");
-  std::vector<std::string> known = names("body");
-  known.push_back("ground");
-  if (std::find(known.begin(), known.end(), carrier) == known.end())
+  if (carrier != "ground" && !is_taken("body", carrier)) {
+    std::vector<std::string> known = names("body");
+    known.push_back("ground");
     p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, known));
+  }
   Body& body = out_.system.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)

@@ -78,7 +78,8 @@ class Builder {
 
   // Notes the name of a new thing; refuses names that are taken, empty or ambiguous in channels.
   std::string claim(const Params& object, const std::string& kind);
-  std::vector<std::string> names(const std::string& kind) const;
+  bool is_taken(const std::string& kind, const std::string& name) const;
+  std::vector<std::string> names(const std::string& kind) const;  // all; for words of a refusal
 
   const Scene& scene_;
   const Registry& registry_;

@@ -238,7 +238,11 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
   Body* ground_ = nullptr;
-  std::unordered_map<std::string, std::string> names_;  // those that are taken, and the kind of thing that has each
+  struct Named {
+    std::string_view kind;  // "body", "marker", "link", "force"
+    std::size_t number;     // among those of its kind
+  };
+  std::unordered_map<std::string, Named> names_;  // those that are taken
 
   bool ready_ = false;
   Plane plane_;

@@ -13,27 +13,28 @@
 namespace lockstep {
 namespace {
 
-template <class Range>
-std::vector<std::string> names_of(const Range& range) {
-  std::vector<std::string> names;
-  for (const auto& item : range) {
-    if constexpr (requires { item->name(); })
-      names.push_back(item->name());
-    else
-      names.push_back(item.name);
-  }
-  return names;
+template <class Item>
+const std::string& name_of(const Item& item) {
+  if constexpr (requires { item->name(); })
+    return item->name();
+  else
+    return item.name;
 }
 
 template <class Range>
-auto& find(const std::string& kind, Range& range, const std::string& name) {
-  for (auto& item : range) {
-    if constexpr (requires { item->name(); }) {
-      if (item->name() == name) return item;
-    } else {
-      if (item.name == name) return item;
-    }
-  }
+std::vector<std::string> names_of(const Range& range) {
+  std::vector<std::string> names;
+  for (const auto& item : range) names.push_back(name_of(item));
+  return names;
+}
+
+// By the number that `names` has for it; a thing that was named anew since is looked for.
+template <class Range, class Names>
+auto& find(const std::string& kind, Range& range, const Names& names, const std::string& name) {
+  if (const auto known = names.find(name); known != names.end() && known->second.kind == kind)
+    if (auto& item = range[known->second.number]; name_of(item) == name) return item;
+  for (auto& item : range)
+    if (name_of(item) == name) return item;
   throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));
 }
 
@@ -61,7 +62,7 @@ Pose pose_at(const Vec3& x, const Vec3& z) {
 System::System(Options options) : options_(options) {
   Body& g = bodies_.emplace_back();
   g.name = "ground";
-  names_.emplace(g.name, "body");
+  names_.emplace(g.name, Named{"body", 0});
   g.fixed = true;
   ground_ = &g;
 }
@@ -76,7 +77,7 @@ void System::check_new_name(const std::string& kind, const std::string& name) co
                      "; names are unique in a system, so that a channel name is unambiguous: choose another");
   };
   const auto found = names_.find(name);
-  if (found != names_.end()) taken(found->second);
+  if (found != names_.end()) taken(std::string(found->second.kind));
 }
 
 Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
@@ -86,7 +87,7 @@ Body& System::add_body(const std::string& name, const MassProperties& mass, cons
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass = mass, b.home = home;
-  names_.emplace(name, "body");
+  names_.emplace(name, Named{"body", bodies_.size() - 1});
   return b;
 }
 
@@ -98,7 +99,7 @@ Body& System::add_particle(const std::string& name, double mass, const Vec3& x) 
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass.mass = mass, b.home.x = x, b.freedoms = Freedoms::particle;
-  names_.emplace(name, "body");
+  names_.emplace(name, Named{"body", bodies_.size() - 1});
   return b;
 }
 
@@ -108,7 +109,7 @@ Body& System::add_fixed(const std::string& name, const Pose& home) {
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.home = home, b.fixed = true;
-  names_.emplace(name, "body");
+  names_.emplace(name, Named{"body", bodies_.size() - 1});
   return b;
 }
 
@@ -116,7 +117,7 @@ Marker& System::add_marker(const std::string& name, Body& body, const Pose& loca
   check_new_name("marker", name);
   check_pose("marker '" + name + "'", local);
   ready_ = false;
-  names_.emplace(name, "marker");
+  names_.emplace(name, Named{"marker", markers_.size()});
   return markers_.emplace_back(Marker{name, &body, local});
 }
 
@@ -129,7 +130,7 @@ Lock& System::add(std::unique_ptr<Lock> link) {
   if (!link) throw ModelError("add: no link was given; make one first");
   check_new_name("link", link->name());
   ready_ = false;
-  names_.emplace(link->name(), "link");
+  names_.emplace(link->name(), Named{"link", links_.size()});
   return *links_.emplace_back(std::move(link));
 }
 
@@ -137,7 +138,7 @@ Force& System::add(std::unique_ptr<Force> force) {
   if (!force) throw ModelError("add: no force was given; make one first");
   check_new_name("force", force->name());
   ready_ = false;
-  names_.emplace(force->name(), "force");
+  names_.emplace(force->name(), Named{"force", forces_.size()});
   return *forces_.emplace_back(std::move(force));
 }
 
@@ -147,14 +148,14 @@ Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
-Body& System::body(const std::string& name) { return find("body", bodies_, name); }
-Marker& System::marker(const std::string& name) { return find("marker", markers_, name); }
-Lock& System::link(const std::string& name) { return *find("link", links_, name); }
-Force& System::force(const std::string& name) { return *find("force", forces_, name); }
-const Body& System::body(const std::string& name) const { return find("body", bodies_, name); }
-const Marker& System::marker(const std::string& name) const { return find("marker", markers_, name); }
-const Lock& System::link(const std::string& name) const { return *find("link", links_, name); }
-const Force& System::force(const std::string& name) const { return *find("force", forces_, name); }
+Body& System::body(const std::string& name) { return find("body", bodies_, names_, name); }
+Marker& System::marker(const std::string& name) { return find("marker", markers_, names_, name); }
+Lock& System::link(const std::string& name) { return *find("link", links_, names_, name); }
+Force& System::force(const std::string& name) { return *find("force", forces_, names_, name); }
+const Body& System::body(const std::string& name) const { return find("body", bodies_, names_, name); }
+const Marker& System::marker(const std::string& name) const { return find("marker", markers_, names_, name); }
+const Lock& System::link(const std::string& name) const { return *find("link", links_, names_, name); }
+const Force& System::force(const std::string& name) const { return *find("force", forces_, names_, name); }
 
 // --------------------------------------------------------------------------------------------------------------- setup
 
