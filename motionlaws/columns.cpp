@@ -17,9 +17,16 @@ namespace {
 // How the cells of a file are written: by its first line. Where semicolons or tabs separate them, a comma is a decimal
 // one.
 char separator_of(std::string_view line) {
-  for (const char c : {';', '\t'})
-    if (line.find(c) != std::string_view::npos) return c;
-  return ',';
+  std::string bare;  // without what stands in quotes
+  bool quoted = false;
+  for (const char c : line)
+    if (c == '"')
+      quoted = !quoted;
+    else if (!quoted)
+      bare += c;
+  if (bare.find(';') != std::string::npos) return ';';
+  const bool aligned = bare.find(",\t") != std::string::npos || bare.find("\t,") != std::string::npos;
+  return bare.find('\t') != std::string::npos && !aligned ? '\t' : ',';
 }
 
 bool parse(std::string_view digits, double& value) {
@@ -105,9 +112,10 @@ std::size_t find_column(const Lines& lines, const std::string& wanted, const std
   if (error == std::errc{} && end == wanted.data() + wanted.size() && k >= 1 && k <= columns.size()) return k - 1;
   std::vector<std::string> names;
   for (const CsvColumn& c : columns) names.push_back(c.name);
-  const std::string advice = names.front().empty() ? "; the file has no header, name columns by number"
-                             : names.size() == 1   ? "; cells are separated by commas, semicolons or tabs"
-                                                   : text::suggestion(wanted, names);
+  const bool header = std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });
+  const std::string advice = !header             ? "; the file has no header, name columns by number"
+                             : names.size() == 1 ? "; cells are separated by commas, semicolons or tabs"
+                                                 : text::suggestion(wanted, names);
   lines.refuse("no column '" + wanted + "' among " + std::to_string(columns.size()) + advice);
 }
 
@@ -117,11 +125,11 @@ struct Wanted {
   std::string unit;  // "mm"; empty: SI
 };
 
-Wanted wanted_of(const Lines& lines, const std::string& name, const std::vector<CsvColumn>& columns, Unit dimension) {
+Wanted wanted_of(const Lines& lines, const std::string& name, const std::vector<CsvColumn>& columns) {
   const std::size_t k = find_column(lines, name, columns);
   const std::string& unit = columns[k].unit;
-  if (unit.empty()) return {k, {}};
-  const Measured one = read_quantity("1 " + unit, dimension);
+  if (unit.empty() || unit == "-") return {k, {}};
+  const Measured one = read_quantity("1 " + unit, Unit::any);
   if (!one.problem.empty()) lines.refuse("column '" + columns[k].name + "': " + one.problem);
   return {k, one.value == 1 ? "" : unit};
 }
@@ -167,8 +175,8 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
   if (!lines.next(cells)) throw FileError(path + ": has no rows of numbers");
   bool header = false;
   const std::vector<CsvColumn> columns = columns_of(lines, cells, header);
-  std::vector<Wanted> wanted{wanted_of(lines, t_column, columns, Unit::time)};
-  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name, columns, Unit::any));
+  std::vector<Wanted> wanted{wanted_of(lines, t_column, columns)};
+  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name, columns));
 
   std::vector<std::vector<double>> rows;
   for (bool more = header ? lines.next(cells) : true; more; more = lines.next(cells)) {

@@ -74,32 +74,33 @@ void ShiftedLaw::breakpoints(double t0, double t1, std::vector<double>& out) con
 }
 
 const TypeInfo& SumLaw::info() {
-  static const TypeInfo info{"sum", "y = y_1 + y_2 + ...", {{"laws", Form::laws, Unit::none, kRequired, "the addends"}}};
+  static const TypeInfo info{"sum",
+                             "y = y_1 + y_2 + ...",
+                             {{"laws", Form::laws, Unit::none, kRequired, "the addends", {}, LawQuantity::value}}};
   return info;
 }
 
 const TypeInfo& ProductLaw::info() {
-  static const TypeInfo info{"product",
-                             "y = y_1 y_2 ...",
-                             {{"laws", Form::laws, Unit::none, kRequired, "the factors", {}, LawQuantity::other}}};
+  static const TypeInfo info{
+      "product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}};
   return info;
 }
 
 const TypeInfo& ScaledLaw::info() {
-  static const TypeInfo info{
-      "scale",
-      "y = offset + factor law(t)",
-      {{"law", Form::law, Unit::none, kRequired, "the law that is scaled", {}, LawQuantity::other},
-       {"factor", Form::number, Unit::any, 1, "what its value is multiplied by", {}, LawQuantity::other},
-       {"offset", Form::number, Unit::any, 0, "what is added then"}}};
+  static const TypeInfo info{"scale",
+                             "y = offset + factor law(t)",
+                             {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
+                              {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
+                              {"offset", Form::number, Unit::any, 0, "what is added then", {}, LawQuantity::value}}};
   return info;
 }
 
 const TypeInfo& ShiftedLaw::info() {
-  static const TypeInfo info{"shift",
-                             "y(t) = law(t - delay)",
-                             {{"law", Form::law, Unit::none, kRequired, "the law that is delayed"},
-                              {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}};
+  static const TypeInfo info{
+      "shift",
+      "y(t) = law(t - delay)",
+      {{"law", Form::law, Unit::none, kRequired, "the law that is delayed", {}, LawQuantity::value},
+       {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}};
   return info;
 }
 

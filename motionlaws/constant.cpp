@@ -8,8 +8,15 @@ Constant::Constant(double value) : value_(value) { require_finite("constant", "v
 LawValue Constant::at(double) const { return {value_, 0.0, 0.0}; }
 
 const TypeInfo& Constant::info() {
-  static const TypeInfo info{
-      "constant", "y = value", {{"value", Form::number, Unit::any, kRequired, "the value, in the unit of what it drives"}}};
+  static const TypeInfo info{"constant",
+                             "y = value",
+                             {{"value",
+                               Form::number,
+                               Unit::any,
+                               kRequired,
+                               "the value, in the unit of what it drives",
+                               {},
+                               LawQuantity::value}}};
   return info;
 }
 

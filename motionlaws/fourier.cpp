@@ -37,9 +37,9 @@ const TypeInfo& Fourier::info() {
       "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
       {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},
        {"frequency", Form::number, Unit::frequency, kOptional, "base cycles per second; this or omega"},
-       {"offset", Form::number, Unit::any, 0, "mean value"},
-       {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ..."},
-       {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ..."}}};
+       {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value},
+       {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ...", {}, LawQuantity::value},
+       {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ...", {}, LawQuantity::value}}};
   return info;
 }
 

@@ -17,7 +17,7 @@ const TypeInfo& Ramp::info() {
       "y = y0 + slope (t - t0)",
       {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
        {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
-       {"y0", Form::number, Unit::any, 0, "value at t0"}}};
+       {"y0", Form::number, Unit::any, 0, "value at t0", {}, LawQuantity::value}}};
   return info;
 }
 

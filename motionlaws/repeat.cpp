@@ -42,13 +42,14 @@ void Repeat::breakpoints(double t0, double t1, std::vector<double>& out) const {
 }
 
 const TypeInfo& Repeat::info() {
-  static const TypeInfo info{"repeat",
-                             "one period of a law, over and over",
-                             {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period"},
-                              {"period", Form::number, Unit::time, kRequired, "length of the period"},
-                              {"drift", Form::boolean, Unit::none, false,
-                               "each period continues from the value at which the one before ended"},
-                              {"t0", Form::number, Unit::time, 0, "start of a period"}}};
+  static const TypeInfo info{
+      "repeat",
+      "one period of a law, over and over",
+      {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period", {}, LawQuantity::value},
+       {"period", Form::number, Unit::time, kRequired, "length of the period"},
+       {"drift", Form::boolean, Unit::none, false,
+        "each period continues from the value at which the one before ended"},
+       {"t0", Form::number, Unit::time, 0, "start of a period"}}};
   return info;
 }
 

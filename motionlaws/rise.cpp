@@ -50,10 +50,10 @@ namespace {
 TypeInfo rise_info(const char* name, const char* help) {
   return {name,
           help,
-          {{"rise", Form::number, Unit::any, kRequired, "h, what y gains; may be negative"},
+          {{"rise", Form::number, Unit::any, kRequired, "h, what y gains; may be negative", {}, LawQuantity::value},
            {"duration", Form::number, Unit::time, kRequired, "T, time that the rise takes"},
            {"t0", Form::number, Unit::time, 0, "start of the rise"},
-           {"y0", Form::number, Unit::any, 0, "value before"}}};
+           {"y0", Form::number, Unit::any, 0, "value before", {}, LawQuantity::value}}};
 }
 
 RiseSettings rise_settings(const Params& p) {

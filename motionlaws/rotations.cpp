@@ -58,18 +58,26 @@ const TypeInfo& ConstantRotation::info() {
 }
 
 const TypeInfo& AxisRotation::info() {
-  static const TypeInfo info{"axis_rotation",
-                             "turn about an axis by a scalar law",
-                             {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-                              {"law", Form::law, Unit::angle, kRequired, "scalar law of the angle"}}};
+  static const TypeInfo info{
+      "axis_rotation",
+      "turn about an axis by a scalar law",
+      {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+       {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}};
   return info;
 }
 
 const TypeInfo& RotationProduct::info() {
-  static const TypeInfo info{"product",
-                             "two rotations one after the other, q = q1 q2",
-                             {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame"},
-                              {"second", Form::rotation_law, Unit::none, kRequired, "q2, about the axes turned by q1"}}};
+  static const TypeInfo info{
+      "product",
+      "two rotations one after the other, q = q1 q2",
+      {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame", {}, LawQuantity::value},
+       {"second",
+        Form::rotation_law,
+        Unit::none,
+        kRequired,
+        "q2, about the axes turned by q1",
+        {},
+        LawQuantity::value}}};
   return info;
 }
 

@@ -77,7 +77,7 @@ const TypeInfo& Sequence::info() {
   static const TypeInfo info{"sequence",
                              "laws one after another, each on its own time from 0",
                              {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
-                              {"laws", Form::laws, Unit::none, kRequired, "as many laws"},
+                              {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
                               {"continue", Form::boolean, Unit::none, false,
                                "each law continues from the value at which the one before ended"},
                               {"outside",

@@ -23,11 +23,17 @@ const TypeInfo& Sine::info() {
   static const TypeInfo info{
       "sine",
       "y = offset + amplitude sin(omega t + phase)",
-      {{"amplitude", Form::number, Unit::any, 1, "half of the swing, in the unit of what it drives"},
+      {{"amplitude",
+        Form::number,
+        Unit::any,
+        1,
+        "half of the swing, in the unit of what it drives",
+        {},
+        LawQuantity::value},
        {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
        {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
        {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
-       {"offset", Form::number, Unit::any, 0, "mean value"}}};
+       {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}};
   return info;
 }
 

@@ -65,9 +65,9 @@ const TypeInfo& ConstantTranslation::info() {
 const TypeInfo& ComponentsLaw::info() {
   static const TypeInfo info{"components",
                              "a scalar law for each component, in axes of the frame",
-                             {{"x", Form::law, Unit::length, 0, "law of x"},
-                              {"y", Form::law, Unit::length, 0, "law of y"},
-                              {"z", Form::law, Unit::length, 0, "law of z"}}};
+                             {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
+                              {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
+                              {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}};
   return info;
 }
 
@@ -76,7 +76,7 @@ const TypeInfo& AlongLaw::info() {
       "along",
       "x = origin + axis law(t)",
       {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-       {"law", Form::law, Unit::length, kRequired, "scalar law of the distance"},
+       {"law", Form::law, Unit::none, kRequired, "scalar law of the distance", {}, LawQuantity::value},
        {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the distance is zero"}}};
   return info;
 }

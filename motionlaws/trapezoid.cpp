@@ -65,26 +65,27 @@ void Trapezoid::breakpoints(double t0, double t1, std::vector<double>& out) cons
 }
 
 const TypeInfo& Trapezoid::info() {
-  static const TypeInfo info{"trapezoid",
-                             "a distance with a speed that rises linearly, stays and falls linearly; held outside",
-                             {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative"},
-                              {"speed",
-                               Form::number,
-                               Unit::any,
-                               kOptional,
-                               "largest speed; two of speed, acceleration, duration",
-                               {},
-                               LawQuantity::rate},
-                              {"acceleration",
-                               Form::number,
-                               Unit::any,
-                               kOptional,
-                               "size of the acceleration while it is not zero",
-                               {},
-                               LawQuantity::acceleration},
-                              {"duration", Form::number, Unit::time, kOptional, "time that the whole takes"},
-                              {"t0", Form::number, Unit::time, 0, "start"},
-                              {"y0", Form::number, Unit::any, 0, "value before"}}};
+  static const TypeInfo info{
+      "trapezoid",
+      "a distance with a speed that rises linearly, stays and falls linearly; held outside",
+      {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative", {}, LawQuantity::value},
+       {"speed",
+        Form::number,
+        Unit::any,
+        kOptional,
+        "largest speed; two of speed, acceleration, duration",
+        {},
+        LawQuantity::rate},
+       {"acceleration",
+        Form::number,
+        Unit::any,
+        kOptional,
+        "size of the acceleration while it is not zero",
+        {},
+        LawQuantity::acceleration},
+       {"duration", Form::number, Unit::time, kOptional, "time that the whole takes"},
+       {"t0", Form::number, Unit::time, 0, "start"},
+       {"y0", Form::number, Unit::any, 0, "value before", {}, LawQuantity::value}}};
   return info;
 }
 

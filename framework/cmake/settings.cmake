@@ -37,4 +37,4 @@ target_compile_definitions(lockstep_own INTERFACE BOOST_DLL_USE_STD_FS)  # Boost
 
 # g++ collects its garbage when its heap has doubled; with a larger one to begin with (in kB) templates compile by a tenth
 # faster.
-target_compile_options(lockstep_own INTERFACE $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=1000000>)
+target_compile_options(lockstep_own INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)

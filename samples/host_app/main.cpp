@@ -23,10 +23,10 @@ class SoftStart final : public MotionLaw {
       if (t0 < t && t < t1) out.push_back(t);
   }
   static TypeInfo info() {
-    return {
-        "soft_start",
-        "the speed rises smoothly and stays",
-        {{"speed", Form::number, Unit::any, kRequired, "at the end"}, {"time", Form::number, Unit::time, kRequired, "until then"}}};
+    return {"soft_start",
+            "the speed rises smoothly and stays",
+            {{"speed", Form::number, Unit::any, kRequired, "at the end", {}, LawQuantity::rate},
+             {"time", Form::number, Unit::time, kRequired, "until then"}}};
   }
   static LawPtr<MotionLaw> make(const Params& p) {
     if (!(p.number("time") > 0)) p.refuse("time", "is " + text::brief(p.number("time")) + " s; it must be above zero");

@@ -57,6 +57,15 @@ std::vector<std::vector<std::string>> results_of(const std::string& name) {
 const std::string kGrid =
     "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1:3:3 --vary gravity.1=-9.81,-1.62 ";
 
+// Suited for lanes: it records no angle.
+std::string arm_scene() {
+  return scene_file("arm", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
+    "run": {"integrator": "dop853", "tolerance": 1e-10, "until": 0.5, "output": 0.1,
+            "record": ["arm.x", {"Fy": "A.force_on_p_world_y"}]})");
+}
+
 }  // namespace
 
 TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
@@ -94,11 +103,7 @@ TEST_CASE("a sweep writes next to other files under a name of its own", "[runner
 }
 
 TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
-  const std::string arm = scene_file("arm", R"("gravity": [0,-9.81,0],
-    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
-    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
-    "run": {"integrator": "dop853", "tolerance": 1e-10, "until": 0.5, "output": 0.1,
-            "record": ["arm.x", {"Fy": "A.force_on_p_world_y"}]})");
+  const std::string arm = arm_scene();
   const std::string words = "sweep '" + arm + "' --vary bodies.arm.rod.to.0=0.5:1.5:11 ";
   const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
   INFO(many.text << single.text);
@@ -189,22 +194,36 @@ TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]"
 }
 
 TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][sweep]") {
-  const std::string ten = "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1:3:20 ";
-  // In lanes, one by one, and with runs that cannot be built, which send their group back to be run one by one.
-  const std::string few = "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12 ";
-  for (const std::string& words : {ten, ten + "--lanes off ", few}) {
-    INFO(words);
-    const bool fails = words == few;
-    CHECK(call(words + "--jobs 1 --record jobs_1.csv --histories jobs_1 --quiet").exit == (fails ? 1 : 0));
-    CHECK(call(words + "--jobs 4 --record jobs_4.csv --histories jobs_4 --quiet").exit == (fails ? 1 : 0));
+  const std::string arm = "sweep '" + arm_scene() + "' ";
+  struct Case {
+    std::string words, says;
+    std::size_t rows;
+    int exit;
+  };
+  const std::vector<Case> cases = {
+      {"--vary bodies.arm.rod.mass=1:3:20", "20 of them eight at a time", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "as asked for", 20, 0},
+      // a run that cannot be built sends its group back, to be run one by one
+      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "4 of them eight at a time", 12, 1},
+      // the second half is not for lanes
+      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "8 of them eight at a time", 16, 0}};
+  for (const Case& c : cases) {
+    INFO(c.words);
+    const Called one = call(arm + c.words + " --jobs 1 --record jobs_1.csv --histories jobs_1"),
+                 four = call(arm + c.words + " --jobs 4 --record jobs_4.csv --histories jobs_4");
+    INFO(one.text << four.text);
+    CHECK(one.exit == c.exit);
+    CHECK(four.exit == c.exit);
+    CHECK(contains(one.text, c.says));
+    CHECK(contains(four.text, c.says));
     const auto rows = results_of("jobs_1.csv");
-    CHECK(rows.size() == (fails ? 13 : 21));
+    CHECK(rows.size() == 1 + c.rows);
     CHECK(results_of("jobs_4.csv") == rows);
     CHECK(shell("diff -r jobs_1 jobs_4").text.empty());
     CHECK_FALSE(fs::exists(kRunnerFolder + "/jobs_4.csv.partial"));
   }
-  CHECK(contains(call(ten + "--jobs 0").text, "--jobs"));
-  CHECK(call(ten + "--jobs 0").exit == 2);
+  CHECK(contains(call(arm + cases[0].words + " --jobs 0").text, "--jobs"));
+  CHECK(call(arm + cases[0].words + " --jobs 0").exit == 2);
 }
 
 // The recipes are taken from the help, so that what is printed there is what works.

@@ -229,9 +229,15 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK(units.y(1, 0) == kPi);
   CHECK(units.y(1, 1) == 0.012);
   CHECK(units.y(1, 2) == 8);
-  write("t [m],y\n0,1\n");
-  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}),
-                    says(path + ":1: column 't'") && says("a length") && says("a time"));
+  write("phi [deg],mu [-],\"a; b\"\n0,1,3\n180,2,4\n");  // a table over an angle, and a pure number
+  const Columns cam = read_columns(path, "phi", {"mu", "a; b"});
+  CHECK(cam.t == std::vector<double>{0, kPi});
+  CHECK(cam.y(1, 0) == 2);
+  CHECK(cam.y(1, 1) == 4);
+  write("t,\ty\n0,\t1\n");  // tabs that only align
+  CHECK(read_columns(path, "t", {"y"}).y(0, 0) == 1);
+  write(",t,y\n0,0,1\n");
+  CHECK_THROWS_WITH(read_columns(path, "t", {"x"}), says("no column 'x'") && !says("no header"));
   write("t,y [mmm]\n0,1\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":1: column 'y'") && says("unknown unit \"mmm\""));
 

@@ -177,8 +177,12 @@ const std::vector<Bad> kUnits = {
     {sliding(
          R"(}, {"name": "C", "type": "stop", "p": "b", "s": "ground", "at": [0,0,0], "coordinate": "z", "low": ~"5 deg"}])"),
      {"link 'C', low", "an angle", "a length"}},
-    {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": ~"b.z", "crosses": "5 kg"}}])"),
-     {"event 'e', when.crosses", "a mass", "a length"}},
+    {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "b.z", "crosses": ~"5 kg"}}])"),
+     {"event 'e', when.crosses", "\"5 kg\"", "in m is expected"}},
+    {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "energy.total", "crosses": ~"5 kg"}}])"),
+     {"when.crosses", "in J is expected"}},
+    {sliding(R"(, "stops": [{"axis": "z", "low": 0, "rest_speed": ~"5 kg"}]}])"), {"rest_speed", "neither a speed"}},
+    {turning(R"({"type": "shift", "delay": 1, "law": ~"5 mm"})"), {"drive.law.law", "an angle"}},
     {sliding(R"(}], "forces": [{"name": "f", "type": "applied_force", "p": "b", "at": [0,0,0], "direction": "x", )"
              R"("law": {"type": "ramp", "slope": ~"3 N"}}])"),
      {"force 'f', law.slope", "a force", "a force per second is expected (a number in N/s)"}},
@@ -239,6 +243,13 @@ TEST_CASE("units that fit what a law drives are read", "[unit][scene]") {
   CHECK(accepted(
             sliding(R"(, "drive": {"axis": "z", "speed": {"type": "ramp", "slope": "3 mm/s^2", "y0": "1 m/s"}}}])")) ==
         "accepted");
+  // Of an angle, not of time.
+  const std::string cam =
+      R"("bodies": [{"name": "cam", "sphere": {"mass": 1, "radius": 1}}, {"name": "b", "particle": 1, "position": [1,0,0]}], )"
+      R"("links": [{"name": "C", "type": "cam_roller", "p": "b", "s": "cam", "at_p": [1,0,0], "at_s": [0,0,0], "radius": )"
+      R"({"type": "spline", "ends": "periodic", "outside": "repeat", )"
+      R"("points": [["0 deg", "1 m"], ["180 deg", "1.1 m"], ["360 deg", "1 m"]]}}])";
+  CHECK(accepted(cam) == "accepted");
   CHECK(accepted(sliding(
             R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "b.vz", "crosses": "5 mm/s"}}])")) ==
         "accepted");

@@ -28,7 +28,8 @@ void check_numbers(const Value& v, const Key& key, const LawDimension& law, cons
     if (key.of_law == LawQuantity::coefficients) ++per_second;
     if (one.list() == nullptr) continue;  // a point: the time, then values
     for (std::size_t j = 0; j < one.list()->size(); ++j)
-      check_text((*one.list())[j], j == 0 ? Unit::time : law.unit, j == 0 ? 0 : per_second, item(at, j));
+      if (j > 0 || law.of_time)
+        check_text((*one.list())[j], j == 0 ? Unit::time : law.unit, j == 0 ? 0 : per_second, item(at, j));
   }
 }
 
@@ -37,7 +38,8 @@ const TypeInfo* info_of(const std::string& type, Form form, const Registry& regi
     const auto* entry = shelf.find(type);
     return entry != nullptr ? &entry->info : nullptr;
   };
-  return form == Form::translation_law ? in(registry.translation_laws) : in(registry.laws);
+  if (form == Form::translation_law) return in(registry.translation_laws);
+  return form == Form::rotation_law ? in(registry.rotation_laws) : in(registry.laws);
 }
 
 }  // namespace
@@ -62,7 +64,8 @@ void check_law_units(const Value& law, Form form, LawDimension dimension, const 
     if (v == nullptr) continue;
     const std::string place = part_of(owner, key.name);
     if (!holds_law(key.form) && key.unit == Unit::any) check_numbers(*v, key, dimension, place);
-    if (holds_law(key.form) && key.unit == Unit::none && key.of_law == LawQuantity::value)
+    const bool own = key.unit != Unit::none && key.unit != Unit::any;  // checked when it was made
+    if (holds_law(key.form) && !own && key.of_law == LawQuantity::value)
       check_law_units(*v, key.form, dimension, registry, place);
   }
 }

@@ -52,9 +52,8 @@ Params checked_params(const Params& params, const TypeInfo& info, const std::str
         list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
       all.put_law(key.name, std::move(list));
     }
-    const Unit unit = key.form == Form::translation_law ? Unit::length : key.unit;
-    if (key.form != Form::rotation_law && unit != Unit::none && unit != Unit::any)
-      check_law_units(v, key.form, {unit, 0, key.of_law != LawQuantity::other}, *laws, place);
+    if (key.unit != Unit::none && key.unit != Unit::any)  // else it is part of a law, or its user knows
+      check_law_units(v, key.form, {key.unit, 0, key.of_time}, *laws, place);
   }
   return all;
 }

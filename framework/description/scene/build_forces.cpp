@@ -19,9 +19,8 @@ void Builder::force(const Value& object, const std::string& owner) {
   Attachment where = attachment(parts.common, name, false);
   if (parts.common.has("link")) {
     const std::string link = parts.common.text("link");
-    const std::vector<std::string> known = names("link");
-    if (std::find(known.begin(), known.end(), link) == known.end())
-      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, known));
+    if (!is_taken("link", link))
+      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names("link")));
     where.link = &out_.system.link(link);
     const auto* entry = registry_.forces.find(parts.type);
     if (entry->origin == "built in" && parts.type != "joint_friction")
@@ -37,10 +36,10 @@ void Builder::events(const Params& root) {
 
 std::vector<std::string> Builder::links_named(const Params& event, const std::string& key) const {
   std::vector<std::string> links;
-  const std::vector<std::string> known = names("link");
   for (const auto& [name, where] : texts_of(event, key)) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse(where, part_of(event.owner(), key), "unknown link \"" + name + "\"" + text::suggestion(name, known));
+    if (!is_taken("link", name))
+      refuse(where, part_of(event.owner(), key),
+             "unknown link \"" + name + "\"" + text::suggestion(name, names("link")));
     links.push_back(name);
   }
   return links;
@@ -63,7 +62,8 @@ void Builder::event(const Value& object, const std::string& owner) {
     const std::string sense = when.text("direction");
     request.channel = when.text("channel");
     request.crosses = when.number("crosses");
-    if (const std::string* given = when.value("crosses").text()) request.given = *given;
+    if (const std::string* given = when.value("crosses").text())
+      request.given = *given, request.given_where = when.value("crosses").where;
     request.where = when.value("channel").where;
     e.crossing = sense == "rising"    ? Event::Crossing::rising
                  : sense == "falling" ? Event::Crossing::falling

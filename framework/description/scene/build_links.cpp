@@ -13,10 +13,6 @@ namespace {
 
 const std::vector<std::string> kPlaces = {"at", "at_p", "at_s", "axis", "orientation"};
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 bool still(const Body& body) { return body.fixed; }
 
 // Origin of the new marker for side "p" or "s"; false when it is not given.
@@ -46,11 +42,12 @@ Quat axes_of(const Params& p) {
 // other side, if it exists already, and the default of the new one.
 Marker* Builder::side(const Params& p, const std::string& key, const std::string& name, const Pose* other) {
   const std::string word = p.text(key);
-  if (contains(names("marker"), word)) return &out_.system.marker(word);
-  std::vector<std::string> known = names("marker"), bodies = names("body");
-  bodies.push_back("ground");
-  if (!contains(bodies, word)) {
+  if (is_taken("marker", word)) return &out_.system.marker(word);
+  if (word != "ground" && !is_taken("body", word)) {
+    std::vector<std::string> known = names("marker");
+    const std::vector<std::string> bodies = names("body");
     known.insert(known.end(), bodies.begin(), bodies.end());
+    known.push_back("ground");
     p.refuse(key, "unknown marker or body \"" + word + "\"" + text::suggestion(word, known));
   }
   Body& body = out_.system.body(word);
@@ -74,8 +71,7 @@ Attachment Builder::attachment(const Params& p, const std::string& name, bool bo
     return attachment;
   }
   if (!p.has("p")) p.refuse("s", "\"s\" is given without \"p\"; name the first marker or body \"p\"");
-  const std::vector<std::string> known = names("marker");
-  const bool marker_p = contains(known, p.text("p")), marker_s = p.has("s") && contains(known, p.text("s"));
+  const bool marker_p = is_taken("marker", p.text("p")), marker_s = p.has("s") && is_taken("marker", p.text("s"));
   if (marker_p && (marker_s || !p.has("s")))
     for (const std::string& key : kPlaces)
       if (p.has(key)) p.refuse(key, "the markers have their places already; remove it, or name bodies instead");
@@ -111,12 +107,13 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
     const Value& item = (*items)[i];
     const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");
     if (const std::string* word = item.text()) {
-      std::vector<std::string> known = names("link");
-      std::erase(known, name);  // its own name is taken, but the link does not exist yet
-      if (!contains(known, *word))
+      if (*word == name || !is_taken("link", *word)) {  // its own name is taken, but the link does not exist yet
+        std::vector<std::string> known = names("link");
+        std::erase(known, name);
         refuse(
             item.where, place,
             "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
+      }
       const auto its = out_.system.link(*word).pairs();
       if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();

@@ -5,12 +5,16 @@
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
 
 Unilateral unilateral_from(const Params& p) {
   Unilateral o;
+  if (const std::string* given = p.value("rest_speed").text();
+      given && !misfit(*given, "m/s").empty() && !misfit(*given, "rad/s").empty())
+    p.refuse("rest_speed", "\"" + *given + "\" is neither a speed nor an angular speed");
   o.restitution = p.number("restitution");
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))

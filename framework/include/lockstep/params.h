@@ -165,13 +165,13 @@ enum class Unit {
   any  ///< the unit of what uses it (the amplitude of a law); every unit is accepted and converted to SI
 };
 
-/// What a key of a law is to its value y: which unit it may have where the law is used.
+/// What a key of a law is to its value y: the units that it may have where the law is used.
 enum class LawQuantity {
+  other,         ///< of any dimension: not checked
   value,         ///< of the dimension of y; a law under such a key has that of y too
   rate,          ///< of y per second
   acceleration,  ///< of y per second squared
-  coefficients,  ///< a list c_0, c_1, ...: of y per second^k
-  other          ///< of any dimension
+  coefficients   ///< a list c_0, c_1, ...: of y per second^k
 };
 
 /// What holds when a key without a default is not given.
@@ -192,9 +192,8 @@ struct Key {
   Default fallback{};                  ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
   std::string help;                    ///< one line; names the frame where there is one
   std::vector<std::string> choices{};  ///< the texts that are accepted, for Form::choice
-  /// For Unit::any, and laws without a unit, in the table of a law. Of a law with a unit in another table, `other`: its
-  /// argument is no time, so only its values have that unit.
-  LawQuantity of_law = LawQuantity::value;
+  LawQuantity of_law = LawQuantity::other;  ///< in the table of a law, of keys without a unit of their own
+  bool of_time = true;                      ///< of a key that holds a law: whether its argument is the time, s
 
   /// Whether it must be given.
   bool required() const { return default_value() == nullptr && std::get<Unset>(fallback) == kRequired; }

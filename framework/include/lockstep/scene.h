@@ -64,9 +64,10 @@ LOCKSTEP_API Scene scene_from(Value root, std::string file = {});
 struct EventRequest {
   Event event;            ///< without the condition
   std::string channel{};  ///< name of the channel; "": the event has no condition
-  double crosses = 0;     ///< value that the channel crosses, in SI
-  std::string given{};    ///< that value as it was written, if it has a unit
-  Where where{};          ///< its place in the file
+  double crosses = 0;     ///< value that the channel crosses, in its unit
+  Where where{};          ///< the channel's place in the file
+  std::string given{};    ///< `crosses` as it was written, if it has a unit
+  Where given_where{};    ///< its place in the file
 };
 
 /// What a scene describes, ready to run.

@@ -125,7 +125,8 @@ TypeInfo CamRoller::info() {
             kRequired,
             "of the cam, m, as a function of its angle from 0 to 2 pi rad",
             {},
-            LawQuantity::other},
+            {},
+            false},
            {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
@@ -148,7 +149,8 @@ TypeInfo CamFlat::info() {
             kRequired,
             "of the cam, m, as a function of its angle from 0 to 2 pi rad",
             {},
-            LawQuantity::other}}};
+            {},
+            false}}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& p) {

@@ -100,6 +100,17 @@ void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) con
   Eigen::Map<Vec3>(z.data() + 3) = normal(s, Vec3(y.memory[3], y.memory[4], y.memory[5]));
 }
 
+namespace {
+
+Key path_key() {
+  Key key{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"};
+  key.of_time = false;
+  return key;
+}
+Key near_key() { return {"near", Form::number, Unit::none, 0, "an s near which P begins"}; }
+
+}  // namespace
+
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
     : PhiLock(std::move(name), p, s, Mask::none, OnCurve{CurvePoint(std::move(path), near)}) {
   if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
@@ -111,8 +122,7 @@ double PointOnCurve::quantity(int k, const Inputs& in) const { return seen_on(fu
 TypeInfo PointOnCurve::info() {
   return {"point_on_curve",
           "origin of P on a space curve c(s) fixed to S; free: moving along it, all turns",
-          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
-           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
+          {path_key(), near_key()}};
 }
 
 std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Params& p) {
@@ -131,11 +141,11 @@ std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }
 double PathFollower::quantity(int k, const Inputs& in) const { return seen_on(function(), in, memory(in), k); }
 
 TypeInfo PathFollower::info() {
+  Key turning{"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"};
+  turning.of_time = false;
   return {"path_follower",
           "P follows a path c(s) with axes q(s), both fixed to S; free: moving along it",
-          {{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"},
-           {"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"},
-           {"near", Form::number, Unit::none, 0, "an s near which P begins"}}};
+          {path_key(), std::move(turning), near_key()}};
 }
 
 std::unique_ptr<Lock> PathFollower::make(const Attachment& attachment, const Params& p) {

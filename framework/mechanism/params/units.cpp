@@ -64,23 +64,16 @@ struct Symbol {
 };
 
 constexpr double kTurn = kTwoPi;
-constexpr std::array<Symbol, 17> kSymbols{{
-    {"m", true, {1, 1, 0, {1, 0, 0, 0}}},
-    {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
-    {"s", true, {1, 1, 0, {0, 0, 1, 0}}},
-    {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
-    {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},
-    {"Hz", true, {1, 1, 0, {0, 0, -1, 0}}},
-    {"rad", true, {1, 1, 0, {0, 0, 0, 1}}},
-    {"deg", false, {kPi, 180, 0, {0, 0, 0, 1}}},
-    {"\u00b0", false, {kPi, 180, 0, {0, 0, 0, 1}}},
-    {"rev", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
-    {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
-    {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
-    {"min", false, {60, 1, 0, {0, 0, 1, 0}}},
-    {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
-    {"t", false, {1, 1, 3, {0, 1, 0, 0}}},
-    {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
+constexpr std::array<Symbol, 19> kSymbols{{
+    {"m", true, {1, 1, 0, {1, 0, 0, 0}}},           {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
+    {"s", true, {1, 1, 0, {0, 0, 1, 0}}},           {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
+    {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},         {"J", true, {1, 1, 0, {2, 1, -2, 0}}},
+    {"W", true, {1, 1, 0, {2, 1, -3, 0}}},          {"Hz", true, {1, 1, 0, {0, 0, -1, 0}}},
+    {"rad", true, {1, 1, 0, {0, 0, 0, 1}}},         {"deg", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"\u00b0", false, {kPi, 180, 0, {0, 0, 0, 1}}}, {"rev", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
+    {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},   {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
+    {"min", false, {60, 1, 0, {0, 0, 1, 0}}},       {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
+    {"t", false, {1, 1, 3, {0, 1, 0, 0}}},          {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
     {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},
 }};
 
@@ -194,10 +187,16 @@ std::string wanted(const UnitWords& w) {
 std::string name_of(Unit unit) { return words_of(unit).name; }
 std::string article_name_of(Unit unit) { return std::string(words_of(unit).article) + " " + words_of(unit).name; }
 std::string si_unit(Unit unit) { return words_of(unit).si; }
-Unit unit_of_si(std::string_view symbol) {
-  for (const UnitWords& w : kWords)
-    if (!symbol.empty() && symbol == w.si) return w.unit;
-  return Unit::any;
+std::string misfit(const std::string& text, std::string_view symbol) {
+  const Measured any = read_quantity(text, Unit::any);
+  if (!any.problem.empty()) return any.problem;
+  if (symbol.empty()) return "\"" + text + "\" has a unit; here a number without one is expected";
+  std::string ignored;
+  const std::size_t digits = text.find_first_not_of("+-.0123456789eE \t");
+  const UnitFactor wanted = unit_factor(symbol, ignored),
+                   given = unit_factor(text::trimmed(text).substr(digits), ignored);
+  if (!ignored.empty() || wanted.dimension == given.dimension) return {};
+  return "\"" + text + "\" is of another dimension; here a number in " + std::string(symbol) + " is expected";
 }
 std::string example_of(Unit unit) { return words_of(unit).example; }
 
@@ -205,9 +204,10 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   const UnitWords& words = words_of(unit);
   Dimension dimension = words.dimension;
   dimension.s -= per_second;
-  if (per_second > 0 && unit != Unit::any)  // a length per second is a speed
-    for (const UnitWords& w : kWords)
-      if (w.dimension == dimension && w.unit != Unit::any) return read_quantity(text, w.unit);
+  if (per_second == 1 && unit == Unit::length) return read_quantity(text, Unit::speed);
+  if (per_second == 2 && unit == Unit::length) return read_quantity(text, Unit::acceleration);
+  if (per_second == 1 && unit == Unit::angle) return read_quantity(text, Unit::angular_speed);
+  if (per_second == 2 && unit == Unit::angle) return read_quantity(text, Unit::angular_acceleration);
   const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
   if (unit == Unit::none)
     return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};

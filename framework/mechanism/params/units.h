@@ -19,8 +19,8 @@ LOCKSTEP_API std::string article_name_of(Unit);
 /// The SI unit in which a number without a unit is read: "m", "rad/s", ...; "" for Unit::none and Unit::any.
 LOCKSTEP_API std::string si_unit(Unit);
 
-/// The dimension that has this SI unit; Unit::any where none here has.
-LOCKSTEP_API Unit unit_of_si(std::string_view symbol);
+/// Why a text with a unit is no value of what is measured in the SI unit `symbol`, "" for a pure number; "" if it is.
+LOCKSTEP_API std::string misfit(const std::string& text, std::string_view symbol);
 
 /// A valid text: "12 mm", "1200 rpm", ...; "" for Unit::none.
 LOCKSTEP_API std::string example_of(Unit);
@@ -32,7 +32,7 @@ struct Measured {
 };
 
 /// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
-/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm Hz rad with n u m c d k M before them; deg,
+/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm J W Hz rad with n u m c d k M before them; deg,
 /// rev, turn, rpm, min, h, t, in, ft. Independent of the locale. With `per_second`, of that dimension per second, to
 /// this power.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit, int per_second = 0);

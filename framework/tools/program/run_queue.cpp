@@ -27,11 +27,10 @@ std::optional<RunGroup> RunQueue::next() {
   return group;
 }
 
-void RunQueue::split(RunGroup group, bool all) {
+void RunQueue::split(RunGroup group) {
   const std::lock_guard lock(mutex_);
   for (long k = group.first; k < group.first + group.n; ++k) alone_.push_back(k);
   --groups_out_;
-  if (all) lanes_ = 1;
   changed_.notify_all();
 }
 
@@ -50,11 +49,6 @@ void RunQueue::stop() {
   const std::lock_guard lock(mutex_);
   stopped_ = true;
   changed_.notify_all();
-}
-
-bool RunQueue::stopped() const {
-  const std::lock_guard lock(mutex_);
-  return stopped_;
 }
 
 void RunQueue::fail(std::exception_ptr error) {

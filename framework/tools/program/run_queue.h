@@ -1,6 +1,7 @@
 // RunQueue: the runs of a sweep, handed out to threads and taken back in order.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -28,18 +29,18 @@ struct FinishedRun {
 /// Every function may be called by any thread.
 class RunQueue {
  public:
-  /// Runs 0 .. n_runs - 1 in groups of `lanes`; an end of fewer than `fewest` goes out one by one.
+  /// Runs 0 .. n_runs - 1 in groups of `lanes`; a last group smaller than `fewest` is handed out one by one.
   RunQueue(long n_runs, long lanes, long fewest) : n_runs_(n_runs), lanes_(lanes), fewest_(fewest) {}
 
   // For those who compute: each takes a group, and finishes all its runs or splits it.
 
   /// The next runs to compute. Waits where a group that is out may still be split; none: nothing is left, or stopped.
   std::optional<RunGroup> next();
-  /// Hands the runs of a group out again, one by one; `all`: and all that are not out yet.
-  void split(RunGroup, bool all);
+  /// Hands the runs of a group out again, one by one.
+  void split(RunGroup);
   void finish(std::vector<FinishedRun> group);
   void stop();
-  bool stopped() const;
+  bool stopped() const { return stopped_; }
   /// Stops; rethrow() throws `error`.
   void fail(std::exception_ptr error);
 
@@ -54,19 +55,18 @@ class RunQueue {
   void rethrow() const;
 
  private:
-  const long n_runs_;
-  long lanes_;
-  const long fewest_;
+  const long n_runs_, lanes_, fewest_;
   long next_ = 0, taken_ = 0, finished_ = 0, groups_out_ = 0;
   std::deque<long> alone_;  // handed back, to go out one by one
   std::map<long, FinishedRun> waiting_;
-  bool stopped_ = false;
+  std::atomic<bool> stopped_ = false;  // set under the mutex, asked by every step
   std::exception_ptr error_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
 };
 
-/// The processors that this process may use: its affinity, and the share that its control group has. At least one.
+/// The processors that this process may use: its affinity, and inside a container the share that it was given. At least
+/// one.
 int available_processors();
 
 }  // namespace lockstep

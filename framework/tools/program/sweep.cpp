@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -138,6 +137,17 @@ int jobs_of(const Arguments& args) {
   return args.shard.empty() ? available_processors() : 1;  // whoever shares out runs has a process for each processor
 }
 
+// Why runs go one by one, by the first run of the grid; "" if groups of them are tried in lanes.
+std::string why_alone(const Plan& plan) {
+  if (plan.arguments.lanes == "off") return "as asked for";
+  if (plan.grid.n_runs(plan.shard) == 0) return {};
+  try {
+    return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
+  } catch (const std::exception&) {
+    return {};  // this run cannot be built; others may
+  }
+}
+
 /// The runs of one shard: computed on several threads, eight at a time on each if the mechanism is suited; their rows
 /// are written in order.
 class Sweep {
@@ -148,10 +158,9 @@ class Sweep {
         rows_(rows),
         interrupt_(interrupt),
         progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
-        queue_(n_runs_, plan.arguments.lanes == "off" ? 1 : kLanes, kFewestLanes),
-        under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {
-    if (plan.arguments.lanes == "off") alone_ = "as asked for";
-  }
+        tally_{.alone = why_alone(plan)},
+        queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes),
+        under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {}
 
   Tally go() {
     rows_.clear();
@@ -167,9 +176,8 @@ class Sweep {
       }
     }
     progress_.finish();
-    queue_.rethrow();
     while (const std::optional<FinishedRun> run = queue_.take_rest()) take(*run);
-    tally_.alone = alone_;
+    queue_.rethrow();
     return tally_;
   }
   long n_runs() const { return n_runs_; }
@@ -210,13 +218,12 @@ class Sweep {
     try {
       for (long k = 0; k < group.n; ++k) scenes.push_back(plan_.scene(number(group.first + k)));
     } catch (const std::exception&) {
-      return queue_.split(group, false);
+      return queue_.split(group);
     }
     std::vector<Table> histories(scenes.size());
     LaneRuns lanes = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
                                  watch(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
-    if (!lanes.unsuited.empty()) note_alone(lanes.unsuited);
-    if (lanes.runs.empty()) return queue_.split(group, !lanes.unsuited.empty());
+    if (lanes.runs.empty()) return queue_.split(group);
     std::vector<FinishedRun> done;
     for (std::size_t i = 0; i < lanes.runs.size(); ++i) {
       const long k = group.first + static_cast<long>(i);
@@ -274,11 +281,6 @@ class Sweep {
     return true;
   }
 
-  void note_alone(const std::string& why) {
-    const std::lock_guard lock(mutex_);
-    alone_ = why;
-  }
-
   void report(long number, const std::string& reason) {
     if (++tally_.failed > kMostReasons) return;
     progress_.finish();
@@ -291,11 +293,9 @@ class Sweep {
   GrowingFile& rows_;
   const Interrupt& interrupt_;
   Progress progress_;
+  Tally tally_;
   RunQueue queue_;
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
-  Tally tally_;
-  std::mutex mutex_;
-  std::string alone_;  // why runs go one by one
 };
 
 void print_heading(const Plan& plan, long n) {

@@ -32,10 +32,9 @@ std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
     if (!request.channel.empty()) {
       const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
                                      [&] { return make_channel(m.system, request.channel); });
-      const Measured value =
-          request.given.empty() ? Measured{} : read_quantity(request.given, unit_of_si(channel.unit));
-      if (!value.problem.empty())
-        refuse(request.where, owner_of("event", event.name) + ", when.crosses", value.problem);
+      if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit);
+          !problem.empty())
+        refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
       recorder.follow(channel);
       event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
     }

@@ -104,6 +104,12 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
 
 }  // namespace
 
+std::string unsuited_for_lanes(const Scene& scene, const Registry& registry) {
+  if (std::string why = unsuited(scene.run); !why.empty()) return why;
+  Mechanism mechanism = build_mechanism(scene, registry);
+  return unsuited(mechanism);
+}
+
 LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
                      const std::function<bool(const State&)>& go_on, std::vector<Table>* histories) {
   LaneRuns result;

@@ -15,6 +15,9 @@ struct LaneRuns {
   std::string unsuited;        ///< why no run of this sweep can be in a lane; "" if only this group cannot
 };
 
+/// Why a run of this scene cannot be in a lane; "" if it can. Throws what build_mechanism() throws.
+LOCKSTEP_API std::string unsuited_for_lanes(const Scene&, const Registry&);
+
 /// sweep_run for each of the scenes, which differ only in numbers. Not suited: events, columns that need every step
 /// (angles count turns), output at every step, integrators other than dop853 and dopri5, and what Copies refuses. A run
 /// that fails is repeated by itself, for its reason.

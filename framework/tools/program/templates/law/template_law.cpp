@@ -31,7 +31,7 @@ class TemplateLaw final : public MotionLaw {
   static TypeInfo info() {
     return {"template_law",
             "goes to a new value and settles there: rise (1 - (1 + u) exp(-u)), u = (t - start)/time > 0",
-            {{"rise", Form::number, Unit::any, kRequired, "value in the end"},
+            {{"rise", Form::number, Unit::any, kRequired, "value in the end", {}, LawQuantity::value},
              {"time", Form::number, Unit::time, kRequired, "from start to the largest speed, above zero"},
              {"start", Form::number, Unit::time, 0, "instant at which it begins"}}};
   }
