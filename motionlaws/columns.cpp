@@ -129,7 +129,7 @@ Wanted wanted_of(const Lines& lines, const std::string& name, const std::vector<
   const std::size_t k = find_column(lines, name, columns);
   const std::string& unit = columns[k].unit;
   if (unit.empty() || unit == "-") return {k, {}};
-  const Measured one = read_quantity("1 " + unit, Unit::any);
+  const Measured one = in_si(1, unit);
   if (!one.problem.empty()) lines.refuse("column '" + columns[k].name + "': " + one.problem);
   return {k, one.value == 1 ? "" : unit};
 }
@@ -143,7 +143,7 @@ double number_of(const Lines& lines, const std::vector<std::string>& cells, cons
                       ? "; the decimal separator is a point, or cells are separated by semicolons"
                       : ""));
   if (w.unit.empty()) return value;
-  const Measured si = read_quantity(text::number(value) + " " + w.unit, Unit::any);
+  const Measured si = in_si(value, w.unit);
   if (!si.problem.empty()) lines.refuse("column " + std::to_string(w.k + 1) + ": " + si.problem);
   return si.value;
 }

@@ -1,9 +1,10 @@
 // Scenes that are right: what the mechanism is made of.
 #include <lockstep/scene.h>
 
-#include <lockstep/registry.h>
 #include <lockstep/lock.h>
+#include <lockstep/registry.h>
 #include <lockstep/sweep.h>
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 
 namespace build_test {
@@ -87,6 +88,30 @@ TEST_CASE("run settings, records and events are read", "[unit][scene]") {
   CHECK_FALSE(events.front().once);
   CHECK(events.front().value);
   CHECK(make_solver(m.run, builtin_registry())->name() == "dense");
+}
+
+TEST_CASE("what building a scene takes from the heap grows with its size, not with its square", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  const auto asked = [&](int n) {  // a chain of links and of markers, whose long names are no short strings
+    const auto name = [](const char* of, int k) { return std::string("a_long_name_of_a_") + of + std::to_string(k); };
+    std::string bodies, markers, links;
+    for (int k = 0; k < n; ++k) {
+      const std::string comma = k == 0 ? "" : ", ", x = std::to_string(k);
+      const std::string on = k == 0 ? "ground" : name("body", k - 1);
+      bodies += comma + R"({"name": ")" + name("body", k) + R"(", "rod": {"mass": 1, "from": [)" + x +
+                ", 0, 0], \"to\": [" + std::to_string(k + 1) + ", 0, 0]}}";
+      markers += comma + R"({"name": ")" + name("marker", k) + R"(", "body": ")" + name("body", k) + R"("})";
+      links += comma + R"({"name": ")" + name("link", k) + R"(", "type": "revolute", "p": ")" + name("body", k) +
+               R"(", "s": ")" + on + R"(", "at": [)" + x + ", 0, 0]}";
+    }
+    const Scene scene = scene_from_text(
+        R"({"lockstep": 1, "bodies": [)" + bodies + R"(], "markers": [)" + markers + R"(], "links": [)" + links + "]}",
+        "chain.json");
+    return allocations_of([&] { (void)build_mechanism(scene, registry); });
+  };
+  const long few = asked(100), many = asked(400);
+  if (allocations_are_counted()) CHECK(few > 0);
+  CHECK(double(many) <= 4.2 * double(few));
 }
 
 }  // namespace build_test

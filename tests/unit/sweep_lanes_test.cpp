@@ -36,7 +36,8 @@ struct Runs {
       scenes.push_back(vary_scene(scene, variables, {k}, registry));
     columns = recorded_columns(scene, registry);
   }
-  LaneRuns lanes(std::vector<Table>* histories = nullptr) {
+  std::string unsuited() const { return unsuited_for_lanes(scenes.front(), registry); }
+  std::vector<SweepRun> lanes(std::vector<Table>* histories = nullptr) {
     return sweep_lanes(scenes, registry, columns, {}, histories);
   }
 };
@@ -46,33 +47,33 @@ struct Runs {
 TEST_CASE("lanes record what single runs record, from start to end", "[unit][scene]") {
   Runs group(scene_text(kRun), "bodies.bob.sphere.mass=0.5:4:8");
   std::vector<Table> histories(8);
-  const LaneRuns lanes = group.lanes(&histories);
-  INFO(lanes.unsuited);
-  REQUIRE(lanes.runs.size() == 8);
+  const std::vector<SweepRun> lanes = group.lanes(&histories);
+  INFO(group.unsuited());
+  REQUIRE(lanes.size() == 8);
   for (std::size_t k = 0; k < 8; ++k) {
     Table history;
     const SweepRun alone = sweep_run(group.scenes[k], group.registry, group.columns, {}, &history);
-    INFO("copy " << k << ": " << alone.status << ", " << lanes.runs[k].status);
-    CHECK(lanes.runs[k].status == "ok");
-    CHECK(lanes.runs[k].t == alone.t);
-    CHECK(lanes.runs[k].steps > 0);
+    INFO("copy " << k << ": " << alone.status << ", " << lanes[k].status);
+    CHECK(lanes[k].status == "ok");
+    CHECK(lanes[k].t == alone.t);
+    CHECK(lanes[k].steps > 0);
     REQUIRE(histories[k].n_rows() == history.n_rows());
     for (const char* column : {"t", "bob.x", "bob.y", "A.force_on_p_world_y"})
       for (std::size_t i = 0; i < history.n_rows(); ++i)
         CHECK(std::abs(histories[k][column][i] - history[column][i]) < 1e-6);
     for (std::size_t c = 0; c < alone.columns.size(); ++c) {
-      CHECK(std::abs(lanes.runs[k].columns[c].least - alone.columns[c].least) < 1e-6);
-      CHECK(std::abs(lanes.runs[k].columns[c].most - alone.columns[c].most) < 1e-6);
+      CHECK(std::abs(lanes[k].columns[c].least - alone.columns[c].least) < 1e-6);
+      CHECK(std::abs(lanes[k].columns[c].most - alone.columns[c].most) < 1e-6);
     }
   }
-  CHECK(std::abs(lanes.runs[0].columns[0].last - lanes.runs[7].columns[0].last) > 1e-3);  // the runs do differ
+  CHECK(std::abs(lanes[0].columns[0].last - lanes[7].columns[0].last) > 1e-3);  // the runs do differ
 }
 
 TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit][scene]") {
   const auto why = [](const std::string& text) {
-    const LaneRuns lanes = Runs(text, "bodies.bob.sphere.mass=1,2,3").lanes();
-    CHECK(lanes.runs.empty());
-    return lanes.unsuited;
+    Runs group(text, "bodies.bob.sphere.mass=1,2,3");
+    CHECK(group.lanes().empty());
+    return group.unsuited();
   };
   const std::string event = R"("events": [{"name": "low", "when": {"channel": "bob.y"}, "stop": true}],)";
   CHECK(says(why(scene_text(kRun, event)), {"events"}));
@@ -81,19 +82,19 @@ TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["A.angle_z"])")), {"\"A.angle_z\""}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "solver": "dense")")), {"schur"}));
   for (const char* vary : {"bodies.bob.sphere.mass=1,-1,2", "run.until=1,2,3"}) {
-    const LaneRuns lanes = Runs(scene_text(kRun), vary).lanes();
-    INFO(vary << ": " << lanes.unsuited);
-    CHECK(lanes.runs.empty());
-    CHECK(lanes.unsuited.empty());
+    Runs group(scene_text(kRun), vary);
+    INFO(vary << ": " << group.unsuited());
+    CHECK(group.lanes().empty());
+    CHECK(group.unsuited().empty());
   }
 }
 
 TEST_CASE("lanes can be broken off", "[unit][scene]") {
   Runs group(scene_text(kRun), "bodies.bob.sphere.mass=1,2,3");
-  const LaneRuns lanes =
+  const std::vector<SweepRun> lanes =
       sweep_lanes(group.scenes, group.registry, group.columns, [](const State& s) { return s.t < 0.5; });
-  REQUIRE(lanes.runs.size() == 3);
-  CHECK(lanes.runs.front().broken_off);
+  REQUIRE(lanes.size() == 3);
+  CHECK(lanes.front().broken_off);
 }
 
 }  // namespace sweep_lanes_test

@@ -6,6 +6,7 @@
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
+#include <lockstep/recorder.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"
@@ -210,15 +211,25 @@ TEST_CASE("gains of a stabilisation have nothing to act on in joint coordinates,
 }
 
 TEST_CASE("a step in joint coordinates allocates nothing", "[verification][joint]") {
-  System system({.gravity = {0, -9.81, 0}});
-  add_chain(system, 10);
-  Dynamics dynamics = dynamics_of(system, Formulation::joint);
-  StepLoop loop(dynamics, std::make_unique<Dopri5>());
-  for (int i = 0; i < 20; ++i) loop.step();
-  REQUIRE(loop.state().coordinates);
-  const long before = allocations();
-  for (int i = 0; i < 20; ++i) loop.step();
-  CHECK(allocations() == before);
+  for (const bool driven : {false, true}) {  // driven: the work of the drive takes the joint's reactions
+    CAPTURE(driven);
+    System system({.gravity = {0, -9.81, 0}});
+    add_chain(system, 10);
+    Recorder recorder(system);
+    if (driven) {
+      system.link("hinge4").jointed()->drive(Axis::rz, laws::polynomial({0.0, 0.0, 2.0}));
+      recorder.add(make_channel(system, "hinge4.drive.work"));
+    }
+    Dynamics dynamics = dynamics_of(system, Formulation::joint);
+    StepLoop loop(dynamics, std::make_unique<Dopri5>());
+    for (int i = 0; i < 20; ++i) loop.step();
+    REQUIRE(loop.state().coordinates);
+    CHECK(loop.state().s.size() == (driven ? 1 : 0));
+    const long before = allocations();
+    for (int i = 0; i < 20; ++i) loop.step();
+    CHECK(allocations() == before);
+    if (driven) CHECK(std::abs(loop.state().s[0]) > 1e-3);
+  }
 }
 
 }  // namespace joint_runs_test

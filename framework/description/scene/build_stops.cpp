@@ -14,7 +14,7 @@ Unilateral unilateral_from(const Params& p) {
   Unilateral o;
   if (const std::string* given = p.value("rest_speed").text();
       given && !misfit(*given, "m/s").empty() && !misfit(*given, "rad/s").empty())
-    p.refuse("rest_speed", "\"" + *given + "\" is neither a speed nor an angular speed");
+    p.refuse("rest_speed", "\"" + *given + "\" is neither a speed nor an angular speed; write one, as in \"1 mm/s\"");
   o.restitution = p.number("restitution");
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))

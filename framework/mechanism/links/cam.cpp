@@ -108,6 +108,16 @@ void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) cons
   z[0] = profile.facing(alpha, alpha + y.memory[0]) - alpha;
 }
 
+namespace {
+
+Key radius_key() {
+  Key key{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"};
+  key.of_time = false;
+  return key;
+}
+
+}  // namespace
+
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
     : PhiLock(std::move(name), p, s, Mask::none, RollerOnCam{CamProfile(std::move(radius)), roller}) {
   if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
@@ -119,15 +129,7 @@ CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> r
 TypeInfo CamRoller::info() {
   return {"cam_roller",
           "the centre P of a roller rides on a disc cam about z of S; free: everything else",
-          {{"radius",
-            Form::law,
-            Unit::length,
-            kRequired,
-            "of the cam, m, as a function of its angle from 0 to 2 pi rad",
-            {},
-            {},
-            false},
-           {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
+          {radius_key(), {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
 std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params& p) {
@@ -143,14 +145,7 @@ CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radiu
 TypeInfo CamFlat::info() {
   return {"cam_flat",
           "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
-          {{"radius",
-            Form::law,
-            Unit::length,
-            kRequired,
-            "of the cam, m, as a function of its angle from 0 to 2 pi rad",
-            {},
-            {},
-            false}}};
+          {radius_key()}};
 }
 
 std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& p) {

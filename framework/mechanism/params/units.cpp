@@ -182,21 +182,34 @@ std::string wanted(const UnitWords& w) {
          w.example + "\")";
 }
 
+// A number and the unit behind it.
+struct Split {
+  double x = 0;
+  std::errc error{};
+  std::string_view unit;
+};
+
+Split split(std::string_view text) {
+  const std::string_view trimmed = text::trimmed(text);
+  Split s;
+  const auto [end, error] = std::from_chars(trimmed.data(), trimmed.data() + trimmed.size(), s.x);
+  s.error = error, s.unit = text::trimmed(trimmed.substr(static_cast<std::size_t>(end - trimmed.data())));
+  return s;
+}
+
 }  // namespace
 
 std::string name_of(Unit unit) { return words_of(unit).name; }
 std::string article_name_of(Unit unit) { return std::string(words_of(unit).article) + " " + words_of(unit).name; }
 std::string si_unit(Unit unit) { return words_of(unit).si; }
 std::string misfit(const std::string& text, std::string_view symbol) {
-  const Measured any = read_quantity(text, Unit::any);
-  if (!any.problem.empty()) return any.problem;
-  if (symbol.empty()) return "\"" + text + "\" has a unit; here a number without one is expected";
-  std::string ignored;
-  const std::size_t digits = text.find_first_not_of("+-.0123456789eE \t");
-  const UnitFactor wanted = unit_factor(symbol, ignored),
-                   given = unit_factor(text::trimmed(text).substr(digits), ignored);
-  if (!ignored.empty() || wanted.dimension == given.dimension) return {};
-  return "\"" + text + "\" is of another dimension; here a number in " + std::string(symbol) + " is expected";
+  const std::string quoted = "\"" + text + "\"";
+  std::string problem, unknown;
+  const UnitFactor given = unit_factor(split(text).unit, problem), wanted = unit_factor(symbol, unknown);
+  if (!problem.empty()) return quoted + ": " + problem;
+  if (symbol.empty()) return quoted + " has a unit; here a number without one is expected";
+  if (!unknown.empty() || wanted.dimension == given.dimension) return {};
+  return quoted + " is of another dimension; here a number in " + std::string(symbol) + " is expected";
 }
 std::string example_of(Unit unit) { return words_of(unit).example; }
 
@@ -212,20 +225,18 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   if (unit == Unit::none)
     return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
 
-  std::string_view rest = text::trimmed(text);
-  Measured result;
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), result.value);
+  const auto [x, error, rest] = split(text);
   if (error == std::errc::result_out_of_range) return {0, quoted + " is beyond the range of numbers (1e-308 to 1e308)"};
   if (error != std::errc())
     return {0, "expected " + article_name_of(unit) + ", got a text (" + quoted +
                    ") that does not begin with a number; write it as \"" + words.example + "\""};
-  if (!std::isfinite(result.value)) return {0, quoted + " is not a finite number; write a finite one"};
-  rest = text::trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
+  if (!std::isfinite(x)) return {0, quoted + " is not a finite number; write a finite one"};
   if (rest.empty())
     return {0,
             quoted + " has no unit; write the number without quotes, or with a unit as in \"" + words.example + "\""};
   if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal separator is a point"};
 
+  Measured result;
   const UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
   if (unit != Unit::any && !(factor.dimension == dimension)) {
@@ -235,8 +246,16 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
         given = article_name_of(w.unit);
     return {0, quoted + " is " + given + "; here " + (per_second > 0 ? wanted_rate(words, per_second) : wanted(words))};
   }
-  result.value = to_si(result.value, factor);
+  result.value = to_si(x, factor);
   if (!std::isfinite(result.value)) return {0, quoted + " is beyond the range of numbers (1e308)"};
+  return result;
+}
+
+Measured in_si(double x, std::string_view unit) {
+  Measured result;
+  result.value = to_si(x, unit_factor(unit, result.problem));
+  if (result.problem.empty() && !std::isfinite(result.value))
+    result.problem = text::number(x) + " " + std::string(unit) + " is beyond the range of numbers (1e308)";
   return result;
 }
 

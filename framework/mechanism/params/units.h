@@ -37,4 +37,7 @@ struct Measured {
 /// this power.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit, int per_second = 0);
 
+/// x of this unit, in SI.
+LOCKSTEP_API Measured in_si(double x, std::string_view unit);
+
 }  // namespace lockstep

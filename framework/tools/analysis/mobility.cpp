@@ -43,21 +43,8 @@ bool independent_in_a_tree(Dynamics& dynamics, const State& state, const RowTabl
   return true;
 }
 
-}  // namespace
-
-MobilityReport mobility(Dynamics& dynamics, const State& state) {
-  const Evaluation& evaluation = dynamics.gather(state);
-  const System& system = dynamics.system();
-  const RowTable& table = evaluation.rows();
-  MobilityReport report;
-  report.bodies = system.n_slots();
-  report.unknowns = system.n_velocities();
-  report.rows = table.n_rows;
-
-  report.rank = table.n_rows;
-  report.freedoms = report.unknowns - report.rank;
-  if (independent_in_a_tree(dynamics, state, table)) return report;
-
+// The rank of all rows, and the links whose rows take part in a dependency: those with a share in the null space of Jt.
+void decompose(const System& system, const RowTable& table, MobilityReport& report) {
   MatX Jt = MatX::Zero(6 * system.n_slots(), table.n_rows);
   for (const RowEntry& e : table.entries)
     for_each_row(system, table, e, [&](int k, int i, const std::array<double, 6>& r) {
@@ -67,22 +54,33 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
     const double length = Jt.col(k).norm();
     if (length > 0) Jt.col(k) /= length;
   }
-  if (table.n_rows > 0) {
-    Eigen::CompleteOrthogonalDecomposition<MatX> cod;
-    cod.setThreshold(kSingular);
-    cod.compute(Jt);
-    report.rank = static_cast<int>(cod.rank());
-    // Rows with a share in the null space of Jt: what the projector onto the row space's complement leaves of each.
-    const MatX projector = cod.pseudoInverse() * Jt;
-    for (const auto& link : system.links()) {
-      const int entry = table.entry_of_link[static_cast<std::size_t>(link->number())];
-      if (entry < 0) continue;
-      const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
-      bool shares = false;
-      for (int k = 0; k < e.m; ++k) shares = shares || 1.0 - projector(e.first_row + k, e.first_row + k) > kSingular;
-      if (shares) report.redundant_links.push_back(link->name());
-    }
+  Eigen::CompleteOrthogonalDecomposition<MatX> cod;
+  cod.setThreshold(kSingular);
+  cod.compute(Jt);
+  report.rank = static_cast<int>(cod.rank());
+  // What the projector onto the row space's complement leaves of each row.
+  const MatX projector = cod.pseudoInverse() * Jt;
+  for (const auto& link : system.links()) {
+    const int entry = table.entry_of_link[static_cast<std::size_t>(link->number())];
+    if (entry < 0) continue;
+    const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
+    bool shares = false;
+    for (int k = 0; k < e.m; ++k) shares = shares || 1.0 - projector(e.first_row + k, e.first_row + k) > kSingular;
+    if (shares) report.redundant_links.push_back(link->name());
   }
+}
+
+}  // namespace
+
+MobilityReport mobility(Dynamics& dynamics, const State& state) {
+  const Evaluation& evaluation = dynamics.gather(state);
+  const System& system = dynamics.system();
+  const RowTable& table = evaluation.rows();
+  MobilityReport report;
+  report.bodies = system.n_slots();
+  report.unknowns = system.n_velocities();
+  report.rows = report.rank = table.n_rows;
+  if (table.n_rows > 0 && !independent_in_a_tree(dynamics, state, table)) decompose(system, table, report);
   report.freedoms = report.unknowns - report.rank;
   report.redundant = report.rows - report.rank;
   return report;

@@ -16,9 +16,8 @@ constexpr std::size_t kMostLines = 40;
 // The coordinates that a lock leaves free and nothing drives.
 std::vector<std::string> free_axes(Mask held) {
   std::vector<std::string> free;
-  const char* const names[] = {"x", "y", "z", "rx", "ry", "rz"};
-  for (int k = 0; k < 6; ++k)
-    if (!includes(held, row_of(static_cast<Axis>(k)))) free.emplace_back(names[k]);
+  for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
+    if (!includes(held, row_of(axis))) free.emplace_back(to_string(axis));
   return free;
 }
 

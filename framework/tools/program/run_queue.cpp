@@ -37,11 +37,8 @@ void RunQueue::split(RunGroup group) {
 void RunQueue::finish(std::vector<FinishedRun> group) {
   const std::lock_guard lock(mutex_);
   if (group.size() > 1) --groups_out_;
-  for (FinishedRun& run : group) {
-    if (run.run.broken_off) continue;
-    ++finished_;
-    waiting_.emplace(run.k, std::move(run));
-  }
+  for (FinishedRun& run : group)
+    if (!run.run.broken_off) waiting_.emplace(run.k, std::move(run));
   changed_.notify_all();
 }
 
@@ -80,7 +77,7 @@ bool RunQueue::all_taken() const {
 
 long RunQueue::n_finished() const {
   const std::lock_guard lock(mutex_);
-  return finished_;
+  return taken_ + static_cast<long>(waiting_.size());
 }
 
 void RunQueue::rethrow() const {

@@ -56,7 +56,7 @@ class RunQueue {
 
  private:
   const long n_runs_, lanes_, fewest_;
-  long next_ = 0, taken_ = 0, finished_ = 0, groups_out_ = 0;
+  long next_ = 0, taken_ = 0, groups_out_ = 0;
   std::deque<long> alone_;  // handed back, to go out one by one
   std::map<long, FinishedRun> waiting_;
   std::atomic<bool> stopped_ = false;  // set under the mutex, asked by every step

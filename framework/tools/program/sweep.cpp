@@ -221,14 +221,15 @@ class Sweep {
       return queue_.split(group);
     }
     std::vector<Table> histories(scenes.size());
-    LaneRuns lanes = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
-                                 watch(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
-    if (lanes.runs.empty()) return queue_.split(group);
+    std::vector<SweepRun> runs =
+        sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
+                    watch(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
+    if (runs.empty()) return queue_.split(group);
     std::vector<FinishedRun> done;
-    for (std::size_t i = 0; i < lanes.runs.size(); ++i) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
       const long k = group.first + static_cast<long>(i);
-      const bool kept = keep(lanes.runs[i], k, histories[i]);
-      done.push_back({k, std::move(lanes.runs[i]), true, kept});
+      const bool kept = keep(runs[i], k, histories[i]);
+      done.push_back({k, std::move(runs[i]), true, kept});
     }
     queue_.finish(std::move(done));
   }

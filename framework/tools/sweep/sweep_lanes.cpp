@@ -110,46 +110,45 @@ std::string unsuited_for_lanes(const Scene& scene, const Registry& registry) {
   return unsuited(mechanism);
 }
 
-LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
-                     const std::function<bool(const State&)>& go_on, std::vector<Table>* histories) {
-  LaneRuns result;
+std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
+                                  const std::function<bool(const State&)>& go_on, std::vector<Table>* histories) {
   const double begin = thread_seconds();
   std::vector<std::unique_ptr<Lane>> lanes;
   std::vector<CopyReport> reports;
   try {
     for (const Scene& scene : scenes) {
-      if (result.unsuited = unsuited(scene.run); !result.unsuited.empty()) return result;
-      if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return result;
+      if (!unsuited(scene.run).empty()) return {};
+      if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
       lanes.push_back(make_lane(scene, registry));
-      if (result.unsuited = unsuited(lanes.back()->mechanism); !result.unsuited.empty()) return result;
+      if (!unsuited(lanes.back()->mechanism).empty()) return {};
       prepare(*lanes.back(), registry);
-      if (lanes.back()->recorder->table().names() != like.names()) return result;
+      if (lanes.back()->recorder->table().names() != like.names()) return {};
     }
     const std::vector<double> times = output_times(scenes.front().run);
-    if (lanes.empty() || times.empty()) return result;
+    if (lanes.empty() || times.empty()) return {};
     reports = run_together(lanes, times, registry, go_on);
   } catch (const BrokenOff&) {
     SweepRun broken;
     broken.broken_off = true;
-    result.runs.assign(scenes.size(), broken);
-    return result;
+    return std::vector<SweepRun>(scenes.size(), broken);
   } catch (const Error&) {
-    return result;  // a run fails: run one by one, each gets its own reason
+    return {};  // a run fails: run one by one, each gets its own reason
   }
   const double cpu = (thread_seconds() - begin) / static_cast<double>(lanes.size());
+  std::vector<SweepRun> runs;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     Table* history = histories != nullptr ? &(*histories)[i] : nullptr;
     if (!reports[i].finished || !reports[i].error.empty()) {
-      result.runs.push_back(sweep_run(scenes[i], registry, like, go_on, history));
-      result.runs.back().cpu += cpu;
+      runs.push_back(sweep_run(scenes[i], registry, like, go_on, history));
+      runs.back().cpu += cpu;
       continue;
     }
     SweepRun run = recorded_run(lanes[i]->recorder->table());
     run.steps = reports[i].steps, run.cpu = cpu;
-    result.runs.push_back(std::move(run));
+    runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }
-  return result;
+  return runs;
 }
 
 }  // namespace lockstep

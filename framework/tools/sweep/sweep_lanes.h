@@ -10,19 +10,15 @@
 
 namespace lockstep {
 
-struct LaneRuns {
-  std::vector<SweepRun> runs;  ///< empty: run them one by one
-  std::string unsuited;        ///< why no run of this sweep can be in a lane; "" if only this group cannot
-};
-
-/// Why a run of this scene cannot be in a lane; "" if it can. Throws what build_mechanism() throws.
+/// Why a run of this scene cannot be in a lane: events, columns that need every step (angles count turns), output at
+/// every step, integrators other than dop853 and dopri5, and what Copies refuses; "" if it can. Throws what
+/// build_mechanism() throws.
 LOCKSTEP_API std::string unsuited_for_lanes(const Scene&, const Registry&);
 
-/// sweep_run for each of the scenes, which differ only in numbers. Not suited: events, columns that need every step
-/// (angles count turns), output at every step, integrators other than dop853 and dopri5, and what Copies refuses. A run
-/// that fails is repeated by itself, for its reason.
-LOCKSTEP_API LaneRuns sweep_lanes(std::span<const Scene> scenes, const Registry&, const Table& like,
-                                  const std::function<bool(const State&)>& go_on = {},
-                                  std::vector<Table>* histories = nullptr);
+/// sweep_run for each of the scenes, which differ only in numbers; empty if one of them is not suited or they do not go
+/// together: run them one by one. A run that fails is repeated by itself, for its reason.
+LOCKSTEP_API std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&, const Table& like,
+                                               const std::function<bool(const State&)>& go_on = {},
+                                               std::vector<Table>* histories = nullptr);
 
 }  // namespace lockstep
