@@ -21,6 +21,7 @@ constexpr double kKnown = 0.5;       // rad: turn after which the largest indica
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
+constexpr double kUsualSpread = 1e4;  // of masses; where bodies differ more, small pivots may be due to them
 constexpr double kShrunk = 0.3;      // of the longest plain step
 constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
 constexpr int kShifts = 12;          // attempted this many times; then the best of them is taken,
@@ -32,6 +33,16 @@ double fastest_turn(const State& y) {
   double w2 = 0;
   for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
   return std::sqrt(w2);
+}
+
+// The part of the pivots' smallness that differences of mass may explain.
+double spread_of_masses(const System& system) {
+  double lightest = HUGE_VAL, heaviest = 0;
+  for (int k = 0; k < system.n_slots(); ++k) {
+    lightest = std::min(lightest, system.slot(k).mass);
+    heaviest = std::max(heaviest, system.slot(k).mass);
+  }
+  return std::min(1.0, kUsualSpread * lightest / heaviest);
 }
 
 // Time in which it turns by this angle, s.
@@ -55,6 +66,7 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
   active_ = !state.coordinates && (when_ == StagesWhen::manifold || (when_ == StagesWhen::automatic && projects &&
                                                                      has_loops(dynamics.system(), state.modes)));
+  spread_ = spread_of_masses(dynamics.system());
   usual_ = {};
   near_ = probed_ = entered_ = false;
   longest_plain_ = 0;
@@ -171,7 +183,7 @@ bool SingularPassage::near(const Stages& stages) const { return stages.indicator
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
-  return c.residual > kRowTolerance || c.detector < kNowhere || c.detector * relative_ < kRoundOff;
+  return c.residual > kRowTolerance || c.detector < kNowhere * spread_ || c.detector * relative_ < kRoundOff * spread_;
 }
 
 }  // namespace lockstep

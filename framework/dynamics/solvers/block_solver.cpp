@@ -114,15 +114,14 @@ void BlockFactorization::compute(const Kkt& kkt) {
 SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  rule_.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    rhs_.head(n) = rule_.force_residual();
-    rhs_.tail(m) = rule_.row_residual();
+  rule_.iterate(kkt, f, c, a, lambda, watch_, report, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
+    rhs_.head(n) = r_f;
+    rhs_.tail(m) = r_c;
     factor_.solve(plan_, rhs_.data());
-    x += rhs_.head(n);
-    l += rhs_.tail(m);
+    da = rhs_.head(n);
+    dl = rhs_.tail(m);
   });
   report.smallest_pivot = watch_.smallest();
-  report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
 }
 

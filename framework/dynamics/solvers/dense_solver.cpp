@@ -72,7 +72,7 @@ class DenseFactorization final : public Factorization {
   explicit DenseFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport& report) override { report.detector = detector_; }
+  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
 
  private:
   std::vector<double> L_;  // blocks as in Kkt::M
@@ -82,8 +82,8 @@ class DenseFactorization final : public Factorization {
   VecX y_, z_, t_;         // n, m, m
   VecX da_, dl_, a_before_, l_before_;
   StopRule rule_;
+  PivotWatch watch_;
   int rank_ = 0, usual_rank_ = 0;
-  double smallest_pivot_ = 0.0, detector_ = 0.0;
 
   void invert_L(const KktPattern&, VecX& x) const;
   void invert_Lt(const KktPattern&, VecX& x) const;
@@ -117,18 +117,16 @@ void DenseFactorization::fill_B(const Kkt& kkt) {
     }
 }
 
-// R_kk^2 / |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th. The rows
-// beyond the usual rank are redundant everywhere.
+// Pivots R_kk^2 against |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
 void DenseFactorization::measure_pivots() {
-  smallest_pivot_ = Bt_.cols() > Bt_.rows() ? 0.0 : 1.0;
-  detector_ = std::numeric_limits<double>::infinity();
   square_ = Bt_.colwise().squaredNorm();
-  for (Eigen::Index k = 0; k < Rt_.cols(); ++k) {
-    const double own = square_[outer_.colsPermutation().indices()[k]], pivot = outer_.matrixQR()(k, k);
-    const double relative = own > 0.0 ? pivot * pivot / own : 0.0;
-    smallest_pivot_ = std::min(smallest_pivot_, relative);
-    if (k < usual_rank_) detector_ = std::min(detector_, relative);
-  }
+  watch_.see([&](auto&& row) {
+    for (Eigen::Index k = 0; k < Bt_.cols(); ++k) {
+      const double own = square_[outer_.colsPermutation().indices()[k]];
+      const double R = k < Rt_.cols() ? outer_.matrixQR()(k, k) : 0.0;
+      row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0.0);
+    }
+  });
 }
 
 // With t = P1^T c~:
@@ -181,6 +179,7 @@ DenseFactorization::DenseFactorization(const KktPattern& pattern) {
   for (VecX* v : {&y_, &da_, &a_before_}) v->setZero(n);
   for (VecX* v : {&root_E_, &square_, &z_, &t_, &dl_, &l_before_}) v->setZero(m);
   rule_.analyse(pattern);
+  watch_.begin(m);
   usual_rank_ = 0;
 }
 
@@ -192,8 +191,7 @@ void DenseFactorization::compute(const Kkt& kkt) {
           fmt::format("solver dense: the mass block of slot {} is not positive definite; "
                       "give its body a mass and an inertia above zero",
                       slot));
-  rank_ = 0, detector_ = std::numeric_limits<double>::infinity();
-  smallest_pivot_ = kkt.pattern.m > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  rank_ = 0;
   if (Rt_.cols() == 0) return;
   fill_B(kkt);
   outer_.compute(Bt_);
@@ -228,7 +226,7 @@ SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
   report.residual = rule_.largest();
   report.worst_row = rule_.worst_row();
   report.rank = rank_;
-  report.smallest_pivot = smallest_pivot_;
+  report.smallest_pivot = watch_.smallest();
   // A rank below the usual one is a singular position, which may be passed: no contradiction.
   report.contradictory = rule_.largest() > kContradiction && rank_ < kkt.pattern.m && rank_ >= usual_rank_;
   return report;

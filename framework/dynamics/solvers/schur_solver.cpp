@@ -5,6 +5,7 @@
 
 #include <lockstep/body.h>
 #include <lockstep/memory.h>
+#include "framework/dynamics/solvers/conjugate.h"
 #include "framework/dynamics/solvers/schur_floors.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
@@ -35,6 +36,8 @@ class SchurFactorization final : public Factorization {
   void start(const VecX& f, const VecX& c);
   SolveReport solve_with(const Kkt&);
   void correct();
+  template <class Measure>
+  bool conjugate(int& corrections, Measure&& measure);
   void raise_floors();
   void find_worst();
   void unload(VecX& a_out, VecX& lambda_out) const;
@@ -53,6 +56,8 @@ class SchurFactorization final : public Factorization {
   double energy_f_ = 0;                         // largest f . M^-1 f of a slot
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
+  ConjugateGradients gradients_;
+  std::vector<std::size_t> places_;  // of the rows in x
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
 };
@@ -76,6 +81,8 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
       velocity_(unknown_velocities(pattern.plane)) {
   size(pattern);
   watch_.begin(pattern.m);
+  gradients_.size(pattern.m);
+  for_each_row([&](int, std::size_t at, int) { places_.push_back(at); });
 }
 
 void SchurFactorization::size(const KktPattern& pattern) {
@@ -216,6 +223,31 @@ void SchurFactorization::correct() {
   for (std::size_t i = 0; i < plan_.size_x; ++i) lambda_[i] += x_[i];
 }
 
+template <class Measure>
+bool SchurFactorization::conjugate(int& corrections, Measure&& measure) {
+  const auto spread = [&](const VecX& v, double factor) {
+    std::ranges::fill(x_, 0.0);
+    for (std::size_t k = 0; k < places_.size(); ++k) x_[places_[k]] = factor * v[static_cast<Eigen::Index>(k)];
+  };
+  const auto gather = [&](const Aligned<double>& from, VecX& v) {
+    for (std::size_t k = 0; k < places_.size(); ++k) v[static_cast<Eigen::Index>(k)] = from[places_[k]];
+  };
+  const auto solve = [&](const VecX& r, VecX& z) {
+    spread(r, 1.0);
+    schur::solve(plan_, z_);
+    gather(x_, z);
+  };
+  const auto step = [&](const VecX& p, double length) {
+    spread(p, length);
+    schur::apply(plan_, x_.data(), z_);
+    for (const std::size_t at : places_) lambda_[at] += x_[at];
+    measure();
+  };
+  const auto worst = [&] { return find_worst(), worst_ / kRowTolerance; };
+  return gradients_.iterate(
+      corrections, [&](VecX& r) { gather(r_, r); }, solve, step, worst);
+}
+
 SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   z_.rows = kkt.pattern.rows->data();
   start(f, c);
@@ -252,6 +284,10 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
     correct();
   });
   if (met) return report;
+  if (z_.eps > 0) {
+    if (conjugate(report.corrections, measure)) return report;
+    before_ = 0;  // what is left now stays
+  }
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;

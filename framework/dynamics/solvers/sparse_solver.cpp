@@ -146,15 +146,14 @@ void SparseFactorization::compute(const Kkt& kkt) {
 SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
   SolveReport report;
-  rule_.iterate(kkt, f, c, a, lambda, report, [&](VecX& x, VecX& l) {
-    rhs_.head(n) = rule_.force_residual();
-    for (int j = 0; j < m; ++j) rhs_[place_[j]] = rule_.row_residual()[j];
+  rule_.iterate(kkt, f, c, a, lambda, watch_, report, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
+    rhs_.head(n) = r_f;
+    for (int j = 0; j < m; ++j) rhs_[place_[j]] = r_c[j];
     solution_ = ldlt_.solve(rhs_);
-    x += solution_.head(n);
-    for (int j = 0; j < m; ++j) l[j] += solution_[place_[j]];
+    da = solution_.head(n);
+    for (int j = 0; j < m; ++j) dl[j] = solution_[place_[j]];
   });
   report.smallest_pivot = watch_.smallest();
-  report.contradictory = watch_.contradictory(rule_.largest(), rule_.largest_before());
   return report;
 }
 

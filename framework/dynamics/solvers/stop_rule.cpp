@@ -47,8 +47,9 @@ VecX pivot_floors(const Kkt& kkt, double eps) {
 }
 
 void StopRule::analyse(const KktPattern& pattern) {
-  for (VecX* v : {&r_f_, &size_n_}) v->setZero(pattern.n);
-  for (VecX* v : {&r_c_, &scale_, &S_}) v->setZero(pattern.m);
+  for (VecX* v : {&r_f_, &size_n_, &da_, &zero_}) v->setZero(pattern.n);
+  for (VecX* v : {&r_c_, &scale_, &S_, &dl_}) v->setZero(pattern.m);
+  gradients_.size(pattern.m);
 }
 
 void StopRule::start(const Kkt& kkt, const VecX& f, const VecX& c) {
@@ -107,6 +108,15 @@ bool StopRule::within(const KktPattern& pattern) {
     largest_ = relative, worst_row_ = j;
   });
   return largest_ <= kRowTolerance && forces_met_;
+}
+
+// a <- a - length M^-1 J^T lambda
+void StopRule::add_reaction_of(const Kkt& kkt, double length, const VecX& lambda, VecX& a) {
+  VecX& force = size_n_;
+  force.setZero();
+  subtract_rows_transposed_times(kkt, lambda, force);
+  force *= length;
+  add_mass_times(kkt.pattern, kkt.Minv, force, a);
 }
 
 // r = f - M a - J^T lambda, relative to the size of its terms, with the same floor per unit as the rows.

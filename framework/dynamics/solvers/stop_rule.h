@@ -10,6 +10,7 @@
 
 #include <lockstep/export.h>
 #include <lockstep/solver.h>
+#include "framework/dynamics/solvers/conjugate.h"
 
 namespace lockstep {
 
@@ -112,10 +113,12 @@ class PivotWatch {
   double smallest() const { return smallest_; }
   /// The smallest beyond the usual ones: falls as the square of the distance to a singular position.
   double singularity_indicator() const { return regular_; }
+  /// Whether more are small than usual: near a singular position.
+  bool beyond_usual() const { return now_ > usual_; }
   /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
   /// always dependent; small pivots beyond the usual ones indicate a singular position, which may be passed.
   bool contradictory(double residual, double before) const {
-    return residual > kContradiction && residual > 0.5 * before && now_ <= usual_;
+    return residual > kContradiction && residual > 0.5 * before && !beyond_usual();
   }
 
  private:
@@ -136,36 +139,58 @@ class StopRule {
   /// Residuals of (a, lambda); true when both are small enough.
   bool met(const Kkt&, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda);
 
-  /// The proximal iteration from a = 0, lambda = 0: `add(a, lambda)` adds the factor's answer to force_residual() and
-  /// row_residual(), once and then as long as the rule is not met. Fills residual, worst_row and corrections.
-  template <class Add>
-  void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, SolveReport& report, Add&& add) {
+  /// The proximal iteration from a = 0, lambda = 0: corrections by `solve`, which writes the factor's answer (da, dl) to
+  /// the residuals (r_f, r_c), once and then as long as the rule is not met, by conjugate gradients from the fourth on
+  /// unless the position is near a singular one. Fills residual, worst_row, corrections and contradictory.
+  template <class Solve>
+  void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, const PivotWatch& watch,
+               SolveReport& report, Solve&& solve) {
     a.setZero(kkt.pattern.n);
     lambda.setZero(kkt.pattern.m);
     start(kkt, f, c);
     const auto measured = [&] { measure(kkt, f, c, a, lambda); };
+    const auto corrected = [&] {
+      solve(r_f_, r_c_, da_, dl_);
+      a += da_, lambda += dl_;
+    };
     measured();
-    add(a, lambda);
-    refine(
+    corrected();
+    const bool met = refine(
         report.corrections, measured, [&] { return within(kkt.pattern); }, [&] { return raise_floors(kkt, a); },
-        [&] { add(a, lambda); });
+        corrected);
+    bool rows_met = met;
+    if (!met) {
+      const auto step = [&](const VecX& p, double length) {
+        lambda += length * p;
+        add_reaction_of(kkt, length, p, a);
+        measured();
+      };
+      const auto worst = [&] { return within(kkt.pattern), largest_ / kRowTolerance; };
+      rows_met = gradients_.iterate(
+          report.corrections, [&](VecX& r) { r = r_c_; }, [&](const VecX& r, VecX& z) { solve(zero_, r, da_, z); },
+          step, worst);
+      if (rows_met && !forces_met_) corrected(), measured(), within(kkt.pattern);
+      before_ = 0;  // what is left now stays
+    }
     report.residual = largest_;
     report.worst_row = worst_row_;
+    report.contradictory = !rows_met && watch.contradictory(largest_, before_);
   }
 
   const VecX& force_residual() const { return r_f_; }  ///< f - M a - J^T lambda
   const VecX& row_residual() const { return r_c_; }    ///< c - J a
   double largest() const { return largest_; }          ///< |c - J a| against its scale, the largest; NaN if one is
-  double largest_before() const { return before_; }    ///< the same before the last correction
   int worst_row() const { return worst_row_; }
 
  private:
   void measure(const Kkt&, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda);
   bool within(const KktPattern&);
   bool raise_floors(const Kkt&, const VecX& a);
+  void add_reaction_of(const Kkt&, double length, const VecX& lambda, VecX& a);
   bool forces_met(const Kkt&, const VecX& f, const VecX& a, const VecX& lambda);
 
-  VecX r_f_, r_c_, scale_, size_n_, S_;
+  VecX r_f_, r_c_, scale_, size_n_, S_, da_, dl_, zero_;
+  ConjugateGradients gradients_;
   std::array<double, 3> largest_scale_{}, floors_{};  // one per RowKind
   double energy_f_ = 0.0;                             // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;

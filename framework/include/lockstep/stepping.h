@@ -404,6 +404,7 @@ class LOCKSTEP_API SingularPassage {
   bool active_ = false;
   NearSingular usual_;
   double relative_ = 1e-6;  // tolerance
+  double spread_ = 1;       // lightest over heaviest body, where they differ by more than kUsualSpread
   SingularRate both_sides_;
   StateRate rate_;
   StagesOn on_ = StagesOn::plain;
