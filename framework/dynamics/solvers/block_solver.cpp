@@ -100,7 +100,7 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
   }
   for (VecX* v : {&rhs_, &pivots_}) v->setZero(pattern.n + pattern.m);
   S_diagonal_.setZero(pattern.m);
-  rule_.analyse(pattern);
+  rule_.analyse(pattern, plan_.proximal());
   watch_.begin(pattern.m);
 }
 

@@ -13,7 +13,9 @@ namespace lockstep {
 ///
 ///   z = (S + E)^-1 r,   p = z + (r . z)/(r . z)_before p,   lambda += (r . z)/(p . S p) p
 ///
-/// Redundant directions, where S is zero, stay as they are.
+/// Redundant directions, where S is zero, stay as they are. Off the constraints redundant rows are only nearly so, and to
+/// meet them would be wrong: S is small there without a reason. So the directions that are solved for are those which
+/// the masses explain.
 class ConjugateGradients {
  public:
   static constexpr int kMost = 40;  ///< iterations
@@ -21,6 +23,10 @@ class ConjugateGradients {
   void size(int n_rows) {
     for (VecX* v : {&r_, &z_, &p_, &q_, &way_}) v->setZero(n_rows);
   }
+  /// Sets what is solved for: `eps`: E relative to S; `spread`: mass of the lightest body over that of the heaviest.
+  void set(double eps, double spread) { longest_ = 1 + eps / (kShare * spread); }
+  /// Whether corrections alone do not suffice.
+  bool needed() const { return longest_ > 1 + kSlow; }
   /// From the present solution: residual(r) writes its residual, solve(r, z) z, step(p, length) moves the solution by
   /// length p and measures it, worst() is its largest residual in units of what is met. Ends where that is 1 or less;
   /// otherwise false, and the solution is not worse than before.
@@ -39,7 +45,7 @@ class ConjugateGradients {
       residual(q_);
       q_ = r_ - q_;  // S p
       const double length = rz / p_.dot(q_);
-      if (!(length > 0) || !(length < kLongest)) {
+      if (!(length > 0) || !(length < longest_)) {
         step(p_, -1.0);
         break;
       }
@@ -53,8 +59,9 @@ class ConjugateGradients {
   }
 
  private:
-  // (S + E)/S: S p is known to 1e-7 of r where E is 1e-9 of S, and beyond this it may be zero.
-  static constexpr double kLongest = 1e3;
+  static constexpr double kShare = 1e-3;  // of `spread`: S is not less of its usual size, away from singular positions
+  static constexpr double kSlow = 1e-3;   // a correction that leaves less of an error is fast enough
+  double longest_ = 1;                    // (S + E)/S
   VecX r_, z_, p_, q_, way_;
 };
 

@@ -106,8 +106,10 @@ void SchurFactorization::size(const KktPattern& pattern) {
 
 void SchurFactorization::read_masses(const Kkt& kkt) {
   const int stride = plane_ ? schur::Planar::mass : schur::Spatial::mass;
+  double lightest = HUGE_VAL, heaviest = 0;
   for (int k = 0; k < plan_.n_slots; ++k) {
     const SlotMass& slot = kkt.masses[k];
+    lightest = std::min(lightest, slot.m), heaviest = std::max(heaviest, slot.m);
     BodyMass(slot.m, slot.J, slot.particle, plane_).write_packed(&mass_[stride * k], &inverse_[stride * k]);
   }
   for (const int h : plan_.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
@@ -115,6 +117,7 @@ void SchurFactorization::read_masses(const Kkt& kkt) {
     for (int i = 0; i < (plane_ ? 1 : 3); ++i)
       if (double& J = M[schur::Spatial::I[i][i]]; J == 0) J = 1e30 * M[0];
   }
+  gradients_.set(z_.eps, lightest / heaviest);
   masses_known_ = true;
 }
 
@@ -284,7 +287,7 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
     correct();
   });
   if (met) return report;
-  if (z_.eps > 0) {
+  if (gradients_.needed()) {
     if (conjugate(report.corrections, measure)) return report;
     before_ = 0;  // what is left now stays
   }

@@ -122,7 +122,7 @@ SparseFactorization::SparseFactorization(const KktPattern& pattern) {
   ldlt_.analyzePattern(matrix_);
   for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
   S_diagonal_.setZero(pattern.m);
-  rule_.analyse(pattern);
+  rule_.analyse(pattern, kEps);
   watch_.begin(pattern.m);
 }
 

@@ -46,7 +46,8 @@ VecX pivot_floors(const Kkt& kkt, double eps) {
   return out;
 }
 
-void StopRule::analyse(const KktPattern& pattern) {
+void StopRule::analyse(const KktPattern& pattern, double eps) {
+  eps_ = eps;
   for (VecX* v : {&r_f_, &size_n_, &da_, &zero_}) v->setZero(pattern.n);
   for (VecX* v : {&r_c_, &scale_, &S_, &dl_}) v->setZero(pattern.m);
   gradients_.size(pattern.m);
@@ -108,6 +109,15 @@ bool StopRule::within(const KktPattern& pattern) {
     largest_ = relative, worst_row_ = j;
   });
   return largest_ <= kRowTolerance && forces_met_;
+}
+
+bool StopRule::differ_in_mass(const Kkt& kkt) {
+  double lightest = HUGE_VAL, heaviest = 0;
+  for_each_mass(kkt.pattern, [&](int, int, std::size_t at) {
+    lightest = std::min(lightest, kkt.M[at]), heaviest = std::max(heaviest, kkt.M[at]);
+  });
+  gradients_.set(eps_, lightest / heaviest);
+  return gradients_.needed();
 }
 
 // a <- a - length M^-1 J^T lambda

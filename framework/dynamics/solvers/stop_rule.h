@@ -133,7 +133,8 @@ class PivotWatch {
 /// The rule for a matrix in blocks.
 class StopRule {
  public:
-  void analyse(const KktPattern&);  ///< allocates everything
+  /// Allocates everything. `eps`: proximal term relative to S, of a factor that has one.
+  void analyse(const KktPattern&, double eps = 0);
   /// Scales |c| + |J M^-1 f| of the rows, row by row.
   void start(const Kkt&, const VecX& f, const VecX& c);
   /// Residuals of (a, lambda); true when both are small enough.
@@ -141,7 +142,7 @@ class StopRule {
 
   /// The proximal iteration from a = 0, lambda = 0: corrections by `solve`, which writes the factor's answer (da, dl) to
   /// the residuals (r_f, r_c), once and then as long as the rule is not met, by conjugate gradients from the fourth on
-  /// unless the position is near a singular one. Fills residual, worst_row, corrections and contradictory.
+  /// where bodies differ much in mass. Fills residual, worst_row, corrections and contradictory.
   template <class Solve>
   void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, const PivotWatch& watch,
                SolveReport& report, Solve&& solve) {
@@ -159,7 +160,7 @@ class StopRule {
         report.corrections, measured, [&] { return within(kkt.pattern); }, [&] { return raise_floors(kkt, a); },
         corrected);
     bool rows_met = met;
-    if (!met) {
+    if (!met && differ_in_mass(kkt)) {
       const auto step = [&](const VecX& p, double length) {
         lambda += length * p;
         add_reaction_of(kkt, length, p, a);
@@ -186,12 +187,14 @@ class StopRule {
   void measure(const Kkt&, const VecX& f, const VecX& c, const VecX& a, const VecX& lambda);
   bool within(const KktPattern&);
   bool raise_floors(const Kkt&, const VecX& a);
+  bool differ_in_mass(const Kkt&);
   void add_reaction_of(const Kkt&, double length, const VecX& lambda, VecX& a);
   bool forces_met(const Kkt&, const VecX& f, const VecX& a, const VecX& lambda);
 
   VecX r_f_, r_c_, scale_, size_n_, S_, da_, dl_, zero_;
   ConjugateGradients gradients_;
   std::array<double, 3> largest_scale_{}, floors_{};  // one per RowKind
+  double eps_ = 0.0;
   double energy_f_ = 0.0;                             // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
