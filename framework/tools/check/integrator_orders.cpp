@@ -61,14 +61,14 @@ Run fixed_run(const IntegratorMaker& make, const ClosedMotion& motion, int n_ste
 }
 
 /// Steps (or tolerances) and errors of the runs that show an order.
-struct Measured {
+struct MeasuredError {
   std::vector<double> settings, h, errors;
   void add(double setting, const Run& run) {
     settings.push_back(setting), h.push_back(run.h), errors.push_back(run.error);
   }
 };
 
-void judge_order(const IntegratorInfo& info, const ClosedMotion& motion, const Measured& m, const char* steps,
+void judge_order(const IntegratorInfo& info, const ClosedMotion& motion, const MeasuredError& m, const char* steps,
                  CheckReport& report) {
   const double order = slope(m.h, m.errors);
   report.compared(0);
@@ -89,7 +89,7 @@ void judge_order(const IntegratorInfo& info, const ClosedMotion& motion, const M
 
 void check_fixed(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion,
                  CheckReport& report) {
-  Measured all;
+  MeasuredError all;
   for (int n = 4; n <= 8192; n *= 2) {
     const Run run = fixed_run(make, motion, n);
     if (run.complete && run.error < kFloor) break;
@@ -129,7 +129,7 @@ Run adaptive_run(const IntegratorMaker& make, const ClosedMotion& motion, double
 
 void check_adaptive(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion,
                     CheckReport& report) {
-  Measured all;
+  MeasuredError all;
   for (int k = 3; k <= 11; ++k) {
     const double tolerance = std::pow(10.0, -k);
     const Run run = adaptive_run(make, motion, tolerance);

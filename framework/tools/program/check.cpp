@@ -10,6 +10,8 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
+#include <lockstep/assembly.h>
+#include <lockstep/error.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include "framework/tools/program/check_tree.h"
@@ -196,6 +198,48 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
   return all;
 }
 
+constexpr std::size_t kMostNames = 24;  // in one line
+
+// "A, B and C", or "A, B, C and 7 more"
+std::string first_of(const std::vector<std::string>& names) {
+  if (names.size() <= kMostNames) return text::join(names);
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMostNames, ", "),
+                     names.size() - kMostNames);
+}
+
+// "A.z, B.z and C.z: 1 too many"
+std::string words_of(const Dependency& d) {
+  const std::string names = first_of(d.rows);
+  std::string out;
+  if (d.too_many > 0) out += fmt::format("    {}: {} too many\n", names, d.too_many);
+  if (d.nearly > 0)
+    out += fmt::format(
+        "    {}: {} nearly too many (pivot {:.2g}): a run holds {} by forces that may be very large; make the rows "
+        "agree "
+        "exactly, or leave one out\n",
+        names, d.nearly, d.pivot, d.nearly == 1 ? "it" : "them");
+  return out;
+}
+
+nlohmann::ordered_json dependencies_json(const MobilityReport& r) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Dependency& d : r.dependencies)
+    all.push_back({{"rows", d.rows}, {"too_many", d.too_many}, {"nearly", d.nearly}, {"pivot", d.pivot}});
+  return all;
+}
+
+// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
+// assembled is taken as it was typed; a run then says why.
+MobilityReport mobility_at_start(Dynamics& dynamics, const Mechanism& m, const State& typed) {
+  State start = typed;
+  try {
+    if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
+  } catch (const Error&) {
+    start = typed;
+  }
+  return mobility(dynamics, start);
+}
+
 }  // namespace
 
 int check_command(const Arguments& args) {
@@ -207,7 +251,7 @@ int check_command(const Arguments& args) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
-  const MobilityReport r = mobility(dynamics, start);
+  const MobilityReport r = mobility_at_start(dynamics, m, start);
   const std::vector<LeftOut> out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
   std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, !not_joint.empty());
@@ -232,6 +276,7 @@ int check_command(const Arguments& args) {
                                 {"freedoms", r.freedoms},
                                 {"redundant", r.redundant},
                                 {"redundant_links", r.redundant_links},
+                                {"dependencies", dependencies_json(r)},
                                 {"formulation", formulation},
                                 {"tree", tree_json(tree)},
                                 {"violation", violation},
@@ -247,7 +292,8 @@ int check_command(const Arguments& args) {
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
   fmt::print("  formulation         {}\n", formulation);
-  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, text::join(r.redundant_links));
+  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
+  for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));

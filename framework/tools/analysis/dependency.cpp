@@ -1,0 +1,115 @@
+#include "framework/tools/analysis/dependency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+
+#include <lockstep/error.h>
+
+namespace lockstep {
+
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+constexpr int kDense = 300;      // rows up to which the decomposition is dense
+constexpr double kShare = 1e-7;  // of a circuit: a row with less takes no part
+
+// Sets of rows that circuits connect.
+class Sets {
+ public:
+  explicit Sets(int n) : parent_(static_cast<std::size_t>(n)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int of(int i) {
+    for (int& p = at(i); p != at(p); p = at(p)) at(i) = at(p);
+    return at(i);
+  }
+  void join(int i, int j) { at(of(i)) = of(j); }
+
+ private:
+  int& at(int i) { return parent_[static_cast<std::size_t>(i)]; }
+  std::vector<int> parent_;
+};
+
+// Jt P = Q [R1 R2; 0 0], R1 upper triangular, the largest pivot first. Column j of -R1^-1 R2 with a one at j is a circuit:
+// a combination of rows that is zero.
+Dependencies by_circuits(int n_columns, int n_rows, const Triplets& Jt) {
+  MatX A = MatX::Zero(n_columns, n_rows);
+  for (const auto& t : Jt) A(t.row(), t.col()) += t.value();
+  const Eigen::ColPivHouseholderQR<MatX> qr(A);
+  const auto row_at = [&](int place) { return static_cast<int>(qr.colsPermutation().indices()[place]); };
+  const int n_pivots = std::min(n_columns, n_rows);
+  const auto pivot = [&](int place) { return place < n_pivots ? std::abs(qr.matrixR()(place, place)) : 0.0; };
+  const auto above = [&](double limit) {
+    int n = 0;
+    while (n < n_pivots && pivot(n) > limit) ++n;
+    return n;
+  };
+  Dependencies out;
+  out.rank = above(kDependent);
+  const int regular = above(kNearlyDependent);
+
+  Sets sets(n_rows);
+  const auto R1 = qr.matrixR().topLeftCorner(regular, regular).triangularView<Eigen::Upper>();
+  for (int j = regular; j < n_rows; ++j) {
+    VecX x = qr.matrixR().col(j).head(regular);
+    R1.solveInPlace(x);
+    const double least = kShare * std::max(1.0, regular > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0);
+    for (int i = 0; i < regular; ++i)
+      if (std::abs(x[i]) > least) sets.join(row_at(i), row_at(j));
+  }
+  std::map<int, DependentRows> found;  // by the set's number
+  for (int j = regular; j < n_rows; ++j) {
+    DependentRows& set = found[sets.of(row_at(j))];
+    if (j >= out.rank) {
+      ++set.too_many;
+    } else {
+      ++set.nearly;
+      set.pivot = std::max(set.pivot, pivot(j));
+    }
+  }
+  for (int row = 0; row < n_rows; ++row)
+    if (const auto set = found.find(sets.of(row)); set != found.end()) set->second.rows.push_back(row);
+  for (auto& [number, set] : found) out.sets.push_back(std::move(set));
+  std::ranges::sort(out.sets, {}, [](const DependentRows& s) { return s.rows.front(); });
+  return out;
+}
+
+// J Jt + eps 1 = L D L^T: a row that depends on others leaves a pivot of size eps. What eps (J Jt + eps 1)^-1 leaves of
+// a vector lies in the dependencies, and has a share of every row that takes part in one.
+Dependencies by_pivots(int n_columns, int n_rows, const Triplets& triplets) {
+  constexpr double kEps = 1e-12, kSmall = 1e-8, kTakesPart = 1e-3;
+  Eigen::SparseMatrix<double> Jt(n_columns, n_rows), one(n_rows, n_rows);
+  Jt.setFromTriplets(triplets.begin(), triplets.end());
+  one.setIdentity();
+  const Eigen::SparseMatrix<double> S = Eigen::SparseMatrix<double>(Jt.transpose() * Jt) + kEps * one;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(S);
+  const VecX D = ldlt.vectorD();
+  Dependencies out;
+  out.rank = static_cast<int>((D.array() > kSmall).count());
+  if (out.rank == n_rows) return out;
+  std::minstd_rand random(1);
+  std::uniform_real_distribution<double> number(0.5, 1.0);
+  const VecX r = VecX::NullaryExpr(n_rows, [&] { return random() % 2 == 0 ? number(random) : -number(random); });
+  const VecX left = kEps * ldlt.solve(r);
+  DependentRows all;
+  all.too_many = n_rows - out.rank;
+  for (int row = 0; row < n_rows; ++row)
+    if (std::abs(left[row]) > kTakesPart * left.lpNorm<Eigen::Infinity>()) all.rows.push_back(row);
+  out.sets.push_back(std::move(all));
+  return out;
+}
+
+}  // namespace
+
+Dependencies find_dependencies(int n_columns, int n_rows, const Triplets& Jt) {
+  for (const auto& t : Jt)
+    if (!std::isfinite(t.value())) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
+  return n_rows <= kDense ? by_circuits(n_columns, n_rows, Jt) : by_pivots(n_columns, n_rows, Jt);
+}
+
+}  // namespace lockstep
