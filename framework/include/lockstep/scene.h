@@ -8,6 +8,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/kernel.h>
 #include <lockstep/registry.h>
+#include <lockstep/solid.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>
 
@@ -76,6 +77,7 @@ struct Mechanism {
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
   std::vector<EventRequest> events{};          ///< of the scene
+  std::vector<Solid> solids{};                 ///< what the bodies look like, as far as the scene says it
 };
 
 /// The same scene, computed in space unless it has a key "planar".

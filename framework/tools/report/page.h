@@ -1,0 +1,22 @@
+// The page of a report, whose script and style stand in the library.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace lockstep::report {
+
+/// The page without data, in pieces; made by the configuration from web/dist/report.html.
+std::span<const std::string_view> page_pieces();
+
+/// The page with its title, its description as JSON text, and its numbers as base64. Nothing in them ends an element of
+/// the page.
+std::string page_with(const std::string& title, const std::string& json, const std::string& numbers);
+
+/// JSON text for a script element: without "<", which only texts in it hold.
+std::string for_script(const std::string& json);
+/// A text as HTML shows it.
+std::string for_html(const std::string& text);
+
+}  // namespace lockstep::report

@@ -1,0 +1,229 @@
+// Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
+import { Group, Object3D, Vector3 } from 'three';
+import { bar, box, centerMark, cylinder, edges, material, plate, sphere } from './shapes.js';
+import { theme } from './theme.js';
+
+const point = (p) => new Vector3(p[0], p[1], p[2]);
+
+function setPose(object, at) {
+  object.position.set(at[0], at[1], at[2]);
+  object.quaternion.set(at[4], at[5], at[6], at[3]);
+}
+
+// The points at which others hold a body, each once; in its own frame.
+export function attachments(index, data, size) {
+  const points = [];
+  const { links, forces, markers } = data.mechanism;
+  const used = new Set();
+  for (const link of links) for (const pair of link.pairs) pair.forEach((m) => used.add(m));
+  for (const force of forces) force.markers.forEach((m) => used.add(m));
+  markers.forEach((marker, m) => {
+    const named = !used.has(m);  // the scene's own, such as the tip of an arm
+    if (marker.body !== index || !(used.has(m) || named)) return;
+    const p = point(marker.at);
+    if (points.every((q) => q.distanceTo(p) > 1e-4 * size)) points.push(p);
+  });
+  return points;
+}
+
+function addSolids(group, body, mats, unit) {
+  for (const solid of body.solids) {
+    const [x, y, z] = solid.size.map((v) => Math.max(v, 1e-9));
+    let mesh;
+    if (solid.kind === 'box') mesh = box([x, y, z], mats.solid, mats.edge);
+    else if (solid.kind === 'sphere') mesh = sphere(x / 2, mats.solid);
+    else mesh = cylinder(Math.max(x / 2, z > 8 * x ? 0.45 * unit : 0), z, mats.solid, mats.edge);
+    setPose(mesh, solid.at);
+    group.add(mesh);
+  }
+}
+
+// Semi-axes of the solid ellipsoid with this mass and diagonal inertia, bounded to what a picture bears.
+function semiAxes(body, size) {
+  const [a, b, c] = body.inertia, f = 2.5 / body.mass;
+  const bound = (square) => Math.min(0.22 * size, Math.max(0.012 * size, Math.sqrt(Math.max(0, f * square))));
+  return [bound(b + c - a), bound(c + a - b), bound(a + b - c)];
+}
+
+function ellipsoid(body, mats, size) {
+  const mesh = sphere(1, mats.solid, 40);
+  mesh.scale.set(...semiAxes(body, size));
+  mesh.position.copy(point(body.center));
+  return mesh;
+}
+
+// Corners of the convex hull of points in a plane, in order; `normal` is set.
+function hull(points, normal) {
+  let far = null;
+  for (let i = 2; i < points.length && !far; ++i) {
+    const n = new Vector3().crossVectors(point0(points, 1), point0(points, i));
+    if (n.length() > 1e-3 * point0(points, 1).lengthSq()) far = n.normalize();
+  }
+  if (!far) return null;
+  normal.copy(far);
+  const span = Math.max(...points.map((p) => p.distanceTo(points[0])));
+  if (points.some((p) => Math.abs(new Vector3().subVectors(p, points[0]).dot(far)) > 1e-3 * span)) return null;
+  const e1 = point0(points, 1).normalize(), e2 = new Vector3().crossVectors(far, e1);
+  const flat = points.map((p) => ({ p, x: p.dot(e1), y: p.dot(e2) })).sort((a, b) => a.x - b.x || a.y - b.y);
+  const side = (list) => {
+    const out = [];
+    for (const q of list) {
+      while (out.length > 1) {
+        const [a, b] = out.slice(-2);
+        if ((b.x - a.x) * (q.y - a.y) - (b.y - a.y) * (q.x - a.x) > 0) break;
+        out.pop();
+      }
+      out.push(q);
+    }
+    return out.slice(0, -1);
+  };
+  return [...side(flat), ...side(flat.reverse())].map((q) => q.p);
+}
+const point0 = (points, i) => new Vector3().subVectors(points[i], points[0]);
+
+// The two points furthest apart.
+function ends(points) {
+  let best = [points[0], points[1]], most = -1;
+  for (const a of points)
+    for (const b of points)
+      if (a.distanceTo(b) > most) [best, most] = [[a, b], a.distanceTo(b)];
+  return best;
+}
+
+function addSkeleton(group, body, points, mats, unit) {
+  const radius = 0.5 * unit;
+  const normal = new Vector3();
+  const corners = points.length > 2 ? hull(points, normal) : null;
+  if (corners && corners.length > 2) {
+    corners.forEach((p, i) => group.add(bar(p, corners[(i + 1) % corners.length], radius, mats.solid)));
+    group.add(plate(corners, normal, mats.sheet));
+    for (const p of points) if (!corners.includes(p)) group.add(bar(p, nearest(p, corners), radius, mats.solid));
+  } else if (points.length > 2 && !collinear(points)) {
+    const middle = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length);
+    for (const p of points) group.add(bar(middle, p, radius, mats.solid));
+  } else group.add(bar(...ends(points), radius, mats.solid));
+}
+
+function nearest(p, others) {
+  return others.reduce((best, q) => (q.distanceTo(p) < best.distanceTo(p) ? q : best));
+}
+
+function collinear(points) {
+  const [a, b] = ends(points), along = new Vector3().subVectors(b, a).normalize();
+  return points.every((p) => new Vector3().subVectors(p, a).cross(along).length() < 1e-3 * a.distanceTo(b));
+}
+
+function addNeutral(group, body, points, mats, { unit, size }) {
+  const center = point(body.center);
+  if (body.particle) {
+    group.add(sphere(1.1 * unit, mats.solid));
+    return;
+  }
+  if (points.length > 1) {
+    addSkeleton(group, body, points, mats, unit);
+    return;
+  }
+  group.add(ellipsoid(body, mats, size));
+  if (points.length === 1 && points[0].distanceTo(center) > 0.01 * size) group.add(bar(points[0], center, 0.4 * unit, mats.solid));
+}
+
+// A group for every body of the mechanism, by number, with what it looks like. Fixed bodies stay at home.
+export class Bodies {
+  constructor(data, root) {
+    this.data = data;
+    this.groups = data.mechanism.bodies.map((body, index) => {
+      const group = new Group();
+      group.name = body.name;
+      group.userData.body = index;
+      setPose(group, body.home);
+      root.add(group);
+      return group;
+    });
+    this.moving = data.mechanism.moving.map((index) => this.groups[index]);
+  }
+
+  seek(motion) {
+    this.moving.forEach((group, i) => {
+      const b = motion.bodies, k = 7 * i;
+      group.position.set(b[k], b[k + 1], b[k + 2]);
+      group.quaternion.set(b[k + 3], b[k + 4], b[k + 5], b[k + 6]);
+    });
+  }
+
+  // Points that a picture should hold, in the world: of every body its corners and its mass centre.
+  *keyPoints() {
+    const { bodies, markers, links } = this.data.mechanism;
+    const p = new Vector3();
+    for (let i = 0; i < bodies.length; ++i) {
+      const group = this.groups[i], body = bodies[i];
+      group.updateMatrixWorld();
+      if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
+      for (const solid of body.solids) {
+        const holder = new Object3D();
+        setPose(holder, solid.at);
+        holder.updateMatrix();
+        for (let c = 0; c < 8; ++c) {
+          p.set(...solid.size.map((s, k) => ((c >> k) & 1 ? s / 2 : -s / 2)));
+          yield p.applyMatrix4(holder.matrix).applyMatrix4(group.matrixWorld);
+        }
+      }
+    }
+    const used = new Set(links.flatMap((link) => link.pairs.flat()));
+    for (let m = 0; m < markers.length; ++m)
+      if (!bodies[markers[m].body].fixed || used.has(m))
+        yield p.copy(point(markers[m].at)).applyMatrix4(this.groups[markers[m].body].matrixWorld);
+  }
+
+  // `unit`: the size of symbols.
+  dress(frame, unit) {
+    let number = 0;
+    this.looks = this.data.mechanism.bodies.map((body, index) => {
+      const group = this.groups[index];
+      const color = body.fixed ? null : number++;
+      const look = { color, mats: null, center: null };
+      look.mats = this.materials(look);
+      if (body.solids.length > 0) addSolids(group, body, look.mats, unit);
+      else if (!body.fixed) addNeutral(group, body, attachments(index, this.data, frame.size), look.mats, { unit, size: frame.size });
+      if (!body.fixed) {
+        look.center = centerMark(0.75 * unit, '#15181c', '#f4f4f4');
+        look.center.position.copy(point(body.center));
+        look.center.visible = false;
+        group.add(look.center);
+      }
+      return look;
+    });
+  }
+
+  materials({ color }) {
+    const tint = color === null ? theme.is.ground : theme.bodyColor(color);
+    return {
+      solid: material(tint),
+      sheet: material(tint, { transparent: true, opacity: 0.28, side: 2, depthWrite: false }),
+      edge: theme.is.dark ? '#000000' : '#1c2530',
+    };
+  }
+
+  recolor() {
+    for (const look of this.looks) {
+      const tint = look.color === null ? theme.is.ground : theme.bodyColor(look.color);
+      look.mats.solid.color.set(tint);
+      look.mats.sheet.color.set(tint);
+    }
+  }
+
+  // Marks one body; -1: none.
+  select(index) {
+    this.looks.forEach((look, i) => {
+      for (const mat of [look.mats.solid, look.mats.sheet]) {
+        mat.emissive.set(i === index ? look.mats.solid.color : '#000000');
+        mat.emissiveIntensity = i === index ? 0.35 : 0;
+      }
+    });
+  }
+
+  showCenters(shown, selected) {
+    this.looks.forEach((look, i) => {
+      if (look.center) look.center.visible = shown || i === selected;
+    });
+  }
+}

@@ -1,0 +1,87 @@
+// Frame: how the mechanism lies in space: its size, its centre, up, and the plane in which it moves.
+import { Box3, Vector3 } from 'three';
+
+// Instants, evenly spread, at which the motion is looked at.
+export function instants(motion, most) {
+  const n = Math.min(most, motion.times.length);
+  const list = [];
+  for (let i = 0; i < n; ++i) list.push(motion.times[Math.round((i * (motion.times.length - 1)) / Math.max(1, n - 1))]);
+  return list;
+}
+
+const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
+
+// The normal of the plane to which all points and axes keep: no body leaves it or turns out of it.
+function planeOf(data, motion, size) {
+  if (data.mechanism.plane >= 0) return data.mechanism.plane;
+  const times = instants(motion, 24);
+  for (const n of [2, 1, 0]) {
+    const planar = () => {
+      for (let i = 0; i < motion.nBodies; ++i) {
+        const from = [];
+        for (const t of times) {
+          motion.seek(t);
+          const q = motion.bodies.subarray(7 * i + 3, 7 * i + 7);
+          from.push([motion.bodies[7 * i + n], Math.hypot(q[(n + 1) % 3], q[(n + 2) % 3])]);
+        }
+        if (from.some(([x]) => Math.abs(x - from[0][0]) > 1e-5 * size)) return false;
+        // Turned about the normal alone, from any start: the products of the quaternion keep their shares.
+        const turning = times.map((t) => {
+          motion.seek(t);
+          const [x, y, z, w] = motion.bodies.subarray(7 * i + 3, 7 * i + 7);
+          const normal = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+          ];
+          return normal.map((row) => row[n]);  // the world's normal in body axes
+        });
+        if (turning.some((v) => v.some((c, k) => Math.abs(c - turning[0][k]) > 1e-4))) return false;
+      }
+      return true;
+    };
+    if (planar()) return n;
+  }
+  return -1;
+}
+
+function upOf(gravity, plane) {
+  const g = new Vector3(...gravity);
+  if (g.length() > 0) {
+    const along = AXES.map((a) => Math.abs(a.dot(g)));
+    if (plane >= 0) along[plane] = 0;
+    const k = along.indexOf(Math.max(...along));
+    if (along[k] > 0) return AXES[k].clone().multiplyScalar(-Math.sign(AXES[k].dot(g)));
+  }
+  return plane === 2 ? AXES[1].clone() : AXES[2].clone();
+}
+
+// Where everything is during the run: of each body its corners, of each marker its origin.
+function extent(world, motion) {
+  const box = new Box3(), point = new Vector3(), sizes = [];
+  for (const t of instants(motion, 40)) {
+    world.seek(t);
+    const now = new Box3();
+    for (const p of world.keyPoints()) now.expandByPoint(point.copy(p));
+    if (now.isEmpty()) continue;
+    sizes.push(now.getSize(point).length());
+    box.union(now);
+  }
+  if (box.isEmpty()) box.expandByPoint(new Vector3());
+  sizes.sort((a, b) => a - b);
+  return { box, size: sizes[sizes.length >> 1] || 0 };
+}
+
+export function frameOf(data, motion, world) {
+  const { box, size } = extent(world, motion);
+  const whole = box.getSize(new Vector3()).length();
+  const length = Math.max(size, 0.15 * whole, 0.5 * data.mechanism.length, 1e-6);
+  const plane = planeOf(data, motion, length);
+  const up = upOf(data.mechanism.gravity, plane);
+  let front = plane >= 0 ? AXES[plane].clone() : null;
+  if (!front) front = Math.abs(up.z) > 0.5 ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
+  if (plane === 1) front.negate();
+  if (Math.abs(up.x) > 0.5 && plane < 0) front.set(0, 0, 1);
+  const right = new Vector3().crossVectors(up, front).normalize();
+  return { box, size: length, reach: Math.max(whole, length), center: box.getCenter(new Vector3()), plane, up, front, right };
+}

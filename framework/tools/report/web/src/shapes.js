@@ -1,0 +1,87 @@
+// Shapes: geometry made of a few solids, with thin edges that keep forms apart.
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial,
+  LineSegments, Mesh, MeshStandardMaterial, Quaternion, Shape, ShapeGeometry, SphereGeometry, Vector3,
+} from 'three';
+
+const Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
+
+export function material(color, options = {}) {
+  return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
+}
+
+export function edges(geometry, color, angle = 40, opacity = 0.35) {
+  const lines = new LineSegments(new EdgesGeometry(geometry, angle), new LineBasicMaterial({ color, transparent: true, opacity }));
+  lines.raycast = () => {};
+  return lines;
+}
+
+export function box(size, mat, edgeColor) {
+  const geometry = new BoxGeometry(...size);
+  const mesh = new Mesh(geometry, mat);
+  mesh.add(edges(geometry, edgeColor));
+  return mesh;
+}
+
+// Along z.
+export function cylinder(radius, length, mat, edgeColor, sides = 40) {
+  const geometry = new CylinderGeometry(radius, radius, length, sides).rotateX(Math.PI / 2);
+  const mesh = new Mesh(geometry, mat);
+  if (edgeColor) mesh.add(edges(geometry, edgeColor));
+  return mesh;
+}
+
+export function sphere(radius, mat, detail = 32) {
+  return new Mesh(new SphereGeometry(radius, detail, detail >> 1), mat);
+}
+
+// A bar with round ends.
+export function bar(from, to, radius, mat) {
+  const group = new Group();
+  const along = new Vector3().subVectors(to, from);
+  const length = along.length();
+  if (length > 1e-9) {
+    const rod = new Mesh(new CylinderGeometry(radius, radius, length, 20), mat);
+    rod.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
+    rod.position.addVectors(from, to).multiplyScalar(0.5);
+    group.add(rod);
+  }
+  for (const end of [from, to]) {
+    const ball = new Mesh(new SphereGeometry(radius, 20, 12), mat);
+    ball.position.copy(end);
+    group.add(ball);
+  }
+  return group;
+}
+
+// The flat area of points in the plane with this normal, as a thin sheet.
+export function plate(points, normal, mat) {
+  const turn = new Quaternion().setFromUnitVectors(normal, Z);
+  const flat = points.map((p) => p.clone().applyQuaternion(turn));
+  const shape = new Shape(flat);
+  const geometry = new ShapeGeometry(shape);
+  const mesh = new Mesh(geometry, mat);
+  mesh.quaternion.copy(turn).invert();
+  mesh.position.copy(new Vector3(0, 0, flat[0].z).applyQuaternion(mesh.quaternion));
+  return mesh;
+}
+
+// The engineer's mark of a mass centre: a ball in quarters.
+export function centerMark(radius, dark, light) {
+  const geometry = new SphereGeometry(radius, 24, 16).toNonIndexed();
+  const at = geometry.getAttribute('position');
+  const colors = new Float32Array(3 * at.count);
+  const [a, b] = [new Color(dark), new Color(light)];
+  for (let i = 0; i < at.count; i += 3) {
+    const mean = [0, 1, 2].map((c) => at.getComponent(i, c) + at.getComponent(i + 1, c) + at.getComponent(i + 2, c));
+    const color = mean[0] * mean[1] * mean[2] > 0 ? a : b;
+    for (let k = 0; k < 3; ++k) color.toArray(colors, 3 * (i + k));
+  }
+  geometry.setAttribute('color', new BufferAttribute(colors, 3));
+  return new Mesh(geometry, new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+}
+
+// Points x y z, x y z, ... as a geometry of lines.
+export function lineGeometry(numbers) {
+  return new BufferGeometry().setAttribute('position', new BufferAttribute(Float32Array.from(numbers), 3));
+}
