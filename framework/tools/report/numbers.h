@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/export.h>
+
 namespace lockstep::report {
 
 /// Arrays, one after another in one block; each begins at a multiple of 8 bytes. Little endian.
-class Numbers {
+class LOCKSTEP_API Numbers {
  public:
   /// Adds an array; returns where it is: {"at": first byte, "n": count, "bits": 32 or 64}.
   nlohmann::ordered_json add(std::span<const float> values);

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <lockstep/export.h>
+
 namespace lockstep::report {
 
 /// The page without data, in pieces; made by the configuration from web/dist/report.html.
@@ -12,7 +14,7 @@ std::span<const std::string_view> page_pieces();
 
 /// The page with its title, its description as JSON text, and its numbers as base64. Nothing in them ends an element of
 /// the page.
-std::string page_with(const std::string& title, const std::string& json, const std::string& numbers);
+LOCKSTEP_API std::string page_with(const std::string& title, const std::string& json, const std::string& numbers);
 
 /// JSON text for a script element: without "<", which only texts in it hold.
 std::string for_script(const std::string& json);

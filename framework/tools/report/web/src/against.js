@@ -83,16 +83,10 @@ function padded(u, low, high) {
 // The points joined in the order of time. Of very long columns every k-th is drawn.
 function way(u, seriesIdx) {
   uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
-    const [xs, ys] = u.data[seriesIdx], path = new Path2D(), every = Math.max(1, Math.floor(xs.length / 20000));
-    let pen = false;
-    for (let i = 0; i < xs.length; i += every) {
-      const ok = Number.isFinite(xs[i]) && Number.isFinite(ys[i]);
-      if (ok) {
-        const x = toX(xs[i], scaleX, wide, left), y = toY(ys[i], scaleY, high, top);
-        pen ? path.lineTo(x, y) : path.moveTo(x, y);
-      }
-      pen = ok;
-    }
+    const [xs, ys] = u.data[seriesIdx], every = Math.max(1, Math.floor(xs.length / 20000)), points = [];
+    for (let i = 0; i < xs.length; i += every)
+      points.push(Number.isFinite(xs[i]) && Number.isFinite(ys[i]) ? [toX(xs[i], scaleX, wide, left), toY(ys[i], scaleY, high, top)] : null);
+    const path = curve(points, xs.length < 1500);
     u.ctx.save();
     u.ctx.beginPath();
     u.ctx.rect(left, top, wide, high);
@@ -104,4 +98,20 @@ function way(u, seriesIdx) {
     u.ctx.restore();
   });
   return null;
+}
+
+// A path through points, where null is a gap; `smooth`: by cubic pieces, whose slopes are those from neighbour to neighbour.
+function curve(points, smooth) {
+  const path = new Path2D();
+  points.forEach((p, i) => {
+    if (!p) return;
+    const before = points[i - 1];
+    if (!before) path.moveTo(...p);
+    else if (!smooth) path.lineTo(...p);
+    else {
+      const a = points[i - 2] ?? before, b = points[i + 1] ?? p;
+      path.bezierCurveTo(before[0] + (p[0] - a[0]) / 6, before[1] + (p[1] - a[1]) / 6, p[0] - (b[0] - before[0]) / 6, p[1] - (b[1] - before[1]) / 6, ...p);
+    }
+  });
+  return path;
 }

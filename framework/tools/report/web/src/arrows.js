@@ -1,9 +1,10 @@
 // Arrows: what links and forces exert, with one scale for forces and one for moments.
-import { ConeGeometry, CylinderGeometry, Group, Mesh, Quaternion, Vector3 } from 'three';
+import { ConeGeometry, CylinderGeometry, Group, Mesh, Quaternion, TorusGeometry, Vector3 } from 'three';
 import { material } from './shapes.js';
 import { theme } from './theme.js';
 
 const Y = new Vector3(0, 1, 0);
+export const ROUND = 0.35;  // radius of a moment's arrow, where a force's would be 1 long
 
 // A round number up to the value: 1, 2 or 5 times a power of ten.
 export function roundDown(value) {
@@ -13,18 +14,25 @@ export function roundDown(value) {
   return (n >= 5 ? 5 : n >= 2 ? 2 : 1) * power;
 }
 
-function arrow(mat, unit, heads) {
+// Along y, from the origin: a shaft of length 1 to be stretched, and a head.
+function straight(mat, unit) {
   const group = new Group();
-  const shaft = new Mesh(new CylinderGeometry(0.16 * unit, 0.16 * unit, 1, 14).translate(0, 0.5, 0), mat);
-  group.add(shaft);
-  group.heads = [];
-  for (let i = 0; i < heads; ++i) {
-    const head = new Mesh(new ConeGeometry(0.45 * unit, 1.3 * unit, 18).translate(0, -0.65 * unit, 0), mat);
-    group.add(head);
-    group.heads.push(head);
-  }
-  group.shaft = shaft;
-  group.traverse((part) => { part.raycast = () => {}; });
+  group.shaft = new Mesh(new CylinderGeometry(0.16 * unit, 0.16 * unit, 1, 14).translate(0, 0.5, 0), mat);
+  group.head = new Mesh(new ConeGeometry(0.45 * unit, 1.3 * unit, 18).translate(0, -0.65 * unit, 0), mat);
+  group.add(group.shaft, group.head);
+  return group;
+}
+
+// Two thirds of a circle of radius 1 about y, in the sense of the moment, with a head.
+function round(mat) {
+  const group = new Group(), end = 1.4 * Math.PI;
+  const arc = new Mesh(new TorusGeometry(1, 0.055, 10, 48, end), mat);
+  const head = new Mesh(new ConeGeometry(0.17, 0.5, 18), mat);
+  head.position.set(Math.cos(end + 0.2), Math.sin(end + 0.2), 0);
+  head.rotation.z = end + 0.2;
+  const about = new Group().add(arc, head);  // the circle lies about z
+  about.rotation.x = -Math.PI / 2;
+  group.add(about);
   return group;
 }
 
@@ -49,17 +57,23 @@ export class Arrows {
     this.loads = data.mechanism.loads;
     this.world = world;
     this.factor = 1;
-    this.shown = { force: true, reaction: false, moment: true };
+    this.shown = { force: true, reaction: false };
     this.most = {
       force: largest(motion, this.loads, 0, (l) => !l.reaction),
       reaction: largest(motion, this.loads, 0, (l) => l.reaction),
       forceMoment: largest(motion, this.loads, 3, (l) => !l.reaction),
       reactionMoment: largest(motion, this.loads, 3, (l) => l.reaction),
     };
-    this.mats = { force: material(theme.is.force), reaction: material(theme.is.reaction), moment: material(theme.is.moment) };
+    // What is only rounding is no moment.
+    const rounding = 1e-9 * frame.size * Math.max(this.most.force, this.most.reaction);
+    for (const kind of ['forceMoment', 'reactionMoment']) if (this.most[kind] < rounding) this.most[kind] = 0;
+    // Bars do not hide what they bear.
+    const seen = (color) => material(color, { depthTest: false, transparent: true });
+    this.mats = { force: seen(theme.is.force), reaction: seen(theme.is.reaction), moment: seen(theme.is.moment) };
     this.items = this.loads.map((load) => {
-      const force = arrow(load.reaction ? this.mats.reaction : this.mats.force, unit, 1);
-      const moment = arrow(this.mats.moment, unit, 2);
+      const force = straight(load.reaction ? this.mats.reaction : this.mats.force, unit);
+      const moment = round(this.mats.moment);
+      for (const object of [force, moment]) object.traverse((part) => Object.assign(part, { raycast: () => {}, renderOrder: 5 }));
       world.root.add(force, moment);
       return { load, force, moment };
     });
@@ -82,24 +96,29 @@ export class Arrows {
       const on = load.reaction ? this.shown.reaction : this.shown.force;
       const marker = this.world.markers[load.marker];
       marker.updateWorldMatrix(true, false);
-      this.place(force, marker, motion.loads, 6 * i, scale.force, on);
-      this.place(moment, marker, motion.loads, 6 * i + 3, scale.moment, on && this.shown.moment);
+      const length = this.turn(force, marker, motion.loads, 6 * i, scale.force, on);
+      if (force.visible) this.stretch(force, length);
+      const radius = this.turn(moment, marker, motion.loads, 6 * i + 3, scale.moment, on) * ROUND;
+      if (moment.visible) moment.scale.setScalar(radius);
     });
   }
 
-  place(object, marker, loads, at, scale, on) {
+  // Puts an arrow at its marker along its vector; returns its length.
+  turn(object, marker, loads, at, scale, on) {
     const v = new Vector3(loads[at], loads[at + 1], loads[at + 2]);
-    const size = v.length(), length = (size / scale) * this.length * this.factor;
+    const size = v.length(), length = scale === 0 ? 0 : (size / scale) * this.length * this.factor;
     object.visible = on && Number.isFinite(length) && length > 0.15 * this.unit;
-    if (!object.visible) return;
+    if (!object.visible) return 0;
     object.position.setFromMatrixPosition(marker.matrixWorld);
     object.quaternion.copy(new Quaternion().setFromUnitVectors(Y, v.divideScalar(size)));
-    const head = Math.min(1, length / (2.6 * this.unit));
-    object.heads.forEach((h, k) => {
-      h.position.y = length - k * 0.9 * this.unit * head;
-      h.scale.setScalar(head);
-    });
-    object.shaft.scale.set(head, Math.max(1e-9, length - 0.6 * this.unit * head), head);
+    return length;
+  }
+
+  stretch({ shaft, head }, length) {
+    const width = Math.min(1, length / (2.6 * this.unit));
+    head.position.y = length;
+    head.scale.setScalar(width);
+    shaft.scale.set(width, Math.max(1e-9, length - 0.6 * this.unit * width), width);
   }
 
   recolor() {

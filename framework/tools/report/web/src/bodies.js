@@ -1,6 +1,7 @@
 // Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
-import { Group, Object3D, Vector3 } from 'three';
-import { bar, box, centerMark, cylinder, edges, material, plate, sphere } from './shapes.js';
+import { Group, LineBasicMaterial, LineLoop, Object3D, Vector3 } from 'three';
+
+import { bar, box, centerMark, cylinder, lineGeometry, material, plate, sphere } from './shapes.js';
 import { theme } from './theme.js';
 
 const point = (p) => new Vector3(p[0], p[1], p[2]);
@@ -45,11 +46,26 @@ function semiAxes(body, size) {
   return [bound(b + c - a), bound(c + a - b), bound(a + b - c)];
 }
 
+// With its three great circles, which show that it turns.
 function ellipsoid(body, mats, size) {
   const mesh = sphere(1, mats.solid, 40);
+  for (const k of [0, 1, 2]) mesh.add(greatCircle(k, mats.edge));
   mesh.scale.set(...semiAxes(body, size));
   mesh.position.copy(point(body.center));
   return mesh;
+}
+
+function greatCircle(axis, color) {
+  const numbers = [];
+  for (let i = 0; i < 64; ++i) {
+    const a = (2 * Math.PI * i) / 64, p = [0, 0, 0];
+    p[(axis + 1) % 3] = 1.003 * Math.cos(a);
+    p[(axis + 2) % 3] = 1.003 * Math.sin(a);
+    numbers.push(...p);
+  }
+  const line = new LineLoop(lineGeometry(numbers), new LineBasicMaterial({ color, transparent: true, opacity: 0.4 }));
+  line.raycast = () => {};
+  return line;
 }
 
 // Corners of the convex hull of points in a plane, in order; `normal` is set.
@@ -90,7 +106,7 @@ function ends(points) {
   return best;
 }
 
-function addSkeleton(group, body, points, mats, unit) {
+function addSkeleton(group, center, points, mats, unit) {
   const radius = 0.5 * unit;
   const normal = new Vector3();
   const corners = points.length > 2 ? hull(points, normal) : null;
@@ -102,6 +118,15 @@ function addSkeleton(group, body, points, mats, unit) {
     const middle = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length);
     for (const p of points) group.add(bar(middle, p, radius, mats.solid));
   } else group.add(bar(...ends(points), radius, mats.solid));
+  if (!corners) addSideways(group, points, center, mats, unit);
+}
+
+// A mass centre beside the bar of its body: a sheet from the bar to it.
+function addSideways(group, points, center, mats, unit) {
+  const [a, b] = ends(points);
+  const normal = new Vector3().crossVectors(new Vector3().subVectors(b, a), new Vector3().subVectors(center, a));
+  if (normal.length() < 2.5 * unit * a.distanceTo(b) || !collinear(points)) return;
+  group.add(plate([a, b, center], normal.normalize(), mats.sheet));
 }
 
 function nearest(p, others) {
@@ -113,18 +138,34 @@ function collinear(points) {
   return points.every((p) => new Vector3().subVectors(p, a).cross(along).length() < 1e-3 * a.distanceTo(b));
 }
 
-function addNeutral(group, body, points, mats, { unit, size }) {
+function addNeutral(group, body, points, mats, { unit, size, isWheel }) {
   const center = point(body.center);
   if (body.particle) {
     group.add(sphere(1.1 * unit, mats.solid));
     return;
   }
   if (points.length > 1) {
-    addSkeleton(group, body, points, mats, unit);
+    addSkeleton(group, center, points, mats, unit);
     return;
   }
-  group.add(ellipsoid(body, mats, size));
-  if (points.length === 1 && points[0].distanceTo(center) > 0.01 * size) group.add(bar(points[0], center, 0.4 * unit, mats.solid));
+  const arm = points.length === 1 ? points[0].distanceTo(center) : 0;
+  if (points.length === 0 || arm > 0.05 * size)
+    group.add(ellipsoid(body, mats, size));
+  else if (!isWheel) {
+    const block = box([3.4 * unit, 2.8 * unit, 2.8 * unit], mats.solid, mats.edge);
+    block.position.copy(center);
+    group.add(block);
+  }
+  if (arm > 0.01 * size) group.add(bar(points[0], center, 0.4 * unit, mats.solid));
+}
+
+// Bodies on which the curve of a gear, a belt or a cam is drawn, by number.
+function wheelsOf({ mechanism }) {
+  const wheels = new Set();
+  for (const link of mechanism.links)
+    for (const curve of link.curves ?? [])
+      if (curve.closed) wheels.add(mechanism.markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]].body);
+  return wheels;
 }
 
 // A group for every body of the mechanism, by number, with what it looks like. Fixed bodies stay at home.
@@ -152,7 +193,7 @@ export class Bodies {
 
   // Points that a picture should hold, in the world: of every body its corners and its mass centre.
   *keyPoints() {
-    const { bodies, markers, links } = this.data.mechanism;
+    const { bodies, markers, links, forces } = this.data.mechanism;
     const p = new Vector3();
     for (let i = 0; i < bodies.length; ++i) {
       const group = this.groups[i], body = bodies[i];
@@ -168,7 +209,18 @@ export class Bodies {
         }
       }
     }
-    const used = new Set(links.flatMap((link) => link.pairs.flat()));
+    for (const link of links)
+      for (const curve of link.curves ?? []) {
+        if (!curve.closed) continue;
+        const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]], holder = new Object3D();
+        setPose(holder, marker.at);
+        holder.updateMatrix();
+        for (let i = 0; i < curve.points.length; i += 36)
+          yield p.set(...curve.points.slice(i, i + 3))
+              .applyMatrix4(holder.matrix)
+              .applyMatrix4(this.groups[marker.body].matrixWorld);
+      }
+    const used = new Set([...links.flatMap((link) => link.pairs.flat()), ...forces.flatMap((force) => force.markers)]);
     for (let m = 0; m < markers.length; ++m)
       if (!bodies[markers[m].body].fixed || used.has(m))
         yield p.copy(point(markers[m].at)).applyMatrix4(this.groups[markers[m].body].matrixWorld);
@@ -177,13 +229,17 @@ export class Bodies {
   // `unit`: the size of symbols.
   dress(frame, unit) {
     let number = 0;
+    const wheels = wheelsOf(this.data);
     this.looks = this.data.mechanism.bodies.map((body, index) => {
       const group = this.groups[index];
       const color = body.fixed ? null : number++;
       const look = { color, mats: null, center: null };
       look.mats = this.materials(look);
       if (body.solids.length > 0) addSolids(group, body, look.mats, unit);
-      else if (!body.fixed) addNeutral(group, body, attachments(index, this.data, frame.size), look.mats, { unit, size: frame.size });
+      else if (!body.fixed)
+        addNeutral(
+            group, body, attachments(index, this.data, frame.size), look.mats,
+            { unit, size: frame.size, isWheel: wheels.has(index) });
       if (!body.fixed) {
         look.center = centerMark(0.75 * unit, '#15181c', '#f4f4f4');
         look.center.position.copy(point(body.center));

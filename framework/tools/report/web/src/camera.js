@@ -67,24 +67,37 @@ export class Views {
     const direction = this.direction ?? new Vector3().subVectors(this.camera.position, this.controls.target).normalize();
     this.direction = null;
     const side = new Vector3().crossVectors(frame.up, direction).normalize(), top = new Vector3().crossVectors(direction, side);
-    const target = frame.center.clone();
-    let wide = 0, high = 0, deep = 0;
-    const corner = new Vector3();
-    for (let c = 0; c < 8; ++c) {
-      corner.set(c & 1 ? frame.box.max.x : frame.box.min.x, c & 2 ? frame.box.max.y : frame.box.min.y, c & 4 ? frame.box.max.z : frame.box.min.z).sub(target);
-      wide = Math.max(wide, Math.abs(corner.dot(side)));
-      high = Math.max(high, Math.abs(corner.dot(top)));
-      deep = Math.max(deep, Math.abs(corner.dot(direction)));
+    const target = this.middle(side, top, direction);
+    const margin = 0.07 * frame.size, slope = Math.tan((FIELD * Math.PI) / 360), v = new Vector3();
+    let half = 0.08 * frame.size, distance = half / slope;
+    for (const p of frame.points) {
+      v.subVectors(p, target);
+      const across = Math.max(Math.abs(v.dot(top)) + margin, (Math.abs(v.dot(side)) + margin) / this.aspect) * 1.06;
+      half = Math.max(half, across);
+      distance = Math.max(distance, across / slope + v.dot(direction));
     }
-    const margin = 0.06 * frame.size;
-    this.halfHeight = Math.max(high + margin, (wide + margin) / this.aspect, 0.1 * frame.size) * 1.12;
+    this.halfHeight = half;
     this.orthographic.zoom = 1;
-    const distance = this.halfHeight / Math.tan((FIELD * Math.PI) / 360) + (this.isOrthographic ? 0 : 0.6 * deep);
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction, distance);
+    this.camera.position.copy(target).addScaledVector(direction, this.isOrthographic ? half / slope : distance);
     this.project();
     this.controls.update();
     this.onChange();
+  }
+
+  // The middle of all that moves, as it is seen along three axes.
+  middle(...axes) {
+    const target = new Vector3();
+    for (const axis of axes) {
+      let low = Infinity, high = -Infinity;
+      for (const p of this.frame.points) {
+        const d = p.dot(axis);
+        low = Math.min(low, d);
+        high = Math.max(high, d);
+      }
+      target.addScaledVector(axis, 0.5 * (low + high));
+    }
+    return target;
   }
 
   resize(aspect) {

@@ -58,22 +58,26 @@ function upOf(gravity, plane) {
 
 // Where everything is during the run: of each body its corners, of each marker its origin.
 function extent(world, motion) {
-  const box = new Box3(), point = new Vector3(), sizes = [];
+  const box = new Box3(), point = new Vector3(), sizes = [], points = [];
   for (const t of instants(motion, 40)) {
     world.seek(t);
     const now = new Box3();
-    for (const p of world.keyPoints()) now.expandByPoint(point.copy(p));
+    for (const p of world.keyPoints()) {
+      now.expandByPoint(point.copy(p));
+      if (points.length < 20000) points.push(p.clone());
+    }
     if (now.isEmpty()) continue;
     sizes.push(now.getSize(point).length());
     box.union(now);
   }
   if (box.isEmpty()) box.expandByPoint(new Vector3());
   sizes.sort((a, b) => a - b);
-  return { box, size: sizes[sizes.length >> 1] || 0 };
+  if (points.length === 0) points.push(new Vector3());
+  return { box, points, size: sizes[sizes.length >> 1] || 0 };
 }
 
 export function frameOf(data, motion, world) {
-  const { box, size } = extent(world, motion);
+  const { box, points, size } = extent(world, motion);
   const whole = box.getSize(new Vector3()).length();
   const length = Math.max(size, 0.15 * whole, 0.5 * data.mechanism.length, 1e-6);
   const plane = planeOf(data, motion, length);
@@ -83,5 +87,15 @@ export function frameOf(data, motion, world) {
   if (plane === 1) front.negate();
   if (Math.abs(up.x) > 0.5 && plane < 0) front.set(0, 0, 1);
   const right = new Vector3().crossVectors(up, front).normalize();
-  return { box, size: length, reach: Math.max(whole, length), center: box.getCenter(new Vector3()), plane, up, front, right };
+  return {
+    box,
+    points,
+    size: length,
+    reach: Math.max(whole, length),
+    center: box.getCenter(new Vector3()),
+    plane,
+    up,
+    front,
+    right
+  };
 }

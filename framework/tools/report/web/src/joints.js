@@ -1,6 +1,6 @@
 // Joints: a symbol for each kind of mask, at the markers of the link, with its axis.
 import { CylinderGeometry, Group, LineBasicMaterial, LineDashedMaterial, LineLoop, LineSegments, Line, Mesh, OctahedronGeometry, PlaneGeometry, TorusGeometry, Vector3 } from 'three';
-import { box, cylinder, lineGeometry, material, sphere } from './shapes.js';
+import { box, cylinder, lineGeometry, material, sphere, tube } from './shapes.js';
 import { theme } from './theme.js';
 
 const AXES = ['x', 'y', 'z'];
@@ -135,17 +135,16 @@ const SYMBOLS = {
 for (const kind of ['coupling', 'distance', 'stop']) SYMBOLS[kind] = SYMBOLS.none;
 
 // Curves of a link, in the axes of a marker; of a wheel a spoke as well, which shows that it turns.
-function addCurves(link, markers, mats) {
+function addCurves(link, markers, unit, mats) {
   const added = [];
   for (const curve of link.curves ?? []) {
     const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]];
-    const geometry = lineGeometry(curve.points);
-    const line = curve.closed ? new LineLoop(geometry, mats.curve) : new Line(geometry, mats.curve);
+    if (curve.points.length < 6) continue;
     const group = new Group();
-    group.add(line);
+    group.add(tube(curve.points, curve.closed, (curve.closed ? 0.14 : 0.2) * unit, mats.rail));
     if (curve.closed) {
       const [x, y, z] = curve.points;
-      group.add(new Line(lineGeometry([0, 0, 0, x, y, z]), mats.curve));
+      group.add(new LineLoop(lineGeometry(curve.points), mats.wheel), new Line(lineGeometry([0, 0, 0, x, y, z]), mats.wheel));
     }
     marker.add(group);
     added.push(group);
@@ -192,10 +191,14 @@ export class Joints {
 
   materials(color) {
     return {
-      solid: material(color), rail: material(theme.is.ground), pin: material(theme.is.pin), pin2: material(theme.is.ground),
+      solid: material(color),
+      rail: material(theme.is.ground),
+      pin: material(theme.is.pin),
+      pin2: material(theme.is.ground),
       sheet: material(theme.is.ground, { transparent: true, opacity: 0.18, side: 2, depthWrite: false }),
-      line: new LineBasicMaterial({ color: theme.is.soft }), edge: theme.is.dark ? '#000000' : '#1c2530',
-      curve: new LineBasicMaterial({ color: theme.is.joint }),
+      line: new LineBasicMaterial({ color: theme.is.soft }),
+      edge: theme.is.dark ? '#000000' : '#1c2530',
+      wheel: new LineBasicMaterial({ color: theme.is.ink, depthTest: false, transparent: true, opacity: 0.6 }),
       axis: new LineDashedMaterial({ color: theme.is.soft, dashSize: 1, gapSize: 0.5 }),
     };
   }
@@ -211,7 +214,7 @@ export class Joints {
     const slides = ['slide', 'cylindrical', 'line', 'screw'].includes(kind);
     const travel = slides ? travelOf(link, kind === 'screw' ? 2 : free.slides[0], world, times) : [0, 0];
     const parts = SYMBOLS[kind](unit, mats, travel);
-    const added = addCurves(link, world.markers, mats);
+    const added = addCurves(link, world.markers, unit, mats);
     if (link.pairs.length > 0) {
       const [p, s] = link.pairs[0];
       const turned = [parts.p, parts.s].map((part) => new Group().add(along(part, axis)));
@@ -249,7 +252,7 @@ export class Joints {
       mats.pin.color.set(theme.is.pin);
       mats.line.color.set(theme.is.soft);
       mats.axis.color.set(theme.is.soft);
-      mats.curve.color.set(theme.is.joint);
+      mats.wheel.color.set(theme.is.ink);
     };
     tint(this.mats.ink, theme.is.joint);
     tint(this.mats.drive, theme.is.drive);

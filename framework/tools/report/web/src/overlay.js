@@ -1,6 +1,6 @@
 // What lies over the picture as text and lines: names, axes with gravity, the scales of lengths and of arrows.
 import { Vector3 } from 'three';
-import { roundDown } from './arrows.js';
+import { ROUND, roundDown } from './arrows.js';
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -98,14 +98,16 @@ export class Overlay {
     const { force, moment } = arrows.scales();
     const full = 100 * metresPerPixel, reference = (most) => roundDown((most * full) / (arrows.length * arrows.factor));
     this.elements.arrowScale.replaceChildren();
-    const rows = [['force', force, 'N'], ['moment', arrows.shown.moment ? moment : 0, 'N m']];
+    const forces = arrows.shown.force && arrows.most.force > 0 ? 'force' : 'reaction';
+    const rows = [[forces, force, 'N'], ['moment', moment, 'N m']];
     if (!arrows.shown.force && !arrows.shown.reaction) return;
     for (const [kind, most, unit] of rows) {
       if (!(most > 0)) continue;
       const value = reference(most), row = document.createElement('div');
       const line = document.createElement('i'), text = document.createElement('span');
       row.className = `arrow ${kind}`;
-      line.style.width = `${((value / most) * arrows.length * arrows.factor) / metresPerPixel}px`;
+      const pixels = ((value / most) * arrows.length * arrows.factor) / metresPerPixel;
+      line.style.width = `${kind === 'moment' ? 2 * ROUND * pixels : pixels}px`;
       text.textContent = `${short(value)} ${unit}`;
       row.append(line, text);
       this.elements.arrowScale.append(row);

@@ -125,14 +125,19 @@ export class Plots {
   }
 
   makePlot(group, body) {
-    const columns = this.columnsOf(group);
+    const columns = this.columnsOf(group), smooth = this.x.length < 1500;  // few rows are joined without corners
     const options = {
       width: Math.max(200, body.clientWidth || this.holder.clientWidth - 24),
       height: HEIGHT,
       padding: [8, 12, 0, 0],
       legend: { live: true },
-      cursor: { sync: { key: 'time' }, drag: { x: true, y: false }, bind: { dblclick: () => () => this.zoom(this.full) }, points: { size: 6 } },
-      scales: { x: { time: false }, y: group.log ? { distr: 3 } : {} },
+      cursor: {
+        sync: { key: 'time' },
+        drag: { x: true, y: false },
+        bind: { dblclick: () => () => this.zoom(this.full) },
+        points: { size: 6 }
+      },
+      scales: {x: { time: false }, y: group.log ? { distr: 3 } : {}},
       axes: [
         { ...axisStyle(), size: 26 },
         { ...axisStyle(), size: 62, values: (u, ticks) => ticks.map((v) => (v === null ? '' : number(v))) },
@@ -140,13 +145,15 @@ export class Plots {
       series: [
         { label: 't [s]', value: (u, v) => number(v) },
         ...columns.map((column, i) => ({
-          label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
-          stroke: theme.color(i),
-          width: 1.6,
-          show: !group.hidden.has(i),
-          points: { show: false },
-          value: (u, v) => number(v),
-        })),
+                         label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
+                         stroke: theme.color(i),
+                         width: 1.6,
+                         pxAlign: 0,
+                         paths: smooth ? uPlot.paths.spline() : uPlot.paths.linear(),
+                         show: !group.hidden.has(i),
+                         points: { show: false },
+                         value: (u, v) => number(v),
+                       })),
       ],
       hooks: {
         setScale: [(u, key) => key === 'x' && this.zoomed(u)],

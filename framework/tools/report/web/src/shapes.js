@@ -1,7 +1,7 @@
 // Shapes: geometry made of a few solids, with thin edges that keep forms apart.
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial,
-  LineSegments, Mesh, MeshStandardMaterial, Quaternion, Shape, ShapeGeometry, SphereGeometry, Vector3,
+  BoxGeometry, BufferAttribute, BufferGeometry, CatmullRomCurve3, Color, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial,
+  LineSegments, Mesh, MeshStandardMaterial, Quaternion, Shape, ShapeGeometry, SphereGeometry, TubeGeometry, Vector3,
 } from 'three';
 
 const Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
@@ -79,6 +79,13 @@ export function centerMark(radius, dark, light) {
   }
   geometry.setAttribute('color', new BufferAttribute(colors, 3));
   return new Mesh(geometry, new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+}
+
+// A tube along points x y z, x y z, ...
+export function tube(numbers, closed, radius, mat) {
+  const points = [];
+  for (let i = 0; i < numbers.length; i += 3) points.push(new Vector3(numbers[i], numbers[i + 1], numbers[i + 2]));
+  return new Mesh(new TubeGeometry(new CatmullRomCurve3(points, closed), 2 * points.length, radius, 8, closed), mat);
 }
 
 // Points x y z, x y z, ... as a geometry of lines.

@@ -17,7 +17,9 @@ export class Stage {
     this.overlay = new Overlay(data, world, elements);
     // Light comes over the viewer's left shoulder, from wherever he looks.
     this.key = new DirectionalLight('#ffffff', 2.1);
-    this.scene.add(world.root, this.grid.lines, this.key, this.key.target, new HemisphereLight('#ffffff', '#b0b7c0', 1.3), new AmbientLight('#ffffff', 0.25));
+    this.scene.add(
+        world.root, this.grid.lines, this.key, this.key.target, new HemisphereLight('#ffffff', '#b0b7c0', 1.4),
+        new AmbientLight('#ffffff', 0.5));
     this.recolor();
     new ResizeObserver(() => this.resize()).observe(elements.stage);
     this.resize();

@@ -1,7 +1,7 @@
 // Trails: the ways of points of bodies during the run; the part that lies behind is drawn stronger.
 import { Line, LineBasicMaterial, Vector3 } from 'three';
-import { lineGeometry } from './shapes.js';
-import { theme } from './theme.js';
+
+import { lineGeometry, material, sphere } from './shapes.js';
 
 // Instants for a smooth way: every frame, and some between them where there are few.
 function trailTimes(motion, most = 3000) {
@@ -45,7 +45,12 @@ export class Trails {
       line.visible = this.shown;
       this.world.root.add(line);
     }
-    this.lines.set(key, { times, whole, past, color });
+    const dot = sphere(0.4 * this.world.unit, material('#000000'), 16);
+    dot.position.copy(point);
+    dot.raycast = () => {};
+    dot.visible = this.shown;
+    object.add(dot);
+    this.lines.set(key, { times, whole, past, dot, color });
     this.recolor();
   }
 
@@ -53,12 +58,13 @@ export class Trails {
     const trail = this.lines.get(key);
     if (!trail) return;
     this.world.root.remove(trail.whole, trail.past);
+    trail.dot.removeFromParent();
     this.lines.delete(key);
   }
 
   show(shown) {
     this.shown = shown;
-    for (const { whole, past } of this.lines.values()) whole.visible = past.visible = shown;
+    for (const { whole, past, dot } of this.lines.values()) whole.visible = past.visible = dot.visible = shown;
   }
 
   seek(t) {
@@ -70,7 +76,7 @@ export class Trails {
   }
 
   recolor() {
-    for (const { whole, past, color } of this.lines.values())
-      for (const line of [whole, past]) line.material.color.set(color());
+    for (const { whole, past, dot, color } of this.lines.values())
+      for (const line of [whole, past, dot]) line.material.color.set(color());
   }
 }
