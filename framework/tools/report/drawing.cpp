@@ -61,7 +61,7 @@ Json pitch_circles(const Gear& gear) {
   const bool internal = gear.phi().a * gear.phi().b < 0;
   if (!(distance > 0) || (internal && ratio == 1)) return Json::array();
   const double radius = internal ? distance / std::abs(ratio - 1) : distance / (1 + ratio);
-  return {circle(0, "p", radius), circle(1, "p", radius * ratio)};
+  return Json::array({circle(0, "p", radius), circle(1, "p", radius * ratio)});
 }
 
 }  // namespace
@@ -69,24 +69,25 @@ Json pitch_circles(const Gear& gear) {
 Json drawing_of(const Lock& link, std::pair<double, double> path_range) {
   Json json = Json::object();
   if (const auto* curve = dynamic_cast<const PointOnCurve*>(&link))
-    json["curves"] = {path(curve->phi().curve, path_range)};
+    json["curves"] = Json::array({path(curve->phi().curve, path_range)});
   else if (const auto* follower = dynamic_cast<const PathFollower*>(&link))
-    json["curves"] = {path(follower->phi().curve, path_range)};
+    json["curves"] = Json::array({path(follower->phi().curve, path_range)});
   else if (const auto* roller = dynamic_cast<const CamRoller*>(&link)) {
-    json["curves"] = {profile(roller->phi().profile)};
+    json["curves"] = Json::array({profile(roller->phi().profile)});
     if (roller->phi().roller > 0) json["curves"].push_back(circle(0, "p", roller->phi().roller));
   } else if (const auto* flat = dynamic_cast<const CamFlat*>(&link))
-    json["curves"] = {profile(flat->phi().profile)};
+    json["curves"] = Json::array({profile(flat->phi().profile)});
   else if (const auto* gear = dynamic_cast<const Gear*>(&link))
     json["curves"] = pitch_circles(*gear);
   else if (const auto* belt = dynamic_cast<const Belt*>(&link)) {
     const double a = std::abs(belt->phi().a), b = std::abs(belt->phi().b);
-    json["curves"] = {circle(0, "p", a), circle(1, "p", b)};
+    json["curves"] = Json::array({circle(0, "p", a), circle(1, "p", b)});
     json["belt"] = {{"radii", {a, b}}, {"crossed", belt->phi().a * belt->phi().b > 0}};
-  } else if (const auto* rolling = dynamic_cast<const RollingRack*>(&link))
-    json["curves"] = {circle(0, "p", std::abs(rolling->phi().radius))};
-  else if (const auto* rack = dynamic_cast<const RackAndPinion*>(&link))
-    json["curves"] = {circle(0, "p", std::abs(rack->phi().radius))};
+  } else if (const auto* rolling = dynamic_cast<const RollingRack*>(&link)) {
+    json["curves"] = Json::array({circle(0, "p", std::abs(rolling->phi().radius))});
+    json["rack"] = rolling->phi().radius;
+  } else if (const auto* rack = dynamic_cast<const RackAndPinion*>(&link))
+    json["curves"] = Json::array({circle(0, "p", std::abs(rack->phi().radius))});
   return json;
 }
 

@@ -52,7 +52,7 @@ Json body_of(const Body& body, const std::vector<Solid>& solids) {
 Json link_of(const Lock& link, const System& system, const Numbering<Marker>& marker, const Frames& frames) {
   Json json{{"name", link.name()}, {"type", link.type()}};
   Json& pairs = json["pairs"] = Json::array();
-  for (const auto& [p, s] : link.pairs()) pairs.push_back({marker(p), marker(s)});
+  for (const auto& [p, s] : link.pairs()) pairs.push_back(Json::array({marker(p), marker(s)}));
   if (const Jointed* joint = link.jointed()) {
     json["mask"] = to_string(joint->mask());
     Json& drives = json["drives"] = Json::array();

@@ -42,7 +42,8 @@ function addSolids(group, body, mats, unit) {
 // Semi-axes of the solid ellipsoid with this mass and diagonal inertia, bounded to what a picture bears.
 function semiAxes(body, size) {
   const [a, b, c] = body.inertia, f = 2.5 / body.mass;
-  const bound = (square) => Math.min(0.22 * size, Math.max(0.012 * size, Math.sqrt(Math.max(0, f * square))));
+  const least = Number.isFinite(size) ? 0.012 * size : 0;
+  const bound = (square) => Math.min(0.22 * size, Math.max(least, Math.sqrt(Math.max(0, f * square))));
   return [bound(b + c - a), bound(c + a - b), bound(a + b - c)];
 }
 
@@ -117,8 +118,18 @@ function addSkeleton(group, center, points, mats, unit) {
   } else if (points.length > 2 && !collinear(points)) {
     const middle = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length);
     for (const p of points) group.add(bar(middle, p, radius, mats.solid));
-  } else group.add(bar(...ends(points), radius, mats.solid));
+  } else {
+    const beyond = beyondEnds(points, center, unit);
+    group.add(bar(...ends(beyond ? [...points, center] : points), radius, mats.solid));
+    if (beyond) group.add(bar(center, center, 1.7 * unit, mats.solid));
+  }
   if (!corners) addSideways(group, points, center, mats, unit);
+}
+
+// Whether the mass centre lies on the line of the points, but further out: a weight on an arm.
+function beyondEnds(points, center, unit) {
+  const [a, b] = ends(points), all = [...points, center];
+  return collinear(all) && Math.max(center.distanceTo(a), center.distanceTo(b)) > a.distanceTo(b) + 2 * unit;
 }
 
 // A mass centre beside the bar of its body: a sheet from the bar to it.
@@ -149,8 +160,8 @@ function addNeutral(group, body, points, mats, { unit, size, isWheel }) {
     return;
   }
   const arm = points.length === 1 ? points[0].distanceTo(center) : 0;
-  if (points.length === 0 || arm > 0.05 * size)
-    group.add(ellipsoid(body, mats, size));
+  if (points.length === 0) group.add(ellipsoid(body, mats, 3 * size));
+  else if (arm > 0.05 * size) group.add(ellipsoid(body, mats, Math.min(size, 1.6 * arm)));
   else if (!isWheel) {
     const block = box([3.4 * unit, 2.8 * unit, 2.8 * unit], mats.solid, mats.edge);
     block.position.copy(center);
@@ -191,6 +202,20 @@ export class Bodies {
     });
   }
 
+  // Mass centres of bodies that move, in the world.
+  centers() {
+    return this.data.mechanism.moving.map((i) => point(this.data.mechanism.bodies[i].center).applyMatrix4(this.groups[i].matrixWorld));
+  }
+
+  // How far the ellipsoid reaches as which a body may be drawn, at most: where nothing says what it looks like.
+  ellipsoidReach(i) {
+    const body = this.data.mechanism.bodies[i];
+    if (body.fixed || body.particle || body.solids.length > 0) return 0;
+    const points = attachments(i, this.data, 0);
+    if (points.length === 0) return this.data.mechanism.length;
+    return points.length === 1 ? 0.35 * points[0].distanceTo(point(body.center)) : 0;
+  }
+
   // Points that a picture should hold, in the world: of every body its corners and its mass centre.
   *keyPoints() {
     const { bodies, markers, links, forces } = this.data.mechanism;
@@ -199,6 +224,10 @@ export class Bodies {
       const group = this.groups[i], body = bodies[i];
       group.updateMatrixWorld();
       if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
+      const reach = this.ellipsoidReach(i);
+      if (reach > 0)
+        for (const [k, a] of semiAxes(body, Infinity).entries())
+          for (const side of [-1, 1]) yield p.copy(point(body.center)).setComponent(k, body.center[k] + side * Math.min(a, reach)).applyMatrix4(group.matrixWorld);
       for (const solid of body.solids) {
         const holder = new Object3D();
         setPose(holder, solid.at);

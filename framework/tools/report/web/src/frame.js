@@ -76,11 +76,27 @@ function extent(world, motion) {
   return { box, points, size: sizes[sizes.length >> 1] || 0 };
 }
 
+// Whether mass centres lie, or move, beside one another in the plane: what only turns about one axis is better seen in
+// space.
+function spreads(world, plane, length) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (const t of instants(world.motion, 24)) {
+    world.seek(t);
+    for (const x of world.bodies.centers())
+      for (let k = 0; k < 3; ++k) {
+        low[k] = Math.min(low[k], x.getComponent(k));
+        high[k] = Math.max(high[k], x.getComponent(k));
+      }
+  }
+  return [1, 2].some((k) => high[(plane + k) % 3] - low[(plane + k) % 3] > 0.02 * length);
+}
+
 export function frameOf(data, motion, world) {
   const { box, points, size } = extent(world, motion);
   const whole = box.getSize(new Vector3()).length();
   const length = Math.max(size, 0.15 * whole, 0.5 * data.mechanism.length, 1e-6);
-  const plane = planeOf(data, motion, length);
+  let plane = planeOf(data, motion, length);
+  if (plane >= 0 && !spreads(world, plane, length)) plane = -1;
   const up = upOf(data.mechanism.gravity, plane);
   let front = plane >= 0 ? AXES[plane].clone() : null;
   if (!front) front = Math.abs(up.z) > 0.5 ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);

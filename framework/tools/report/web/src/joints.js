@@ -215,6 +215,7 @@ export class Joints {
     const travel = slides ? travelOf(link, kind === 'screw' ? 2 : free.slides[0], world, times) : [0, 0];
     const parts = SYMBOLS[kind](unit, mats, travel);
     const added = addCurves(link, world.markers, unit, mats);
+    if (link.rack) added.push(this.rack(link, world, unit, mats, times));
     if (link.pairs.length > 0) {
       const [p, s] = link.pairs[0];
       const turned = [parts.p, parts.s].map((part) => new Group().add(along(part, axis)));
@@ -224,6 +225,16 @@ export class Joints {
       this.addGroundMark(link, kind, world, frame, unit, mats, added);
     }
     return added;
+  }
+
+  // The rack on which a pinion rolls along x of S.
+  rack(link, world, unit, mats, times) {
+    const [from, to] = travelOf(link, 0, world, times), length = to - from + 2 * Math.abs(link.rack);
+    const bar = box([length, 0.8 * unit, 1.6 * unit], mats.rail, mats.edge);
+    bar.position.set(0.5 * (from + to), -link.rack - Math.sign(link.rack) * 0.4 * unit, 0);
+    const group = new Group().add(bar);
+    world.markers[link.pairs[0][1]].add(group);
+    return group;
   }
 
   addGroundMark(link, kind, world, frame, unit, mats, added) {
