@@ -11,19 +11,14 @@ function setPose(object, at) {
   object.quaternion.set(at[4], at[5], at[6], at[3]);
 }
 
-// The points at which others hold a body, each once; in its own frame.
+// The points of a body at which others hold it, or which the scene names, each once; in its own frame.
 export function attachments(index, data, size) {
   const points = [];
-  const { links, forces, markers } = data.mechanism;
-  const used = new Set();
-  for (const link of links) for (const pair of link.pairs) pair.forEach((m) => used.add(m));
-  for (const force of forces) force.markers.forEach((m) => used.add(m));
-  markers.forEach((marker, m) => {
-    const named = !used.has(m);  // the scene's own, such as the tip of an arm
-    if (marker.body !== index || !(used.has(m) || named)) return;
+  for (const marker of data.mechanism.markers) {
+    if (marker.body !== index) continue;
     const p = point(marker.at);
     if (points.every((q) => q.distanceTo(p) > 1e-4 * size)) points.push(p);
-  });
+  }
   return points;
 }
 
@@ -191,6 +186,7 @@ export class Bodies {
       root.add(group);
       return group;
     });
+    this.reaches = data.mechanism.bodies.map((_, i) => this.ellipsoidReach(i));
     this.moving = data.mechanism.moving.map((index) => this.groups[index]);
   }
 
@@ -224,7 +220,7 @@ export class Bodies {
       const group = this.groups[i], body = bodies[i];
       group.updateMatrixWorld();
       if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
-      const reach = this.ellipsoidReach(i);
+      const reach = this.reaches[i];
       if (reach > 0)
         for (const [k, a] of semiAxes(body, Infinity).entries())
           for (const side of [-1, 1]) yield p.copy(point(body.center)).setComponent(k, body.center[k] + side * Math.min(a, reach)).applyMatrix4(group.matrixWorld);
@@ -270,7 +266,7 @@ export class Bodies {
             group, body, attachments(index, this.data, frame.size), look.mats,
             { unit, size: frame.size, isWheel: wheels.has(index) });
       if (!body.fixed) {
-        look.center = centerMark(0.75 * unit, '#15181c', '#f4f4f4');
+        look.center = centerMark(0.75 * unit);
         look.center.position.copy(point(body.center));
         look.center.visible = false;
         group.add(look.center);

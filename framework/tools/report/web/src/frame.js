@@ -11,38 +11,30 @@ export function instants(motion, most) {
 
 const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
 
-// The normal of the plane to which all points and axes keep: no body leaves it or turns out of it.
+// The world's axes as a body sees them: the rows of its rotation matrix.
+function axesOf([x, y, z, w]) {
+  return [
+    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+  ];
+}
+
+// The normal of the plane to which all bodies keep: none leaves it or turns out of it.
 function planeOf(data, motion, size) {
   if (data.mechanism.plane >= 0) return data.mechanism.plane;
-  const times = instants(motion, 24);
-  for (const n of [2, 1, 0]) {
-    const planar = () => {
-      for (let i = 0; i < motion.nBodies; ++i) {
-        const from = [];
-        for (const t of times) {
-          motion.seek(t);
-          const q = motion.bodies.subarray(7 * i + 3, 7 * i + 7);
-          from.push([motion.bodies[7 * i + n], Math.hypot(q[(n + 1) % 3], q[(n + 2) % 3])]);
-        }
-        if (from.some(([x]) => Math.abs(x - from[0][0]) > 1e-5 * size)) return false;
-        // Turned about the normal alone, from any start: the products of the quaternion keep their shares.
-        const turning = times.map((t) => {
-          motion.seek(t);
-          const [x, y, z, w] = motion.bodies.subarray(7 * i + 3, 7 * i + 7);
-          const normal = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
-            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
-            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
-          ];
-          return normal.map((row) => row[n]);  // the world's normal in body axes
-        });
-        if (turning.some((v) => v.some((c, k) => Math.abs(c - turning[0][k]) > 1e-4))) return false;
-      }
-      return true;
-    };
-    if (planar()) return n;
+  const left = new Set([2, 1, 0]), first = [];
+  for (const t of instants(motion, 24)) {
+    motion.seek(t);
+    for (let i = 0; i < motion.nBodies; ++i) {
+      const x = motion.bodies.slice(7 * i, 7 * i + 3), axes = axesOf(motion.bodies.subarray(7 * i + 3, 7 * i + 7));
+      first[i] ??= { x, axes };
+      for (const n of left)
+        if (Math.abs(x[n] - first[i].x[n]) > 1e-5 * size || axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4)) left.delete(n);
+    }
+    if (left.size === 0) return -1;
   }
-  return -1;
+  return [...left][0];
 }
 
 function upOf(gravity, plane) {

@@ -62,20 +62,22 @@ export class Plots {
     this.data = data;
     this.clock = clock;
     this.holder = holder;
-    this.groups = groupsOf(data).map((group, i) => ({ ...group, log: false, hidden: new Set(), open: i < 6 }));
+    this.groups = groupsOf(data).map((group) => ({ ...group, log: false, hidden: new Set() }));
     this.x = data.table.columns[0].values;
     this.long = this.x.length > LONG;
     this.sync = uPlot.sync('time');
     this.plots = [];
     clock.addEventListener('time', () => this.showTime());
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(holder);
+    new ResizeObserver(() => this.resize()).observe(holder);
+    // A panel is drawn when it comes into view: a run may have hundreds.
+    this.views = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && this.fill(entry.target)), { rootMargin: '200px' });
   }
 
   get full() { return [this.x[0], this.x[this.x.length - 1]]; }
 
   build() {
     for (const { plot } of this.plots) plot.destroy();
+    this.views.disconnect();
     this.holder.replaceChildren();
     this.plots = [];
     this.range = this.full;
@@ -104,13 +106,22 @@ export class Plots {
     const save = button('PNG', 'Save this plot as a picture', () => pngOf(this.plots.find((p) => p.group === group), `${this.fileName()}_${group.unit || 'plot'}.png`));
     head.append(title, log, save);
     const body = document.createElement('div');
+    body.style.minHeight = `${HEIGHT + 28}px`;
+    body.group = group;
     panel.append(head, body);
     this.holder.append(panel);
-    const plot = this.makePlot(group, body);
+    this.views.observe(body);
+  }
+
+  fill(body) {
+    this.views.unobserve(body);
+    const plot = this.makePlot(body.group, body);
     const mark = document.createElement('div');
     mark.className = 'time-mark';
     plot.over.append(mark);
-    this.plots.push({ plot, group, mark, body });
+    this.plots.push({ plot, group: body.group, mark, body });
+    plot.setScale('x', { min: this.range[0], max: this.range[1] });
+    queueMicrotask(() => this.showTime());
   }
 
   fileName() { return (this.data.text.title || 'report').replace(/[^\p{L}\p{N}]+/gu, '_').slice(0, 60); }
@@ -177,7 +188,7 @@ export class Plots {
   // One panel was zoomed: the others follow.
   zoomed(u) {
     const { min, max } = u.scales.x;
-    if (this.zooming || min === null || this.plots.length === 0 || (min === this.range[0] && max === this.range[1])) return;
+    if (this.zooming || min === undefined || min === null || this.plots.length === 0 || (min === this.range[0] && max === this.range[1])) return;
     this.zoom([min, max]);
   }
 
@@ -212,7 +223,7 @@ export class Plots {
     const width = this.holder.clientWidth;
     if (width === 0 || width === this.width) return;
     this.width = width;
-    if (this.plots.length === 0) this.build();
+    if (!this.range) this.build();
     for (const { plot, body } of this.plots) plot.setSize({ width: Math.max(200, body.clientWidth), height: HEIGHT });
     this.showTime();
   }

@@ -6,18 +6,32 @@ import {
 
 const Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
 
+// Parts of the same size share one geometry: a chain has a hundred of them.
+const made = new Map();
+function shared(make, ...numbers) {
+  const key = `${make.name} ${numbers.map((n) => n.toPrecision(6))}`;
+  if (!made.has(key)) made.set(key, make(...numbers));
+  return made.get(key);
+}
+
+const boxOf = (x, y, z) => new BoxGeometry(x, y, z);
+const cylinderOf = (radius, length, sides) => new CylinderGeometry(radius, radius, length, sides);
+const sphereOf = (radius, across, down) => new SphereGeometry(radius, across, down);
+const edgesOf = new Map();  // of a geometry
+
 export function material(color, options = {}) {
   return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
 }
 
-export function edges(geometry, color, angle = 40, opacity = 0.35) {
-  const lines = new LineSegments(new EdgesGeometry(geometry, angle), new LineBasicMaterial({ color, transparent: true, opacity }));
+function edges(geometry, color, opacity = 0.35) {
+  if (!edgesOf.has(geometry)) edgesOf.set(geometry, new EdgesGeometry(geometry, 40));
+  const lines = new LineSegments(edgesOf.get(geometry), new LineBasicMaterial({ color, transparent: true, opacity }));
   lines.raycast = () => {};
   return lines;
 }
 
 export function box(size, mat, edgeColor) {
-  const geometry = new BoxGeometry(...size);
+  const geometry = shared(boxOf, ...size);
   const mesh = new Mesh(geometry, mat);
   mesh.add(edges(geometry, edgeColor));
   return mesh;
@@ -25,14 +39,15 @@ export function box(size, mat, edgeColor) {
 
 // Along z.
 export function cylinder(radius, length, mat, edgeColor, sides = 40) {
-  const geometry = new CylinderGeometry(radius, radius, length, sides).rotateX(Math.PI / 2);
+  const geometry = shared(cylinderOf, radius, length, sides);
   const mesh = new Mesh(geometry, mat);
+  mesh.rotation.x = Math.PI / 2;
   if (edgeColor) mesh.add(edges(geometry, edgeColor));
-  return mesh;
+  return new Group().add(mesh);
 }
 
 export function sphere(radius, mat, detail = 32) {
-  return new Mesh(new SphereGeometry(radius, detail, detail >> 1), mat);
+  return new Mesh(shared(sphereOf, radius, detail, detail >> 1), mat);
 }
 
 // A bar with round ends.
@@ -41,13 +56,13 @@ export function bar(from, to, radius, mat) {
   const along = new Vector3().subVectors(to, from);
   const length = along.length();
   if (length > 1e-9) {
-    const rod = new Mesh(new CylinderGeometry(radius, radius, length, 20), mat);
+    const rod = new Mesh(shared(cylinderOf, radius, length, 20), mat);
     rod.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
     rod.position.addVectors(from, to).multiplyScalar(0.5);
     group.add(rod);
   }
   for (const end of [from, to]) {
-    const ball = new Mesh(new SphereGeometry(radius, 20, 12), mat);
+    const ball = new Mesh(shared(sphereOf, radius, 20, 12), mat);
     ball.position.copy(end);
     group.add(ball);
   }
@@ -67,18 +82,22 @@ export function plate(points, normal, mat) {
 }
 
 // The engineer's mark of a mass centre: a ball in quarters.
-export function centerMark(radius, dark, light) {
+export function centerMark(radius) {
+  return new Mesh(shared(quarters, radius), new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+}
+
+function quarters(radius) {
   const geometry = new SphereGeometry(radius, 24, 16).toNonIndexed();
   const at = geometry.getAttribute('position');
   const colors = new Float32Array(3 * at.count);
-  const [a, b] = [new Color(dark), new Color(light)];
+  const [a, b] = [new Color('#15181c'), new Color('#f4f4f4')];
   for (let i = 0; i < at.count; i += 3) {
     const mean = [0, 1, 2].map((c) => at.getComponent(i, c) + at.getComponent(i + 1, c) + at.getComponent(i + 2, c));
     const color = mean[0] * mean[1] * mean[2] > 0 ? a : b;
     for (let k = 0; k < 3; ++k) color.toArray(colors, 3 * (i + k));
   }
   geometry.setAttribute('color', new BufferAttribute(colors, 3));
-  return new Mesh(geometry, new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+  return geometry;
 }
 
 // A tube along points x y z, x y z, ...
