@@ -180,7 +180,7 @@ async function checkHostile(browser) {
   await page.open(url);
   await page.settle();
   await page.evaluate("for (const id of ['bodies-tab', 'run-tab', 'scene-tab']) document.getElementById(id).click()");
-  await page.evaluate('globalThis.lockstepReport.actions.select(1)');
+  await page.evaluate('globalThis.lockstepReport.select(1)');
   await page.settle();
   const seen = await page.evaluate("({ struck: globalThis.struck, images: document.querySelectorAll('img, b:not(#time)').length, title: document.title, heading: document.querySelector('h1').textContent, body: document.querySelector('#body h3').textContent, label: document.querySelector('.label').textContent })");
   check(seen.struck === undefined && seen.images === 0, `a name became a part of the page: ${JSON.stringify(seen).slice(0, 200)}`);
@@ -219,7 +219,7 @@ async function checkContrast(browser) {
     await page.open(url);
     await page.settle();
     for (const tab of ['plots-tab', 'bodies-tab', 'run-tab', 'scene-tab']) {
-      await page.evaluate(`document.getElementById('${tab}').click(), globalThis.lockstepReport.actions.select(1)`);
+      await page.evaluate(`document.getElementById('${tab}').click(), globalThis.lockstepReport.select(1)`);
       await page.settle();
       const poor = await page.evaluate(CONTRAST);
       check(poor.length === 0, `${dark ? 'dark' : 'light'}, ${tab}: too little contrast in ${poor.join('; ')}`);
@@ -227,6 +227,34 @@ async function checkContrast(browser) {
     checkQuiet(page, dark ? 'dark' : 'light');
     await page.close();
   }
+}
+
+// A sweep of two variables: a point for each run, a map by colour, a row of cells for the point under the mouse.
+async function checkSweep(browser) {
+  const csv = join(folder, 'sweep.csv'), html = join(folder, 'sweep.html');
+  execFileSync(lockstep, ['sweep', join(scenes, 'rod_pendulum.json'), '--vary', 'bodies.rod.rod.mass=1:3:3', '--vary', 'gravity.1=-9.81,-1.62,-3.7', '--until', '0.2', '--record', csv, '--report', html, '--quiet'], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+  const page = await browser.page();
+  await page.open(pathToFileURL(html).href);
+  await page.settle();
+  const [, ...rows] = readFileSync(csv, 'utf8').trim().split('\n');
+  const points = await page.evaluate("(() => { const p = globalThis.lockstepReport.points; return p.seen.map((i) => [p.table.columns[p.x].numbers[i], p.table.columns[p.y].numbers[i]]); })()");
+  check(points.length === 9 && rows.length === 9, `a sweep of nine runs shows ${points.length} points of ${rows.length} rows`);
+  rows.forEach((row, i) => {
+    const cells = row.split(',').map(Number);
+    check(cells.includes(points[i][0]) && cells.includes(points[i][1]), `point ${points[i]} is none of row ${row}`);
+  });
+  const [x, y] = await page.evaluate("(() => { const p = globalThis.lockstepReport.points, b = p.plot.over.getBoundingClientRect(); return [b.x + p.plot.valToPos(p.table.columns[p.x].numbers[4], 'x'), b.y + p.plot.valToPos(p.table.columns[p.y].numbers[4], 'y')]; })()");
+  await page.mouse('mouseMoved', x, y);
+  await page.settle();
+  const shown = await page.evaluate("document.querySelector('#points-row').textContent");
+  check(shown.includes('bodies.rod.rod.mass') && shown.includes('gravity.1'), `the run under the mouse is shown, not "${shown}"`);
+  await page.evaluate("(() => { for (const [id, value] of [['points-y', '2'], ['points-color', '4']]) { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event('change')); } })()");
+  await page.settle();
+  check(!(await page.evaluate("document.querySelector('#points-scale').hidden")), 'a column of numbers gives the colour, with its scale');
+  const poor = await page.evaluate(CONTRAST);
+  check(poor.length === 0, `the page of a sweep has too little contrast in ${poor.join('; ')}`);
+  checkQuiet(page, 'sweep');
+  await page.close();
 }
 
 const browser = new Chromium(chromium);
@@ -244,6 +272,7 @@ try {
   await checkHands(browser);
   await checkHostile(browser);
   await checkContrast(browser);
+  await checkSweep(browser);
 } finally {
   await browser.close();
 }

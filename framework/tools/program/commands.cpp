@@ -107,6 +107,7 @@ void add_sweep(CLI::App& verb, Arguments& a) {
   add(verb, "--shard", a.shard, "i/n", "only every n-th run, from the i-th on; i counts from 1");
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
   add(verb, "--lanes", a.lanes, "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one",
       {"auto", "off"});
   verb.add_option("--jobs", a.jobs,
@@ -144,6 +145,7 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
 void add_chart(CLI::App& verb, Arguments& a) {
   add_benchmark(verb, a);
   add(verb, "--out", a.out, "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
 }
 
 constexpr const char* kChartFooter =

@@ -7,16 +7,23 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/report/points.h"
 
 namespace lockstep {
 namespace {
 
+std::string contents(const std::string& file) {
+  std::error_code none;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in && std::filesystem::is_regular_file(file, none)) text << in.rdbuf();
+  return text.str();
+}
+
 // The scene as its author wrote it; from the data where the file is gone, or was none.
 std::string scene_text(const Scene& scene) {
-  std::ifstream in(scene.file, std::ios::binary);
-  std::ostringstream text;
-  if (in && std::filesystem::is_regular_file(scene.file)) text << in.rdbuf();
-  return text.str().empty() ? write_json(scene.root) : text.str();
+  const std::string text = contents(scene.file);
+  return text.empty() ? write_json(scene.root) : text;
 }
 
 }  // namespace
@@ -36,14 +43,25 @@ std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lin
   return facts;
 }
 
+ReportText text_of(const Arguments& args, const Loaded& loaded) {
+  ReportText text;
+  text.title = loaded.title();
+  text.description = loaded.scene.description;
+  text.scene = scene_text(loaded.scene);
+  text.command = args.command;
+  return text;
+}
+
+void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
+                       const std::string& y, bool log) {
+  report::write_points(file, {.text = text, .csv = contents(csv), .x = x, .y = y, .log = log, .joined = log});
+}
+
 RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanism& m, const Recorder& recorder,
                      const std::string& csv) {
   if (args.report.empty()) return;
   file_ = report_path(args.report, csv, loaded.scene);
-  text_.title = loaded.title();
-  text_.description = loaded.scene.description;
-  text_.scene = scene_text(loaded.scene);
-  text_.command = args.command;
+  text_ = text_of(args, loaded);
   text_.panels = m.run.draw;
   for (const ChannelRequest& request : m.run.record)
     if (!request.name.empty()) text_.channels.emplace_back(request.name, request.channel);

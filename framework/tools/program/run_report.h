@@ -13,6 +13,13 @@ namespace lockstep {
 /// goes on has no "what".
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines);
 
+/// The texts of a report that do not depend on the run: title, description, scene, command.
+ReportText text_of(const Arguments&, const Loaded&);
+
+/// Writes the report of the many runs of a table, whose columns `x` and `y` are shown first. Throws FileError.
+void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
+                       const std::string& y, bool log);
+
 /// The report of a run, where one is asked for. Without one it costs nothing.
 class RunReport {
  public:

@@ -1,6 +1,11 @@
 #include "framework/tools/report/page.h"
 
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include <lockstep/error.h>
+#include <lockstep/version.h>
 
 namespace lockstep::report {
 namespace {
@@ -51,6 +56,29 @@ std::string page_with(const std::string& title, const std::string& json, const s
   put(tail, "@lockstep-json@", for_script(json));
   put(page, "@lockstep-title@", for_html(title));
   return page + tail;
+}
+
+nlohmann::ordered_json json_of(const ReportText& text) {
+  return {{"title", text.title},         {"description", text.description},
+          {"scene", text.scene},         {"command", text.command},
+          {"facts", text.facts},         {"warnings", text.warnings},
+          {"panels", text.panels},       {"channels", text.channels},
+          {"version", library_version()}};
+}
+
+// The file appears when it is whole.
+void write_whole(const std::string& file, const std::string& page) {
+  const std::string partial = file + ".partial";
+  std::error_code error;
+  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
+  out << page;
+  out.close();
+  if (out) std::filesystem::rename(partial, file, error);
+  if (out && !error) return;
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+  throw FileError("report '" + file + "' cannot be written" + (error ? ": " + error.message() : "") +
+                  "; check the folder and the space left, or name another file");
 }
 
 }  // namespace lockstep::report

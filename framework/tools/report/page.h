@@ -1,11 +1,13 @@
 // The page of a report, whose script and style stand in the library.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include <lockstep/export.h>
+#include <lockstep/report.h>
 
 namespace lockstep::report {
 
@@ -20,5 +22,11 @@ LOCKSTEP_API std::string page_with(const std::string& title, const std::string& 
 std::string for_script(const std::string& json);
 /// A text as HTML shows it.
 std::string for_html(const std::string& text);
+
+/// The texts of a report, with the version of the library.
+nlohmann::ordered_json json_of(const ReportText&);
+
+/// Writes a page; the file appears, or is replaced, when it is whole. Throws FileError.
+void write_whole(const std::string& file, const std::string& page);
 
 }  // namespace lockstep::report

@@ -1,12 +1,9 @@
 #include <lockstep/report.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include <lockstep/error.h>
-#include <lockstep/version.h>
 #include "framework/tools/report/frames.h"
 #include "framework/tools/report/numbers.h"
 #include "framework/tools/report/outline.h"
@@ -68,29 +65,6 @@ Json switches_of(const Frames& frames) {
   return json;
 }
 
-Json text_of(const ReportText& text) {
-  return {{"title", text.title},         {"description", text.description},
-          {"scene", text.scene},         {"command", text.command},
-          {"facts", text.facts},         {"warnings", text.warnings},
-          {"panels", text.panels},       {"channels", text.channels},
-          {"version", library_version()}};
-}
-
-// The file appears when it is whole.
-void write_whole(const std::string& file, const std::string& page) {
-  const std::string partial = file + ".partial";
-  std::error_code error;
-  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-  out << page;
-  out.close();
-  if (out) std::filesystem::rename(partial, file, error);
-  if (out && !error) return;
-  std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
-  throw FileError("report '" + file + "' cannot be written" + (error ? ": " + error.message() : "") +
-                  "; check the folder and the space left, or name another file");
-}
-
 }  // namespace
 
 struct Report::Seen {
@@ -116,7 +90,7 @@ std::string Report::page(const ReportText& text) const {
         "report: there is nothing to show before the run; add it to the run (add_observer), then write it");
   const Frames& frames = *seen_->frames;
   Numbers numbers;
-  const Json json{{"text", text_of(text)},
+  const Json json{{"text", report::json_of(text)},
                   {"mechanism", report::outline_of(frames, solids_)},
                   {"frames", frames_of(frames, numbers)},
                   {"table", table_of(recorder_.table(), numbers)},
@@ -126,6 +100,6 @@ std::string Report::page(const ReportText& text) const {
   return report::page_with(title, json.dump(-1, ' ', false, Json::error_handler_t::replace), numbers.base64());
 }
 
-void Report::write(const std::string& file, const ReportText& text) const { write_whole(file, page(text)); }
+void Report::write(const std::string& file, const ReportText& text) const { report::write_whole(file, page(text)); }
 
 }  // namespace lockstep

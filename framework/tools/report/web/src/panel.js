@@ -22,8 +22,8 @@ function table(rows) {
 const vector = (v, unit) => `${Array.from(v, number).join(', ')} ${unit}`;
 
 export class Panel {
-  constructor(data, world, actions, elements) {
-    Object.assign(this, { data, world, actions, elements });
+  constructor(data, world, page, elements) {
+    Object.assign(this, { data, world, page, elements });
     this.selected = -1;
     this.addBodies();
     this.addRun();
@@ -39,7 +39,7 @@ export class Panel {
       b.type = 'button';
       b.setAttribute('aria-pressed', 'false');
       b.style.setProperty('--tint', body.fixed ? 'gray' : this.world.colorOf(index));
-      b.addEventListener('click', () => this.actions.select(this.selected === index ? -1 : index));
+      b.addEventListener('click', () => this.page.select(this.selected === index ? -1 : index));
       this.elements.bodies.append(b);
       this.buttons.set(index, b);
     });

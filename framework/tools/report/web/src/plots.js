@@ -36,7 +36,7 @@ function drawable(values) {
 export function number(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '\u2013';
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(3);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return Number(value.toPrecision(4)).toExponential();
   return Number(value.toPrecision(5)).toString();
 }
 
