@@ -277,7 +277,7 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
     if (!scene.plugins.empty()) continue;
     Mechanism m = build_mechanism(scene, registry);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
-    Report report(*recorder, m.solids);
+    Report report(*recorder, m.solids, m.looks);
     Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
     State start = m.system.start();
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
@@ -302,6 +302,29 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
   }
   CHECK(report::page_with("", "{}", "").size() < 1'000'000);  // without data
   CHECK(most < 2'000'000);
+}
+
+TEST_CASE("a scene says what its bodies look like", "[report]") {
+  const auto scene_with = [](const std::string& visual) {
+    return scene_from_text(
+        R"({"lockstep": 1, "bodies": [{"name": "ball", "sphere": {"mass": 1, "radius": 0.5}, "visual": )" + visual +
+            "}]}",
+        "ball.json");
+  };
+  const Registry registry = builtin_registry();
+  const Mechanism m = build_mechanism(scene_with(R"({"color": "#00Ff80", "opacity": 0.25})"), registry);
+  REQUIRE(m.looks.size() == 1);
+  CHECK(m.looks[0].body == "ball");
+  CHECK(m.looks[0].color == "#00Ff80");
+  CHECK(m.looks[0].opacity == 0.25);
+  CHECK(build_mechanism(scene_with("{}"), registry).looks[0].opacity == 1);
+  for (const auto& [visual, word] :
+       std::vector<std::pair<std::string, std::string>>{{R"({"color": "red"})", "#0072b2"},
+                                                        {R"({"color": "#12345g"})", "#0072b2"},
+                                                        {R"({"opacity": 1.5})", "0 to 1"},
+                                                        {R"({"colour": "#000000"})", "color"}})
+    check_words(message_of<SceneError>([&] { build_mechanism(scene_with(visual), registry); }),
+                {"body 'ball', visual", word});
 }
 
 TEST_CASE("solids stand where the mass says", "[report]") {

@@ -180,6 +180,20 @@ Twist read_start(const Params& body, const Pose& home) {
   return start;
 }
 
+bool is_color(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+}
+
+Look read_look(const Params& body, const std::string& name) {
+  const Params visual = params_of(body.value("visual"), "visual", part_of(body.owner(), "visual"), nullptr);
+  Look look{name, visual.has("color") ? visual.text("color") : "", visual.number("opacity")};
+  if (!look.color.empty() && !is_color(look.color))
+    visual.refuse("color", "\"" + look.color + "\" is no color; write it like \"#0072b2\"");
+  if (!(look.opacity >= 0 && look.opacity <= 1))
+    visual.refuse("opacity", "it is " + text::brief(look.opacity) + "; give a number from 0 to 1");
+  return look;
+}
+
 void keep(const std::string& body, const Solids& solids, Mechanism& out) {
   for (Solid solid : solids) {
     solid.body = body;
@@ -201,6 +215,7 @@ void Builder::body(const Value& object, const std::string& owner) {
   const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
   System& system = out_.system;
   Solids solids;
+  if (p.has("visual")) out_.looks.push_back(read_look(p, name));
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
     // Its mass may be given, and is checked; a rod still places the frame.

@@ -38,9 +38,9 @@ struct ReportText {
 /// them, which costs one solution each. Long runs keep fewer instants, about evenly spread: at most 16 million numbers.
 class LOCKSTEP_API Report final : public Observer {
  public:
-  /// `recorder` must outlive this. `solids`: what bodies look like, as Mechanism::solids; a body without one is drawn
-  /// from its joints and its mass centre.
-  explicit Report(const Recorder& recorder, std::vector<Solid> solids = {});
+  /// `recorder` must outlive this. `solids` and `looks`: as those of a Mechanism; a body without a solid is drawn from its
+  /// joints and its mass centre.
+  explicit Report(const Recorder& recorder, std::vector<Solid> solids = {}, std::vector<Look> looks = {});
   ~Report() override;
 
   void start(const Sample&) override;
@@ -59,6 +59,7 @@ class LOCKSTEP_API Report final : public Observer {
   struct Seen;
   const Recorder& recorder_;
   std::vector<Solid> solids_;
+  std::vector<Look> looks_;
   std::unique_ptr<Seen> seen_;
 };
 

@@ -77,7 +77,8 @@ struct Mechanism {
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
   std::vector<EventRequest> events{};          ///< of the scene
-  std::vector<Solid> solids{};                 ///< what the bodies look like, as far as the scene says it
+  std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
+  std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
 };
 
 /// The same scene, computed in space unless it has a key "planar".

@@ -1,4 +1,4 @@
-// Solids: what bodies look like.
+// Solids and looks: what bodies look like.
 #pragma once
 
 #include <string>
@@ -19,6 +19,13 @@ struct Solid {
   Kind kind = Kind::box;     ///< its form
   Vec3 size = Vec3::Zero();  ///< extent along x, y and z of its frame, m: of a cylinder two diameters and the length
   Pose at{};                 ///< its frame in the body's frame
+};
+
+/// Colour and opacity of a body in pictures.
+struct Look {
+  std::string body,    ///< name of the body
+      color{};         ///< "#rrggbb"; "": the next of a palette
+  double opacity = 1;  ///< 0: glass, 1: solid
 };
 
 }  // namespace lockstep

@@ -65,7 +65,7 @@ RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanis
   text_.panels = m.run.draw;
   for (const ChannelRequest& request : m.run.record)
     if (!request.name.empty()) text_.channels.emplace_back(request.name, request.channel);
-  report_ = std::make_unique<Report>(recorder, m.solids);
+  report_ = std::make_unique<Report>(recorder, m.solids, m.looks);
 }
 
 void RunReport::watch(StepLoop& sim) {

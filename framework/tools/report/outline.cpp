@@ -38,8 +38,10 @@ Json solids_of(const Body& body, const std::vector<Solid>& solids) {
   return list;
 }
 
-Json body_of(const Body& body, const std::vector<Solid>& solids) {
+Json body_of(const Body& body, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
   Json json{{"name", body.name}, {"fixed", body.fixed}, {"home", of(body.home)}, {"solids", solids_of(body, solids)}};
+  for (const Look& look : looks)
+    if (look.body == body.name) json["look"] = {{"color", look.color}, {"opacity", look.opacity}};
   if (body.fixed) return json;
   const Mat3& J = body.mass.J;
   json["mass"] = body.mass.mass;
@@ -79,14 +81,14 @@ Json load_of(const Load& load, const Numbering<Marker>& marker) {
 
 }  // namespace
 
-Json outline_of(const Frames& frames, const std::vector<Solid>& solids) {
+Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
   const System& system = frames.system();
   const Numbering<Body> body(system.bodies());
   const Numbering<Marker> marker(system.markers());
   Json json{{"gravity", of(system.gravity())}, {"plane", system.plane().n}, {"length", system.length()}};
   for (const char* list : {"bodies", "markers", "links", "forces", "loads", "moving", "moved_markers"})
     json[list] = Json::array();
-  for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, solids));
+  for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, solids, looks));
   for (const Marker& m : system.markers())
     json["markers"].push_back({{"name", m.name}, {"body", body(m.body)}, {"at", of(m.local)}});
   for (const auto& link : system.links()) json["links"].push_back(link_of(*link, system, marker, frames));

@@ -71,8 +71,8 @@ struct Report::Seen {
   std::optional<Frames> frames;  // none before the start
 };
 
-Report::Report(const Recorder& recorder, std::vector<Solid> solids)
-    : recorder_(recorder), solids_(std::move(solids)), seen_(std::make_unique<Seen>()) {}
+Report::Report(const Recorder& recorder, std::vector<Solid> solids, std::vector<Look> looks)
+    : recorder_(recorder), solids_(std::move(solids)), looks_(std::move(looks)), seen_(std::make_unique<Seen>()) {}
 Report::~Report() = default;
 
 void Report::start(const Sample& sample) { seen_->frames.emplace(sample.system()); }
@@ -91,7 +91,7 @@ std::string Report::page(const ReportText& text) const {
   const Frames& frames = *seen_->frames;
   Numbers numbers;
   const Json json{{"text", report::json_of(text)},
-                  {"mechanism", report::outline_of(frames, solids_)},
+                  {"mechanism", report::outline_of(frames, solids_, looks_)},
                   {"frames", frames_of(frames, numbers)},
                   {"table", table_of(recorder_.table(), numbers)},
                   {"marks", marks_of(frames)},

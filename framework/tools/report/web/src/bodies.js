@@ -258,7 +258,7 @@ export class Bodies {
     this.looks = this.data.mechanism.bodies.map((body, index) => {
       const group = this.groups[index];
       const color = body.fixed ? null : number++;
-      const look = { color, mats: null, center: null };
+      const look = { color, own: body.look?.color ?? '', opacity: body.look?.opacity ?? 1, mats: null, center: null };
       look.mats = this.materials(look);
       if (body.solids.length > 0) addSolids(group, body, look.mats, unit);
       else if (!body.fixed)
@@ -275,20 +275,23 @@ export class Bodies {
     });
   }
 
-  materials({ color }) {
-    const tint = color === null ? theme.is.ground : theme.bodyColor(color);
+  tintOf({ color, own }) {
+    return own || (color === null ? theme.is.ground : theme.bodyColor(color));
+  }
+
+  materials(look) {
+    const tint = this.tintOf(look), glass = look.opacity < 1 ? { transparent: true, opacity: look.opacity, depthWrite: false } : {};
     return {
-      solid: material(tint),
-      sheet: material(tint, { transparent: true, opacity: 0.28, side: 2, depthWrite: false }),
+      solid: material(tint, glass),
+      sheet: material(tint, { transparent: true, opacity: 0.28 * look.opacity, side: 2, depthWrite: false }),
       edge: theme.is.dark ? '#000000' : '#1c2530',
     };
   }
 
   recolor() {
     for (const look of this.looks) {
-      const tint = look.color === null ? theme.is.ground : theme.bodyColor(look.color);
-      look.mats.solid.color.set(tint);
-      look.mats.sheet.color.set(tint);
+      look.mats.solid.color.set(this.tintOf(look));
+      look.mats.sheet.color.set(this.tintOf(look));
     }
   }
 

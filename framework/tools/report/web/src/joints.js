@@ -1,5 +1,5 @@
 // Joints: a symbol for each kind of mask, at the markers of the link, with its axis.
-import { CylinderGeometry, Group, LineBasicMaterial, LineDashedMaterial, LineLoop, LineSegments, Line, Mesh, OctahedronGeometry, PlaneGeometry, TorusGeometry, Vector3 } from 'three';
+import { Group, LineBasicMaterial, LineDashedMaterial, LineLoop, LineSegments, Line, Mesh, OctahedronGeometry, PlaneGeometry, TorusGeometry, Vector3 } from 'three';
 import { box, cylinder, lineGeometry, material, sphere, tube } from './shapes.js';
 import { theme } from './theme.js';
 

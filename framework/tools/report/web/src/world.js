@@ -6,7 +6,6 @@ import { frameOf, instants } from './frame.js';
 import { Joints } from './joints.js';
 import { Stretched } from './stretched.js';
 import { Trails } from './trails.js';
-import { theme } from './theme.js';
 
 function setPose(object, at) {
   object.position.set(at[0], at[1], at[2]);
@@ -72,7 +71,7 @@ export class World {
     this.trails.add(`body ${body}`, this.bodies.groups[body], center, () => this.colorOf(body));
   }
 
-  colorOf(body) { return theme.bodyColor(this.bodies.looks[body].color ?? 6); }
+  colorOf(body) { return this.bodies.tintOf(this.bodies.looks[body]); }
 
   keyPoints() { return this.bodies.keyPoints(); }
 
