@@ -16,6 +16,7 @@
 #include <lockstep/sweep.h>
 #include "framework/tools/report/numbers.h"
 #include "framework/tools/report/page.h"
+#include "framework/tools/report/points.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -246,6 +247,19 @@ TEST_CASE("hostile names stay text", "[report]") {
     return n;
   };
   for (const char* tag : {"<script", "</script", "<!--", "</title"}) CHECK(count(all, tag) == count(plain, tag));
+}
+
+TEST_CASE("a page of many runs holds their table as it is", "[report]") {
+  const std::string csv = "run,mass [kg],x final [m],status\n1,0.5,</script>,\"failed: \"\"a\"\", b\"\n";
+  const std::string page = report::points_page(
+      {.text = {.title = "<masses>"}, .csv = csv, .x = "mass [kg]", .y = "x final [m]", .log = true});
+  const Json data = Json::parse(element(page, "data"));
+  CHECK(data["kind"] == "points");
+  CHECK(data["csv"] == csv);
+  CHECK(data["text"]["title"] == "<masses>");
+  CHECK(data["x"] == "mass [kg]");
+  CHECK(data["log"] == true);
+  CHECK(page.find("<title>&lt;masses>") != std::string::npos);
 }
 
 TEST_CASE("a report needs a run and a file that can be written", "[report]") {

@@ -2,7 +2,7 @@
 import uPlot from 'uplot';
 import { pngOf } from './export.js';
 import { indexAt } from './motion.js';
-import { axisStyle, button, number } from './plots.js';
+import { axisStyle, button } from './plots.js';
 import { theme } from './theme.js';
 
 const title = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
@@ -45,7 +45,7 @@ export class Against {
     this.plot?.destroy();
     const [cx, cy] = [this.data.table.columns[this.x], this.data.table.columns[this.y]];
     const facet = (scale) => ({ scale, auto: true });
-    const axis = (column, size) => ({ ...axisStyle(), label: title(column).slice(0, 60), labelSize: 16, size, values: (u, ticks) => ticks.map(number) });
+    const axis = (column, size) => ({ ...axisStyle(), label: title(column).slice(0, 60), labelSize: 16, size });
     this.plot = new uPlot({
       mode: 2,
       width,

@@ -40,7 +40,19 @@ export function number(value) {
   return Number(value.toPrecision(5)).toString();
 }
 
+// Numbers of an axis, with as many digits as tell neighbours apart; on logarithmic axes some ticks have none.
+export function tickTexts(u, ticks, axis, space, step) {
+  const largest = Math.max(...ticks.map((v) => Math.abs(v ?? 0)));
+  const logarithmic = u.scales[u.axes[axis].scale].distr === 3;
+  if (logarithmic) return ticks.map((v) => (v === null ? '' : number(v)));
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  if (digits <= 6 && largest < 1e6) return ticks.map((v) => v.toFixed(digits));
+  const significant = Math.min(12, Math.max(1, Math.ceil(Math.log10(largest / step)) + 1));
+  return ticks.map((v) => (v === 0 ? '0' : v.toExponential(Math.max(0, significant - 1))));
+}
+
 export const axisStyle = () => ({
+  values: tickTexts,
   stroke: theme.is.soft,
   font: '11px system-ui, sans-serif',
   labelFont: '11px system-ui, sans-serif',
@@ -151,7 +163,7 @@ export class Plots {
       scales: {x: { time: false }, y: group.log ? { distr: 3 } : {}},
       axes: [
         { ...axisStyle(), size: 26 },
-        { ...axisStyle(), size: 62, values: (u, ticks) => ticks.map((v) => (v === null ? '' : number(v))) },
+        { ...axisStyle(), size: 62 },
       ],
       series: [
         { label: 't [s]', value: (u, v) => number(v) },
@@ -199,7 +211,6 @@ export class Plots {
       plot.batch(() => {
         if (this.long) plot.setData(group.data(range), false);
         plot.setScale('x', { min: range[0], max: range[1] });
-        if (this.long) plot.redraw(true, true);
       });
     // What uPlot decides at the end of its batch is no wish of the reader's.
     queueMicrotask(() => {

@@ -167,7 +167,7 @@ class Points {
     const missing = shown.reduce((n, g) => n + g.members.length, 0) - this.seen.length;
     $('points-note').textContent = missing > 0 ? `${missing} ${missing === 1 ? 'run has' : 'runs have'} no point here: they failed, or have no such number; the table has their reasons.` : '';
     if (this.seen.length === 0) return;
-    const axis = (column, size) => ({ ...axisStyle(), label: columns[column].title.slice(0, 80), labelSize: 18, size, values: (u, ticks) => ticks.map((v) => (v === null ? '' : number(v))) });
+    const axis = (column, size) => ({ ...axisStyle(), label: columns[column].title.slice(0, 80), labelSize: 18, size });
     const facet = (scale) => ({ scale, auto: true });
     this.plot = new uPlot({
       mode: 2, width, height: Math.max(300, Math.min(620, innerHeight - 260)), padding: [12, 16, 0, 0],
