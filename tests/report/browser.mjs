@@ -9,10 +9,25 @@ const [chromium, lockstep, scenes, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
 copyFileSync(join(scenes, 'stewart_legs.csv'), join(folder, 'stewart_legs.csv'));
 
-const SCENES = ['four_bar', 'robot_arm', 'stewart', 'slider_crank', 'spatial_chain_10_tilted', 'gear_train', 'mass_spring_damper', 'bead_on_curve', 'heavy_top', 'peaucellier', 'bouncing_pendulum', 'moving_marker_ground'];
-const INSTANTS = 20, TOLERANCE = 1e-6;
+const SCENES = [
+  'four_bar',
+  'robot_arm',
+  'stewart',
+  'slider_crank',
+  'spatial_chain_10_tilted',
+  'gear_train',
+  'mass_spring_damper',
+  'bead_on_curve',
+  'heavy_top',
+  'peaucellier',
+  'bouncing_pendulum',
+  'moving_marker_ground',
+];
+const INSTANTS = 20,
+  TOLERANCE = 1e-6;
 
-let failures = 0, checks = 0;
+let failures = 0,
+  checks = 0;
 function check(ok, words) {
   ++checks;
   if (ok) return;
@@ -29,15 +44,23 @@ function makeReport(name, change = (scene) => scene) {
 }
 
 function runScene(name, scene) {
-  const file = join(folder, `${name}.json`), csv = join(folder, `${name}.csv`), html = join(folder, `${name}.html`);
+  const file = join(folder, `${name}.json`),
+    csv = join(folder, `${name}.csv`),
+    html = join(folder, `${name}.html`);
   writeFileSync(file, JSON.stringify(scene));
-  execFileSync(lockstep, ['run', file, '--record', csv, '--report', html, '--quiet'], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+  execFileSync(lockstep, ['run', file, '--record', csv, '--report', html, '--quiet'], {
+    cwd: folder,
+    stdio: ['ignore', 'pipe', 'inherit'],
+  });
   return { url: pathToFileURL(html).href, csv, html };
 }
 
 function readCsv(file) {
   const [head, ...lines] = readFileSync(file, 'utf8').trim().split('\n');
-  return { names: head.split(',').map((title) => title.replace(/ \[.*\]$/, '')), rows: lines.map((line) => line.split(',').map(Number)) };
+  return {
+    names: head.split(',').map((title) => title.replace(/ \[.*\]$/, '')),
+    rows: lines.map((line) => line.split(',').map(Number)),
+  };
 }
 
 // What the software renderer of a browser without a window says of its own speed is none of the page's.
@@ -46,7 +69,9 @@ const OWN_NOTE = /GL Driver Message \(OpenGL, Performance/;
 function checkQuiet(page, name) {
   const said = page.messages.filter((text) => !OWN_NOTE.test(text));
   check(said.length === 0, `${name}: the console says ${said.join('; ')}`);
-  const foreign = page.requests.filter((url) => !url.startsWith('file:') && !url.startsWith('data:') && !url.startsWith('blob:'));
+  const foreign = page.requests.filter(
+    (url) => !url.startsWith('file:') && !url.startsWith('data:') && !url.startsWith('blob:'),
+  );
   check(foreign.length === 0, `${name}: the page asks for ${foreign.join(', ')}`);
 }
 
@@ -60,7 +85,8 @@ const PLACES = (t) => `(() => {
 
 async function checkPlaces(page, name, csv) {
   const { names, rows } = readCsv(csv);
-  let compared = 0, worst = 0;
+  let compared = 0,
+    worst = 0;
   for (let i = 0; i < INSTANTS; ++i) {
     const row = rows[Math.round((i * (rows.length - 1)) / (INSTANTS - 1))];
     const places = await page.evaluate(PLACES(row[0]));
@@ -71,7 +97,10 @@ async function checkPlaces(page, name, csv) {
         ++compared;
       });
   }
-  check(compared > 0 && worst <= TOLERANCE, `${name}: positions differ from the CSV by ${worst} (${compared} compared)`);
+  check(
+    compared > 0 && worst <= TOLERANCE,
+    `${name}: positions differ from the CSV by ${worst} (${compared} compared)`,
+  );
 }
 
 async function checkPixels(page, name) {
@@ -91,7 +120,10 @@ async function checkPixels(page, name) {
 }
 
 const time = (page) => page.evaluate('globalThis.lockstepReport.clock.t');
-const boxOf = (page, selector) => page.evaluate(`(() => { const b = document.querySelector(${JSON.stringify(selector)}).getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()`);
+const boxOf = (page, selector) =>
+  page.evaluate(
+    `(() => { const b = document.querySelector(${JSON.stringify(selector)}).getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()`,
+  );
 
 async function checkHands(browser) {
   const { url } = makeReport('four_bar');
@@ -113,7 +145,10 @@ async function checkHands(browser) {
   check(await page.evaluate('globalThis.lockstepReport.clock.playing'), 'space plays');
   await new Promise((done) => setTimeout(done, 300));
   await page.key(' ');
-  check(!(await page.evaluate('globalThis.lockstepReport.clock.playing')) && (await time(page)) > 0, 'space pauses, and time has passed');
+  check(
+    !(await page.evaluate('globalThis.lockstepReport.clock.playing')) && (await time(page)) > 0,
+    'space pauses, and time has passed',
+  );
 
   const [x, y, w, h] = await boxOf(page, '#slider');
   await page.click(x + w / 2, y + h / 2);
@@ -125,8 +160,13 @@ async function checkHands(browser) {
   await page.click(px + 0.25 * pw, py + ph / 2);
   check(Math.abs((await time(page)) - 0.175) < 0.02, `a click on a plot sets the time, not ${await time(page)}`);
   await page.drag([px + 0.25 * pw, py + ph / 2], [px + 0.5 * pw, py + ph / 2]);
-  const zoomed = await page.evaluate('globalThis.lockstepReport.plots.plots.map(({ plot }) => [plot.scales.x.min, plot.scales.x.max])');
-  check(zoomed.every(([a, b]) => Math.abs(a - 0.175) < 0.02 && Math.abs(b - 0.35) < 0.02), `a drag zooms all plots: ${JSON.stringify(zoomed)}`);
+  const zoomed = await page.evaluate(
+    'globalThis.lockstepReport.plots.plots.map(({ plot }) => [plot.scales.x.min, plot.scales.x.max])',
+  );
+  check(
+    zoomed.every(([a, b]) => Math.abs(a - 0.175) < 0.02 && Math.abs(b - 0.35) < 0.02),
+    `a drag zooms all plots: ${JSON.stringify(zoomed)}`,
+  );
 
   // A body where its mass centre is seen.
   const [cx, cy] = await page.evaluate(`(() => {
@@ -137,9 +177,12 @@ async function checkHands(browser) {
     return [box.x + (0.5 + 0.5 * p.x) * box.width, box.y + (0.5 - 0.5 * p.y) * box.height];
   })()`);
   await page.click(cx, cy);
-  const picked = await page.evaluate("[document.querySelector('#body h3')?.textContent, document.querySelector('#body').textContent]");
+  const picked = await page.evaluate(
+    "[document.querySelector('#body h3')?.textContent, document.querySelector('#body').textContent]",
+  );
   check(picked[0] === 'rocker', `picking the rocker shows ${picked[0]}`);
-  for (const word of ['0.9 kg', 'revolute with coupler', 'rocker_d']) check(picked[1].includes(word) || word === 'rocker_d', `the panel of the rocker says ${word}`);
+  for (const word of ['0.9 kg', 'revolute with coupler', 'rocker_d'])
+    check(picked[1].includes(word) || word === 'rocker_d', `the panel of the rocker says ${word}`);
   await page.key('Escape');
   check((await page.evaluate("document.querySelector('#body h3')")) === null, 'Escape lets the body go');
 
@@ -147,19 +190,30 @@ async function checkHands(browser) {
   const [sx, sy, sw, sh] = await boxOf(page, '#canvas');
   await page.drag([sx + sw / 2, sy + 30], [sx + sw / 2 + 120, sy + 60]);
   const after = await page.evaluate('globalThis.lockstepReport.stage.views.camera.position.toArray()');
-  check(before.some((c, k) => Math.abs(c - after[k]) > 1e-3), 'dragging turns the view');
+  check(
+    before.some((c, k) => Math.abs(c - after[k]) > 1e-3),
+    'dragging turns the view',
+  );
   await page.key('o');
-  check(!(await page.evaluate('globalThis.lockstepReport.stage.views.isOrthographic')), 'O changes between the two projections');
+  check(
+    !(await page.evaluate('globalThis.lockstepReport.stage.views.isOrthographic')),
+    'O changes between the two projections',
+  );
   for (const key of ['1', '2', '3', '4', 'f', 'n', 'n', 'l']) await page.key(key);
   void sh;
 
   // Every control is reached and pressed by keys alone.
-  const names = await page.evaluate("[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent !== null && !e.disabled && e.tabIndex >= 0).map((e) => [e.tagName, (e.getAttribute('aria-label') || e.textContent).trim()])");
+  const names = await page.evaluate(
+    "[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent !== null && !e.disabled && e.tabIndex >= 0).map((e) => [e.tagName, (e.getAttribute('aria-label') || e.textContent).trim()])",
+  );
   check(names.length > 15 && names.every(([, name]) => name !== ''), `a control has no name: ${JSON.stringify(names)}`);
   await page.evaluate("document.querySelector('#run-tab').focus()");
   await page.key('ArrowRight');
   check(!(await page.evaluate("document.querySelector('#scene-panel').hidden")), 'arrow keys go from tab to tab');
-  check((await page.evaluate("document.querySelector('#scene').textContent")).includes('"crank"'), 'the scene is shown as it was written');
+  check(
+    (await page.evaluate("document.querySelector('#scene').textContent")).includes('"crank"'),
+    'the scene is shown as it was written',
+  );
   checkQuiet(page, 'four_bar by hand');
   await page.close();
 }
@@ -167,11 +221,18 @@ async function checkHands(browser) {
 // Names that try to be more than names.
 async function checkHostile(browser) {
   const evil = `</script><img src=x onerror="globalThis.struck = 1"><b>'"&lt;\\`;
-  const mean = `</script><img src=x onerror=struck=1><b>&lt;\\`;  // scenes take no quotes and points in names
-  const long = `${mean}${'w'.repeat(10000)}`, title = `${evil}${'w'.repeat(10000)}`;
+  const mean = `</script><img src=x onerror=struck=1><b>&lt;\\`; // scenes take no quotes and points in names
+  const long = `${mean}${'w'.repeat(10000)}`,
+    title = `${evil}${'w'.repeat(10000)}`;
   const { url, html } = runScene('hostile', {
-    lockstep: 1, title, description: evil, gravity: [0, 0, -9.81],
-    bodies: [{ name: long, mass: 1, inertia: [1, 1, 1], position: [1, 0, 0] }, { name: `${mean}2`, particle: 1, position: [0, 1, 0] }],
+    lockstep: 1,
+    title,
+    description: evil,
+    gravity: [0, 0, -9.81],
+    bodies: [
+      { name: long, mass: 1, inertia: [1, 1, 1], position: [1, 0, 0] },
+      { name: `${mean}2`, particle: 1, position: [0, 1, 0] },
+    ],
     markers: [{ name: `${mean} tip`, body: long, at: [0, 0, 1] }],
     links: [{ name: `${mean} joint`, type: 'spherical', p: long, s: 'ground', at: [0, 0, 0] }],
     run: { until: 0.2, output: 0.02 },
@@ -182,8 +243,13 @@ async function checkHostile(browser) {
   await page.evaluate("for (const id of ['bodies-tab', 'run-tab', 'scene-tab']) document.getElementById(id).click()");
   await page.evaluate('globalThis.lockstepReport.select(1)');
   await page.settle();
-  const seen = await page.evaluate("({ struck: globalThis.struck, images: document.querySelectorAll('img, b:not(#time)').length, title: document.title, heading: document.querySelector('h1').textContent, body: document.querySelector('#body h3').textContent, label: document.querySelector('.label').textContent })");
-  check(seen.struck === undefined && seen.images === 0, `a name became a part of the page: ${JSON.stringify(seen).slice(0, 200)}`);
+  const seen = await page.evaluate(
+    "({ struck: globalThis.struck, images: document.querySelectorAll('img, b:not(#time)').length, title: document.title, heading: document.querySelector('h1').textContent, body: document.querySelector('#body h3').textContent, label: document.querySelector('.label').textContent })",
+  );
+  check(
+    seen.struck === undefined && seen.images === 0,
+    `a name became a part of the page: ${JSON.stringify(seen).slice(0, 200)}`,
+  );
   check(seen.heading === title && seen.body === long, 'long names are whole where they are asked for');
   check(seen.title.startsWith(evil.slice(0, 9)), `the window is called ${seen.title.slice(0, 40)}`);
   check(seen.label.length <= 40, 'names in the picture are cut');
@@ -231,26 +297,60 @@ async function checkContrast(browser) {
 
 // A sweep of two variables: a point for each run, a map by colour, a row of cells for the point under the mouse.
 async function checkSweep(browser) {
-  const csv = join(folder, 'sweep.csv'), html = join(folder, 'sweep.html');
-  execFileSync(lockstep, ['sweep', join(scenes, 'rod_pendulum.json'), '--vary', 'bodies.rod.rod.mass=1:3:3', '--vary', 'gravity.1=-9.81,-1.62,-3.7', '--until', '0.2', '--record', csv, '--report', html, '--quiet'], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+  const csv = join(folder, 'sweep.csv'),
+    html = join(folder, 'sweep.html');
+  execFileSync(
+    lockstep,
+    [
+      'sweep',
+      join(scenes, 'rod_pendulum.json'),
+      '--vary',
+      'bodies.rod.rod.mass=1:3:3',
+      '--vary',
+      'gravity.1=-9.81,-1.62,-3.7',
+      '--until',
+      '0.2',
+      '--record',
+      csv,
+      '--report',
+      html,
+      '--quiet',
+    ],
+    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  );
   const page = await browser.page();
   await page.open(pathToFileURL(html).href);
   await page.settle();
   const [, ...rows] = readFileSync(csv, 'utf8').trim().split('\n');
-  const points = await page.evaluate("(() => { const p = globalThis.lockstepReport.points; return p.seen.map((i) => [p.table.columns[p.x].numbers[i], p.table.columns[p.y].numbers[i]]); })()");
-  check(points.length === 9 && rows.length === 9, `a sweep of nine runs shows ${points.length} points of ${rows.length} rows`);
+  const points = await page.evaluate(
+    '(() => { const p = globalThis.lockstepReport.points; return p.seen.map((i) => [p.table.columns[p.x].numbers[i], p.table.columns[p.y].numbers[i]]); })()',
+  );
+  check(
+    points.length === 9 && rows.length === 9,
+    `a sweep of nine runs shows ${points.length} points of ${rows.length} rows`,
+  );
   rows.forEach((row, i) => {
     const cells = row.split(',').map(Number);
     check(cells.includes(points[i][0]) && cells.includes(points[i][1]), `point ${points[i]} is none of row ${row}`);
   });
-  const [x, y] = await page.evaluate("(() => { const p = globalThis.lockstepReport.points, b = p.plot.over.getBoundingClientRect(); return [b.x + p.plot.valToPos(p.table.columns[p.x].numbers[4], 'x'), b.y + p.plot.valToPos(p.table.columns[p.y].numbers[4], 'y')]; })()");
+  const [x, y] = await page.evaluate(
+    "(() => { const p = globalThis.lockstepReport.points, b = p.plot.over.getBoundingClientRect(); return [b.x + p.plot.valToPos(p.table.columns[p.x].numbers[4], 'x'), b.y + p.plot.valToPos(p.table.columns[p.y].numbers[4], 'y')]; })()",
+  );
   await page.mouse('mouseMoved', x, y);
   await page.settle();
   const shown = await page.evaluate("document.querySelector('#points-row').textContent");
-  check(shown.includes('bodies.rod.rod.mass') && shown.includes('gravity.1'), `the run under the mouse is shown, not "${shown}"`);
-  await page.evaluate("(() => { for (const [id, value] of [['points-y', '2'], ['points-color', '4']]) { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event('change')); } })()");
+  check(
+    shown.includes('bodies.rod.rod.mass') && shown.includes('gravity.1'),
+    `the run under the mouse is shown, not "${shown}"`,
+  );
+  await page.evaluate(
+    "(() => { for (const [id, value] of [['points-y', '2'], ['points-color', '4']]) { const e = document.getElementById(id); e.value = value; e.dispatchEvent(new Event('change')); } })()",
+  );
   await page.settle();
-  check(!(await page.evaluate("document.querySelector('#points-scale').hidden")), 'a column of numbers gives the colour, with its scale');
+  check(
+    !(await page.evaluate("document.querySelector('#points-scale').hidden")),
+    'a column of numbers gives the colour, with its scale',
+  );
   const poor = await page.evaluate(CONTRAST);
   check(poor.length === 0, `the page of a sweep has too little contrast in ${poor.join('; ')}`);
   checkQuiet(page, 'sweep');

@@ -5,15 +5,28 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
 const FLAGS = [
-  '--headless=new', '--no-sandbox', '--disable-gpu', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
-  '--no-default-browser-check', '--remote-debugging-pipe', '--mute-audio', '--hide-scrollbars',
+  '--headless=new',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--use-gl=angle',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+  '--no-first-run',
+  '--no-default-browser-check',
+  '--remote-debugging-pipe',
+  '--mute-audio',
+  '--hide-scrollbars',
 ];
 
 export class Chromium {
   constructor(program) {
     this.folder = mkdtempSync(join(tmpdir(), 'lockstep-report-'));
-    this.process = spawn(program, [...FLAGS, `--user-data-dir=${this.folder}`, 'about:blank'], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+    this.process = spawn(program, [...FLAGS, `--user-data-dir=${this.folder}`, 'about:blank'], {
+      stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'],
+    });
     this.waiting = new Map();
     this.listeners = [];
     this.number = 0;
@@ -71,15 +84,20 @@ class Page {
     browser.listeners.push((message) => message.sessionId === sessionId && this.hear(message));
   }
 
-  send(method, params) { return this.browser.send(method, params, this.sessionId); }
+  send(method, params) {
+    return this.browser.send(method, params, this.sessionId);
+  }
 
   // All that a reader of the console would see, and whatever the page fetches.
   hear({ method, params }) {
     if (method === 'Runtime.consoleAPICalled' && ['warning', 'error', 'assert'].includes(params.type))
       this.messages.push(`${params.type}: ${params.args.map((a) => a.value ?? a.description).join(' ')}`);
     if (method === 'Runtime.exceptionThrown')
-      this.messages.push(`exception: ${params.exceptionDetails.exception?.description ?? params.exceptionDetails.text}`);
-    if (method === 'Log.entryAdded' && ['warning', 'error'].includes(params.entry.level)) this.messages.push(`${params.entry.level}: ${params.entry.text}`);
+      this.messages.push(
+        `exception: ${params.exceptionDetails.exception?.description ?? params.exceptionDetails.text}`,
+      );
+    if (method === 'Log.entryAdded' && ['warning', 'error'].includes(params.entry.level))
+      this.messages.push(`${params.entry.level}: ${params.entry.text}`);
     if (method === 'Network.requestWillBeSent') this.requests.push(params.request.url);
     if (method === 'Page.loadEventFired') this.loaded?.();
   }
@@ -88,27 +106,45 @@ class Page {
     for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await this.send(`${domain}.enable`);
     await this.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile: false });
     await this.send('Emulation.setEmulatedMedia', {
-      features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }, { name: 'prefers-reduced-motion', value: still ? 'reduce' : 'no-preference' }],
+      features: [
+        { name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' },
+        { name: 'prefers-reduced-motion', value: still ? 'reduce' : 'no-preference' },
+      ],
     });
   }
 
   async open(url) {
-    const loaded = new Promise((done) => { this.loaded = done; });
+    const loaded = new Promise((done) => {
+      this.loaded = done;
+    });
     await this.send('Page.navigate', { url });
     await loaded;
   }
 
   async evaluate(expression) {
-    const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
+    const { result, exceptionDetails } = await this.send('Runtime.evaluate', {
+      expression,
+      returnByValue: true,
+      awaitPromise: true,
+    });
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
     return result.value;
   }
 
   // Until the page has drawn what was asked of it.
-  settle() { return this.evaluate('new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))'); }
+  settle() {
+    return this.evaluate('new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))');
+  }
 
   async mouse(type, x, y, buttons = 0) {
-    await this.send('Input.dispatchMouseEvent', { type, x, y, button: type === 'mouseMoved' && !buttons ? 'none' : 'left', buttons, clickCount: 1 });
+    await this.send('Input.dispatchMouseEvent', {
+      type,
+      x,
+      y,
+      button: type === 'mouseMoved' && !buttons ? 'none' : 'left',
+      buttons,
+      clickCount: 1,
+    });
   }
 
   async click(x, y) {
@@ -121,21 +157,42 @@ class Page {
   async drag(from, to) {
     await this.mouse('mouseMoved', ...from);
     await this.mouse('mousePressed', ...from, 1);
-    for (let k = 1; k <= 5; ++k) await this.mouse('mouseMoved', from[0] + ((to[0] - from[0]) * k) / 5, from[1] + ((to[1] - from[1]) * k) / 5, 1);
+    for (let k = 1; k <= 5; ++k)
+      await this.mouse('mouseMoved', from[0] + ((to[0] - from[0]) * k) / 5, from[1] + ((to[1] - from[1]) * k) / 5, 1);
     await this.mouse('mouseReleased', ...to);
     await this.settle();
   }
 
   async key(key, modifiers = 0) {
-    const codes = { ' ': ['Space', 32], ArrowLeft: ['ArrowLeft', 37], ArrowRight: ['ArrowRight', 39], Home: ['Home', 36], End: ['End', 35], Tab: ['Tab', 9], Enter: ['Enter', 13], Escape: ['Escape', 27] };
+    const codes = {
+      ' ': ['Space', 32],
+      ArrowLeft: ['ArrowLeft', 37],
+      ArrowRight: ['ArrowRight', 39],
+      Home: ['Home', 36],
+      End: ['End', 35],
+      Tab: ['Tab', 9],
+      Enter: ['Enter', 13],
+      Escape: ['Escape', 27],
+    };
     const [code, windowsVirtualKeyCode] = codes[key] ?? [`Key${key.toUpperCase()}`, key.toUpperCase().charCodeAt(0)];
     const text = key.length === 1 ? key : key === 'Enter' ? '\r' : undefined;
-    await this.send('Input.dispatchKeyEvent', { type: text ? 'keyDown' : 'rawKeyDown', key, code, windowsVirtualKeyCode, text, modifiers });
+    await this.send('Input.dispatchKeyEvent', {
+      type: text ? 'keyDown' : 'rawKeyDown',
+      key,
+      code,
+      windowsVirtualKeyCode,
+      text,
+      modifiers,
+    });
     await this.send('Input.dispatchKeyEvent', { type: 'keyUp', key, code, windowsVirtualKeyCode, modifiers });
     await this.settle();
   }
 
-  async screenshot() { return Buffer.from((await this.send('Page.captureScreenshot', { format: 'png' })).data, 'base64'); }
+  async screenshot() {
+    return Buffer.from((await this.send('Page.captureScreenshot', { format: 'png' })).data, 'base64');
+  }
 
-  async close() { await this.browser.send('Target.closeTarget', { targetId: this.targetId }); }
+  async close() {
+    await this.browser.send('Target.closeTarget', { targetId: this.targetId });
+  }
 }

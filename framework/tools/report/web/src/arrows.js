@@ -4,7 +4,7 @@ import { material } from './shapes.js';
 import { theme } from './theme.js';
 
 const Y = new Vector3(0, 1, 0);
-export const ROUND = 0.35;  // radius of a moment's arrow, where a force's would be 1 long
+export const ROUND = 0.35; // radius of a moment's arrow, where a force's would be 1 long
 
 // A round number up to the value: 1, 2 or 5 times a power of ten.
 export function roundDown(value) {
@@ -25,12 +25,13 @@ function straight(mat, unit) {
 
 // Two thirds of a circle of radius 1 about y, in the sense of the moment, with a head.
 function round(mat) {
-  const group = new Group(), end = 1.4 * Math.PI;
+  const group = new Group(),
+    end = 1.4 * Math.PI;
   const arc = new Mesh(new TorusGeometry(1, 0.055, 10, 48, end), mat);
   const head = new Mesh(new ConeGeometry(0.17, 0.5, 18), mat);
   head.position.set(Math.cos(end + 0.2), Math.sin(end + 0.2), 0);
   head.rotation.z = end + 0.2;
-  const about = new Group().add(arc, head);  // the circle lies about z
+  const about = new Group().add(arc, head); // the circle lies about z
   about.rotation.x = -Math.PI / 2;
   group.add(about);
   return group;
@@ -73,17 +74,21 @@ export class Arrows {
     this.items = this.loads.map((load) => {
       const force = straight(load.reaction ? this.mats.reaction : this.mats.force, unit);
       const moment = round(this.mats.moment);
-      for (const object of [force, moment]) object.traverse((part) => Object.assign(part, { raycast: () => {}, renderOrder: 5 }));
+      for (const object of [force, moment])
+        object.traverse((part) => Object.assign(part, { raycast: () => {}, renderOrder: 5 }));
       world.root.add(force, moment);
       return { load, force, moment };
     });
   }
 
-  get any() { return this.loads.length > 0; }
+  get any() {
+    return this.loads.length > 0;
+  }
 
   // What a full arrow stands for: one scale for all that is shown, so that arrows compare.
   scales() {
-    const { force, reaction } = this.shown, m = this.most;
+    const { force, reaction } = this.shown,
+      m = this.most;
     return {
       force: Math.max(force ? m.force : 0, reaction ? m.reaction : 0),
       moment: Math.max(force ? m.forceMoment : 0, reaction ? m.reactionMoment : 0),
@@ -106,7 +111,8 @@ export class Arrows {
   // Puts an arrow at its marker along its vector; returns its length.
   turn(object, marker, loads, at, scale, on) {
     const v = new Vector3(loads[at], loads[at + 1], loads[at + 2]);
-    const size = v.length(), length = scale === 0 ? 0 : (size / scale) * this.length * this.factor;
+    const size = v.length(),
+      length = scale === 0 ? 0 : (size / scale) * this.length * this.factor;
     object.visible = on && Number.isFinite(length) && length > 0.15 * this.unit;
     if (!object.visible) return 0;
     object.position.setFromMatrixPosition(marker.matrixWorld);

@@ -36,7 +36,8 @@ function addSolids(group, body, mats, unit) {
 
 // Semi-axes of the solid ellipsoid with this mass and diagonal inertia, bounded to what a picture bears.
 function semiAxes(body, size) {
-  const [a, b, c] = body.inertia, f = 2.5 / body.mass;
+  const [a, b, c] = body.inertia,
+    f = 2.5 / body.mass;
   const least = Number.isFinite(size) ? 0.012 * size : 0;
   const bound = (square) => Math.min(0.22 * size, Math.max(least, Math.sqrt(Math.max(0, f * square))));
   return [bound(b + c - a), bound(c + a - b), bound(a + b - c)];
@@ -54,7 +55,8 @@ function ellipsoid(body, mats, size) {
 function greatCircle(axis, color) {
   const numbers = [];
   for (let i = 0; i < 64; ++i) {
-    const a = (2 * Math.PI * i) / 64, p = [0, 0, 0];
+    const a = (2 * Math.PI * i) / 64,
+      p = [0, 0, 0];
     p[(axis + 1) % 3] = 1.003 * Math.cos(a);
     p[(axis + 2) % 3] = 1.003 * Math.sin(a);
     numbers.push(...p);
@@ -75,7 +77,8 @@ function hull(points, normal) {
   normal.copy(far);
   const span = Math.max(...points.map((p) => p.distanceTo(points[0])));
   if (points.some((p) => Math.abs(new Vector3().subVectors(p, points[0]).dot(far)) > 1e-3 * span)) return null;
-  const e1 = point0(points, 1).normalize(), e2 = new Vector3().crossVectors(far, e1);
+  const e1 = point0(points, 1).normalize(),
+    e2 = new Vector3().crossVectors(far, e1);
   const flat = points.map((p) => ({ p, x: p.dot(e1), y: p.dot(e2) })).sort((a, b) => a.x - b.x || a.y - b.y);
   const side = (list) => {
     const out = [];
@@ -95,10 +98,9 @@ const point0 = (points, i) => new Vector3().subVectors(points[i], points[0]);
 
 // The two points furthest apart.
 function ends(points) {
-  let best = [points[0], points[1]], most = -1;
-  for (const a of points)
-    for (const b of points)
-      if (a.distanceTo(b) > most) [best, most] = [[a, b], a.distanceTo(b)];
+  let best = [points[0], points[1]],
+    most = -1;
+  for (const a of points) for (const b of points) if (a.distanceTo(b) > most) [best, most] = [[a, b], a.distanceTo(b)];
   return best;
 }
 
@@ -123,7 +125,8 @@ function addSkeleton(group, center, points, mats, unit) {
 
 // Whether the mass centre lies on the line of the points, but further out: a weight on an arm.
 function beyondEnds(points, center, unit) {
-  const [a, b] = ends(points), all = [...points, center];
+  const [a, b] = ends(points),
+    all = [...points, center];
   return collinear(all) && Math.max(center.distanceTo(a), center.distanceTo(b)) > a.distanceTo(b) + 2 * unit;
 }
 
@@ -140,7 +143,8 @@ function nearest(p, others) {
 }
 
 function collinear(points) {
-  const [a, b] = ends(points), along = new Vector3().subVectors(b, a).normalize();
+  const [a, b] = ends(points),
+    along = new Vector3().subVectors(b, a).normalize();
   return points.every((p) => new Vector3().subVectors(p, a).cross(along).length() < 1e-3 * a.distanceTo(b));
 }
 
@@ -192,7 +196,8 @@ export class Bodies {
 
   seek(motion) {
     this.moving.forEach((group, i) => {
-      const b = motion.bodies, k = 7 * i;
+      const b = motion.bodies,
+        k = 7 * i;
       group.position.set(b[k], b[k + 1], b[k + 2]);
       group.quaternion.set(b[k + 3], b[k + 4], b[k + 5], b[k + 6]);
     });
@@ -200,7 +205,9 @@ export class Bodies {
 
   // Mass centres of bodies that move, in the world.
   centers() {
-    return this.data.mechanism.moving.map((i) => point(this.data.mechanism.bodies[i].center).applyMatrix4(this.groups[i].matrixWorld));
+    return this.data.mechanism.moving.map((i) =>
+      point(this.data.mechanism.bodies[i].center).applyMatrix4(this.groups[i].matrixWorld),
+    );
   }
 
   // How far the ellipsoid reaches as which a body may be drawn, at most: where nothing says what it looks like.
@@ -217,13 +224,18 @@ export class Bodies {
     const { bodies, markers, links, forces } = this.data.mechanism;
     const p = new Vector3();
     for (let i = 0; i < bodies.length; ++i) {
-      const group = this.groups[i], body = bodies[i];
+      const group = this.groups[i],
+        body = bodies[i];
       group.updateMatrixWorld();
       if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
       const reach = this.reaches[i];
       if (reach > 0)
         for (const [k, a] of semiAxes(body, Infinity).entries())
-          for (const side of [-1, 1]) yield p.copy(point(body.center)).setComponent(k, body.center[k] + side * Math.min(a, reach)).applyMatrix4(group.matrixWorld);
+          for (const side of [-1, 1])
+            yield p
+              .copy(point(body.center))
+              .setComponent(k, body.center[k] + side * Math.min(a, reach))
+              .applyMatrix4(group.matrixWorld);
       for (const solid of body.solids) {
         const holder = new Object3D();
         setPose(holder, solid.at);
@@ -237,13 +249,15 @@ export class Bodies {
     for (const link of links)
       for (const curve of link.curves ?? []) {
         if (!curve.closed) continue;
-        const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]], holder = new Object3D();
+        const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]],
+          holder = new Object3D();
         setPose(holder, marker.at);
         holder.updateMatrix();
         for (let i = 0; i < curve.points.length; i += 36)
-          yield p.set(...curve.points.slice(i, i + 3))
-              .applyMatrix4(holder.matrix)
-              .applyMatrix4(this.groups[marker.body].matrixWorld);
+          yield p
+            .set(...curve.points.slice(i, i + 3))
+            .applyMatrix4(holder.matrix)
+            .applyMatrix4(this.groups[marker.body].matrixWorld);
       }
     const used = new Set([...links.flatMap((link) => link.pairs.flat()), ...forces.flatMap((force) => force.markers)]);
     for (let m = 0; m < markers.length; ++m)
@@ -262,9 +276,11 @@ export class Bodies {
       look.mats = this.materials(look);
       if (body.solids.length > 0) addSolids(group, body, look.mats, unit);
       else if (!body.fixed)
-        addNeutral(
-            group, body, attachments(index, this.data, frame.size), look.mats,
-            { unit, size: frame.size, isWheel: wheels.has(index) });
+        addNeutral(group, body, attachments(index, this.data, frame.size), look.mats, {
+          unit,
+          size: frame.size,
+          isWheel: wheels.has(index),
+        });
       if (!body.fixed) {
         look.center = centerMark(0.75 * unit);
         look.center.position.copy(point(body.center));
@@ -280,7 +296,8 @@ export class Bodies {
   }
 
   materials(look) {
-    const tint = this.tintOf(look), glass = look.opacity < 1 ? { transparent: true, opacity: look.opacity, depthWrite: false } : {};
+    const tint = this.tintOf(look),
+      glass = look.opacity < 1 ? { transparent: true, opacity: look.opacity, depthWrite: false } : {};
     return {
       solid: material(tint, glass),
       sheet: material(tint, { transparent: true, opacity: 0.28 * look.opacity, side: 2, depthWrite: false }),

@@ -2,14 +2,15 @@
 import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-const FIELD = 30;  // degrees, vertically: little distortion
+const FIELD = 30; // degrees, vertically: little distortion
 
 export class Views {
   constructor(frame, canvas, onChange) {
     this.frame = frame;
     this.canvas = canvas;
     this.onChange = onChange;
-    const near = 1e-3 * frame.size, far = 200 * frame.reach;
+    const near = 1e-3 * frame.size,
+      far = 200 * frame.reach;
     this.perspective = new PerspectiveCamera(FIELD, 1, near, far);
     this.orthographic = new OrthographicCamera(-1, 1, 1, -1, -far, far);
     this.aspect = 1;
@@ -18,7 +19,9 @@ export class Views {
     this.look('home');
   }
 
-  get isOrthographic() { return this.camera === this.orthographic; }
+  get isOrthographic() {
+    return this.camera === this.orthographic;
+  }
 
   use(orthographic) {
     const before = this.camera;
@@ -52,7 +55,7 @@ export class Views {
     if (view === 'home') view = plane >= 0 ? 'front' : 'iso';
     if (view === 'front') return d.copy(front);
     if (view === 'right') return d.copy(right);
-    if (view === 'top') return d.copy(up).addScaledVector(front, 1e-4);  // not along "up" itself
+    if (view === 'top') return d.copy(up).addScaledVector(front, 1e-4); // not along "up" itself
     return d.copy(front).addScaledVector(right, 0.75).addScaledVector(up, 0.55);
   }
 
@@ -64,12 +67,17 @@ export class Views {
   // All that moves fills the picture, seen from the present direction.
   fit() {
     const { frame } = this;
-    const direction = this.direction ?? new Vector3().subVectors(this.camera.position, this.controls.target).normalize();
+    const direction =
+      this.direction ?? new Vector3().subVectors(this.camera.position, this.controls.target).normalize();
     this.direction = null;
-    const side = new Vector3().crossVectors(frame.up, direction).normalize(), top = new Vector3().crossVectors(direction, side);
+    const side = new Vector3().crossVectors(frame.up, direction).normalize(),
+      top = new Vector3().crossVectors(direction, side);
     const target = this.middle(side, top, direction);
-    const margin = 0.07 * frame.size, slope = Math.tan((FIELD * Math.PI) / 360), v = new Vector3();
-    let half = 0.08 * frame.size, distance = half / slope;
+    const margin = 0.07 * frame.size,
+      slope = Math.tan((FIELD * Math.PI) / 360),
+      v = new Vector3();
+    let half = 0.08 * frame.size,
+      distance = half / slope;
     for (const p of frame.points) {
       v.subVectors(p, target);
       const across = Math.max(Math.abs(v.dot(top)) + margin, (Math.abs(v.dot(side)) + margin) / this.aspect) * 1.06;
@@ -89,7 +97,8 @@ export class Views {
   middle(...axes) {
     const target = new Vector3();
     for (const axis of axes) {
-      let low = Infinity, high = -Infinity;
+      let low = Infinity,
+        high = -Infinity;
       for (const p of this.frame.points) {
         const d = p.dot(axis);
         low = Math.min(low, d);
@@ -108,7 +117,8 @@ export class Views {
   project() {
     this.perspective.aspect = this.aspect;
     this.perspective.updateProjectionMatrix();
-    const h = this.halfHeight ?? this.frame.size, o = this.orthographic;
+    const h = this.halfHeight ?? this.frame.size,
+      o = this.orthographic;
     o.left = -h * this.aspect;
     o.right = h * this.aspect;
     o.top = h;
@@ -134,7 +144,8 @@ export class Views {
 
   // Metres that a pixel at the target shows.
   metresPerPixel(height) {
-    const half = this.isOrthographic ? this.halfHeight / this.orthographic.zoom
+    const half = this.isOrthographic
+      ? this.halfHeight / this.orthographic.zoom
       : this.camera.position.distanceTo(this.controls.target) * Math.tan((FIELD * Math.PI) / 360);
     return (2 * half) / height;
   }

@@ -14,7 +14,7 @@ function speedFor(duration) {
 export class Clock extends EventTarget {
   constructor(times) {
     super();
-    this.instants = Float64Array.from(new Set(times));  // a jump has two frames
+    this.instants = Float64Array.from(new Set(times)); // a jump has two frames
     this.start = times[0];
     this.end = times[times.length - 1];
     this.t = this.start;
@@ -24,7 +24,9 @@ export class Clock extends EventTarget {
     this.last = 0;
   }
 
-  tell(what) { this.dispatchEvent(new Event(what)); }
+  tell(what) {
+    this.dispatchEvent(new Event(what));
+  }
 
   seek(t) {
     this.t = Math.min(this.end, Math.max(this.start, t));
@@ -56,7 +58,9 @@ export class Clock extends EventTarget {
     this.tell('state');
   }
 
-  toggle() { this.playing ? this.pause() : this.play(); }
+  toggle() {
+    this.playing ? this.pause() : this.play();
+  }
 
   tick(now) {
     if (!this.playing) return;

@@ -2,7 +2,8 @@
 
 function cells(text) {
   const rows = [[]];
-  let cell = '', quoted = false;
+  let cell = '',
+    quoted = false;
   const end = () => {
     rows[rows.length - 1].push(cell);
     cell = '';
@@ -32,7 +33,9 @@ export function readTable(text) {
     columns: titles.map((title, k) => {
       const texts = rows.map((row) => row[k] ?? '');
       const numbers = texts.map((t) => (t.trim() === '' ? NaN : Number(t)));
-      const numeric = texts.some((t) => t.trim() !== '') && texts.every((t, i) => t.trim() === '' || t === 'nan' || !Number.isNaN(numbers[i]));
+      const numeric =
+        texts.some((t) => t.trim() !== '') &&
+        texts.every((t, i) => t.trim() === '' || t === 'nan' || !Number.isNaN(numbers[i]));
       return { title, texts, numbers: numeric ? numbers : null };
     }),
   };

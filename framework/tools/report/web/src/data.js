@@ -10,7 +10,8 @@ function bytesOf(text) {
 
 // An array of the block; a column with a base holds differences from it.
 function arrayAt(buffer, place) {
-  const values = place.bits === 64 ? new Float64Array(buffer, place.at, place.n) : new Float32Array(buffer, place.at, place.n);
+  const values =
+    place.bits === 64 ? new Float64Array(buffer, place.at, place.n) : new Float32Array(buffer, place.at, place.n);
   if (!place.base) return values;
   return Float64Array.from(values, (v) => v + place.base);
 }

@@ -11,7 +11,9 @@ export function download(name, blob) {
 
 // A plot with its legend, on the page's ground.
 export function pngOf({ plot }, name) {
-  const from = plot.ctx.canvas, scale = devicePixelRatio, top = 26 * scale;
+  const from = plot.ctx.canvas,
+    scale = devicePixelRatio,
+    top = 26 * scale;
   const canvas = document.createElement('canvas');
   canvas.width = from.width;
   canvas.height = from.height + top;
@@ -27,7 +29,7 @@ export function pngOf({ plot }, name) {
     ctx.fillRect(x, 12 * scale, 16 * scale, 2.5 * scale);
     ctx.fillStyle = theme.is.ink;
     ctx.fillText(series.label, x + 20 * scale, 17 * scale);
-    x += (34 * scale) + ctx.measureText(series.label).width;
+    x += 34 * scale + ctx.measureText(series.label).width;
   }
   canvas.toBlob((blob) => download(name, blob));
 }

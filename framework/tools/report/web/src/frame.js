@@ -23,14 +23,20 @@ function axesOf([x, y, z, w]) {
 // The normal of the plane to which all bodies keep: none leaves it or turns out of it.
 function planeOf(data, motion, size) {
   if (data.mechanism.plane >= 0) return data.mechanism.plane;
-  const left = new Set([2, 1, 0]), first = [];
+  const left = new Set([2, 1, 0]),
+    first = [];
   for (const t of instants(motion, 24)) {
     motion.seek(t);
     for (let i = 0; i < motion.nBodies; ++i) {
-      const x = motion.bodies.slice(7 * i, 7 * i + 3), axes = axesOf(motion.bodies.subarray(7 * i + 3, 7 * i + 7));
+      const x = motion.bodies.slice(7 * i, 7 * i + 3),
+        axes = axesOf(motion.bodies.subarray(7 * i + 3, 7 * i + 7));
       first[i] ??= { x, axes };
       for (const n of left)
-        if (Math.abs(x[n] - first[i].x[n]) > 1e-5 * size || axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4)) left.delete(n);
+        if (
+          Math.abs(x[n] - first[i].x[n]) > 1e-5 * size ||
+          axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4)
+        )
+          left.delete(n);
     }
     if (left.size === 0) return -1;
   }
@@ -50,7 +56,10 @@ function upOf(gravity, plane) {
 
 // Where everything is during the run: of each body its corners, of each marker its origin.
 function extent(world, motion) {
-  const box = new Box3(), point = new Vector3(), sizes = [], points = [];
+  const box = new Box3(),
+    point = new Vector3(),
+    sizes = [],
+    points = [];
   for (const t of instants(motion, 40)) {
     world.seek(t);
     const now = new Box3();
@@ -71,7 +80,8 @@ function extent(world, motion) {
 // Whether mass centres lie, or move, beside one another in the plane: what only turns about one axis is better seen in
 // space.
 function spreads(world, plane, length) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  const low = [Infinity, Infinity, Infinity],
+    high = [-Infinity, -Infinity, -Infinity];
   for (const t of instants(world.motion, 24)) {
     world.seek(t);
     for (const x of world.bodies.centers())
@@ -104,6 +114,6 @@ export function frameOf(data, motion, world) {
     plane,
     up,
     front,
-    right
+    right,
   };
 }

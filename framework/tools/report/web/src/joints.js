@@ -1,5 +1,17 @@
 // Joints: a symbol for each kind of mask, at the markers of the link, with its axis.
-import { Group, LineBasicMaterial, LineDashedMaterial, LineLoop, LineSegments, Line, Mesh, OctahedronGeometry, PlaneGeometry, TorusGeometry, Vector3 } from 'three';
+import {
+  Group,
+  LineBasicMaterial,
+  LineDashedMaterial,
+  LineLoop,
+  LineSegments,
+  Line,
+  Mesh,
+  OctahedronGeometry,
+  PlaneGeometry,
+  TorusGeometry,
+  Vector3,
+} from 'three';
 import { box, cylinder, lineGeometry, material, sphere, tube } from './shapes.js';
 import { theme } from './theme.js';
 
@@ -23,7 +35,18 @@ export function kindOf(link) {
   if (link.type === 'screw') return 'screw';
   const { slides, turns } = freedoms(link.mask);
   const key = `${slides.length}${turns.length}`;
-  const kinds = { '00': 'fixed', '01': 'hinge', '10': 'slide', '11': 'cylindrical', '03': 'ball', '02': 'bent', 13: 'line', 23: 'plane', 21: 'sheet', 20: 'sheet' };
+  const kinds = {
+    '00': 'fixed',
+    '01': 'hinge',
+    10: 'slide',
+    11: 'cylindrical',
+    '03': 'ball',
+    '02': 'bent',
+    13: 'line',
+    23: 'plane',
+    21: 'sheet',
+    20: 'sheet',
+  };
   return kinds[key] ?? 'other';
 }
 
@@ -44,13 +67,15 @@ function axisLine(length, mats) {
 // Symbols: `p` belongs to the marker P, `s` to the marker S, both with z as their axis.
 const SYMBOLS = {
   hinge(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     s.add(cylinder(0.85 * u, 1.9 * u, mats.solid), axisLine(3 * u, mats));
     p.add(cylinder(0.42 * u, 2.02 * u, mats.pin));
     return { p, s };
   },
   slide(u, mats, travel) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     const rail = box([0.5 * u, 0.5 * u, travel[1] - travel[0] + 5 * u], mats.rail, mats.edge);
     rail.position.z = 0.5 * (travel[0] + travel[1]);
     s.add(rail);
@@ -58,7 +83,8 @@ const SYMBOLS = {
     return { p, s };
   },
   cylindrical(u, mats, travel) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     const rail = cylinder(0.3 * u, travel[1] - travel[0] + 5 * u, mats.rail);
     rail.position.z = 0.5 * (travel[0] + travel[1]);
     s.add(rail);
@@ -67,7 +93,9 @@ const SYMBOLS = {
   },
   screw(u, mats, travel) {
     const { p, s } = SYMBOLS.cylindrical(u, mats, travel);
-    const low = travel[0] - 2.5 * u, high = travel[1] + 2.5 * u, points = [];
+    const low = travel[0] - 2.5 * u,
+      high = travel[1] + 2.5 * u,
+      points = [];
     for (let i = 0; i <= 400; ++i) {
       const a = (i / 400) * ((high - low) / (0.8 * u)) * 2 * Math.PI;
       points.push(0.42 * u * Math.cos(a), 0.42 * u * Math.sin(a), low + ((high - low) * i) / 400);
@@ -76,7 +104,8 @@ const SYMBOLS = {
     return { p, s };
   },
   ball(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     p.add(sphere(0.8 * u, mats.solid));
     const cup = new Mesh(new TorusGeometry(0.95 * u, 0.16 * u, 12, 36), mats.rail);
     s.add(cup);
@@ -88,13 +117,15 @@ const SYMBOLS = {
     return { p, s };
   },
   universal(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     s.add(along(cylinder(0.28 * u, 2.6 * u, mats.rail), 0));
     p.add(along(cylinder(0.28 * u, 2.6 * u, mats.pin2), 1), sphere(0.55 * u, mats.solid));
     return { p, s };
   },
   line(u, mats, travel) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     const rail = cylinder(0.2 * u, travel[1] - travel[0] + 5 * u, mats.rail);
     rail.position.z = 0.5 * (travel[0] + travel[1]);
     s.add(rail);
@@ -108,7 +139,8 @@ const SYMBOLS = {
     return { p, s };
   },
   sheet(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     s.add(new Mesh(new PlaneGeometry(7 * u, 7 * u), mats.sheet));
     const r = 3.5 * u;
     s.add(new LineLoop(lineGeometry([-r, -r, 0, r, -r, 0, r, r, 0, -r, r, 0]), mats.line));
@@ -116,17 +148,20 @@ const SYMBOLS = {
     return { p, s };
   },
   fixed(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     p.add(box([1.1 * u, 1.1 * u, 1.1 * u], mats.solid, mats.edge));
     return { p, s };
   },
   curve(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     p.add(sphere(0.4 * u, mats.solid));
     return { p, s };
   },
   other(u, mats) {
-    const s = new Group(), p = new Group();
+    const s = new Group(),
+      p = new Group();
     p.add(new Mesh(new OctahedronGeometry(0.8 * u), mats.solid));
     return { p, s };
   },
@@ -144,7 +179,10 @@ function addCurves(link, markers, unit, mats) {
     group.add(tube(curve.points, curve.closed, (curve.closed ? 0.14 : 0.2) * unit, mats.rail));
     if (curve.closed) {
       const [x, y, z] = curve.points;
-      group.add(new LineLoop(lineGeometry(curve.points), mats.wheel), new Line(lineGeometry([0, 0, 0, x, y, z]), mats.wheel));
+      group.add(
+        new LineLoop(lineGeometry(curve.points), mats.wheel),
+        new Line(lineGeometry([0, 0, 0, x, y, z]), mats.wheel),
+      );
     }
     marker.add(group);
     added.push(group);
@@ -209,8 +247,14 @@ export class Joints {
     mats.axis.dashSize = 0.8 * unit;
     mats.axis.gapSize = 0.4 * unit;
     const free = link.mask === undefined ? { slides: [], turns: [] } : freedoms(link.mask);
-    const axis = free.turns.length === 1 ? free.turns[0] : free.slides.length === 1 ? free.slides[0]
-      : free.slides.length === 2 ? [0, 1, 2].find((k) => !free.slides.includes(k)) : 2;
+    const axis =
+      free.turns.length === 1
+        ? free.turns[0]
+        : free.slides.length === 1
+          ? free.slides[0]
+          : free.slides.length === 2
+            ? [0, 1, 2].find((k) => !free.slides.includes(k))
+            : 2;
     const slides = ['slide', 'cylindrical', 'line', 'screw'].includes(kind);
     const travel = slides ? travelOf(link, kind === 'screw' ? 2 : free.slides[0], world, times) : [0, 0];
     const parts = SYMBOLS[kind](unit, mats, travel);
@@ -229,7 +273,8 @@ export class Joints {
 
   // The rack on which a pinion rolls along x of S.
   rack(link, world, unit, mats, times) {
-    const [from, to] = travelOf(link, 0, world, times), length = to - from + 2 * Math.abs(link.rack);
+    const [from, to] = travelOf(link, 0, world, times),
+      length = to - from + 2 * Math.abs(link.rack);
     const bar = box([length, 0.8 * unit, 1.6 * unit], mats.rail, mats.edge);
     bar.position.set(0.5 * (from + to), -link.rack - Math.sign(link.rack) * 0.4 * unit, 0);
     const group = new Group().add(bar);

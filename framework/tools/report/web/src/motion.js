@@ -1,10 +1,13 @@
 // Motion: poses and loads at any instant, between the frames by cubic polynomials through poses and velocities.
 
-const BODY = 13, MARKER = 7, LOAD = 6;
+const BODY = 13,
+  MARKER = 7,
+  LOAD = 6;
 
 // The last index k with times[k] <= t; at least 0.
 export function indexAt(times, t) {
-  let low = 0, high = times.length;
+  let low = 0,
+    high = times.length;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
     if (times[middle] <= t) low = middle;
@@ -37,8 +40,12 @@ export class Motion {
     this.t = NaN;
   }
 
-  get start() { return this.times[0]; }
-  get end() { return this.times[this.times.length - 1]; }
+  get start() {
+    return this.times[0];
+  }
+  get end() {
+    return this.times[this.times.length - 1];
+  }
 
   seek(t) {
     if (t === this.t) return;
@@ -53,13 +60,16 @@ export class Motion {
     for (let i = 0; i < this.nBodies; ++i) this.seekBody(i, k, next, u, h, endIsAfterJump);
     for (let i = 0; i < this.nMarkers; ++i) this.seekMarker(i, k, next, u);
     const first = BODY * this.nBodies + MARKER * this.nMarkers;
-    const a = k * this.width + first, b = next * this.width + first;
+    const a = k * this.width + first,
+      b = next * this.width + first;
     for (let i = 0; i < this.loads.length; ++i) this.loads[i] = (1 - u) * this.rows[a + i] + u * this.rows[b + i];
   }
 
   seekBody(i, k, next, u, h, endIsAfterJump) {
     const { rows, bodies, velocities } = this;
-    const a = k * this.width + BODY * i, b = next * this.width + BODY * i, out = 7 * i;
+    const a = k * this.width + BODY * i,
+      b = next * this.width + BODY * i,
+      out = 7 * i;
     if (u === 0 || h === 0) {
       for (let c = 0; c < 3; ++c) bodies[out + c] = rows[a + c];
       for (let c = 0; c < 4; ++c) bodies[out + 3 + c] = rows[a + 3 + ((c + 1) & 3)];
@@ -82,10 +92,16 @@ export class Motion {
     let q1 = [0, 1, 2, 3].map((c) => rows[b + 3 + c]);
     if (q0.reduce((sum, c, i) => sum + c * q1[i], 0) < 0) q1 = q1.map((c) => -c);
     const rate = (at, e) => {
-      const x = rows[at + 10], y = rows[at + 11], z = rows[at + 12], [w, i, j, k] = e;
-      return [-x * i - y * j - z * k, x * w + y * k - z * j, y * w + z * i - x * k, z * w + x * j - y * i].map((c) => 0.5 * c);
+      const x = rows[at + 10],
+        y = rows[at + 11],
+        z = rows[at + 12],
+        [w, i, j, k] = e;
+      return [-x * i - y * j - z * k, x * w + y * k - z * j, y * w + z * i - x * k, z * w + x * j - y * i].map(
+        (c) => 0.5 * c,
+      );
     };
-    const d0 = rate(a, q0), d1 = secant ? q1.map((c, i) => (c - q0[i]) / secant) : rate(b, q1);
+    const d0 = rate(a, q0),
+      d1 = secant ? q1.map((c, i) => (c - q0[i]) / secant) : rate(b, q1);
     const e = q0.map((c, i) => p * c + q * q1[i] + r * d0[i] + s * d1[i]);
     const n = Math.hypot(...e) || 1;
     for (let c = 0; c < 4; ++c) bodies[out + c] = e[(c + 1) & 3] / n;
@@ -94,7 +110,9 @@ export class Motion {
   seekMarker(i, k, next, u) {
     const { rows, markers } = this;
     const first = BODY * this.nBodies + MARKER * i;
-    const a = k * this.width + first, b = next * this.width + first, out = 7 * i;
+    const a = k * this.width + first,
+      b = next * this.width + first,
+      out = 7 * i;
     let dot = 0;
     for (let c = 3; c < 7; ++c) dot += rows[a + c] * rows[b + c];
     const sign = dot < 0 ? -1 : 1;

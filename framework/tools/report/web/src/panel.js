@@ -71,7 +71,10 @@ export class Panel {
   fixedFacts(body) {
     if (body.fixed) return table([['fixed', 'it never moves']]);
     const [a, b, c, d, e, f] = body.inertia;
-    const rows = [['mass', `${number(body.mass)} kg`], ['mass centre', vector(body.center, 'm')]];
+    const rows = [
+      ['mass', `${number(body.mass)} kg`],
+      ['mass centre', vector(body.center, 'm')],
+    ];
     if (!body.particle) rows.push(['inertia xx, yy, zz', vector([a, b, c], 'kg m\u00b2')]);
     if (!body.particle && (d || e || f)) rows.push(['inertia xy, yz, zx', vector([d, e, f], 'kg m\u00b2')]);
     return table(rows);
@@ -80,17 +83,26 @@ export class Panel {
   links(index) {
     const { links, forces, markers, bodies } = this.data.mechanism;
     const on = (m) => markers[m].body === index;
-    const names = (list) => [...new Set(list.filter((m) => !on(m)).map((m) => bodies[markers[m].body].name))].join(', ');
+    const names = (list) =>
+      [...new Set(list.filter((m) => !on(m)).map((m) => bodies[markers[m].body].name))].join(', ');
     const rows = [
-      ...links.filter((l) => l.pairs.flat().some(on)).map((l) => [l.name, `${l.type} with ${names(l.pairs.flat()) || 'itself'}${l.drives?.length ? ', driven' : ''}`]),
-      ...forces.filter((f) => f.markers.some(on)).map((f) => [f.name, `${f.type}${names(f.markers) ? ` with ${names(f.markers)}` : ''}`]),
+      ...links
+        .filter((l) => l.pairs.flat().some(on))
+        .map((l) => [
+          l.name,
+          `${l.type} with ${names(l.pairs.flat()) || 'itself'}${l.drives?.length ? ', driven' : ''}`,
+        ]),
+      ...forces
+        .filter((f) => f.markers.some(on))
+        .map((f) => [f.name, `${f.type}${names(f.markers) ? ` with ${names(f.markers)}` : ''}`]),
     ];
     return rows.length ? [element('h4', 'Links and forces'), table(rows)] : [];
   }
 
   channels(name) {
     const channel = new Map(this.data.text.channels);
-    const rows = this.data.table.columns.filter((c) => (channel.get(c.name) ?? c.name).startsWith(`${name}.`))
+    const rows = this.data.table.columns
+      .filter((c) => (channel.get(c.name) ?? c.name).startsWith(`${name}.`))
       .map((c) => [c.name, channel.get(c.name) ?? '']);
     return rows.length ? [element('h4', 'Recorded'), table(rows)] : [];
   }
@@ -105,23 +117,38 @@ export class Panel {
       ['position', vector(i < 0 ? home.slice(0, 3) : bodies.subarray(7 * i, 7 * i + 3), 'm')],
       ['orientation w, x, y, z', vector([q[3], q[0], q[1], q[2]], '')],
     ];
-    if (i >= 0) rows.push(['velocity', vector(velocities.subarray(6 * i, 6 * i + 3), 'm/s')], ['angular velocity', vector(velocities.subarray(6 * i + 3, 6 * i + 6), 'rad/s')]);
+    if (i >= 0)
+      rows.push(
+        ['velocity', vector(velocities.subarray(6 * i, 6 * i + 3), 'm/s')],
+        ['angular velocity', vector(velocities.subarray(6 * i + 3, 6 * i + 6), 'rad/s')],
+      );
     this.live.replaceChildren(table(rows));
   }
 
   addRun() {
-    const { text, mechanism, frames, table: columns } = this.data, holder = this.elements.run;
+    const { text, mechanism, frames, table: columns } = this.data,
+      holder = this.elements.run;
     for (const warning of text.warnings) holder.append(element('p', warning, 'warning'));
     if (text.description) holder.append(element('p', text.description));
     const count = (n, one, many) => `${n} ${n === 1 ? one : many}`;
-    holder.append(element('h3', 'Run'), this.facts(text.facts), element('h3', 'Mechanism'), table([
-      ['bodies', `${mechanism.moving.length} that move`],
-      ['links', String(mechanism.links.length)],
-      ['forces', String(mechanism.forces.length)],
-      ['gravity', vector(mechanism.gravity, 'm/s\u00b2')],
-      ['recorded', `${count(columns.columns.length - 1, 'column', 'columns')} in ${count(columns.rows, 'row', 'rows')}${columns.stride > 1 ? `; every ${columns.stride}th is in this file` : ''}`],
-      ['instants drawn', String(frames.n)],
-    ]), element('h3', 'Made by'), table([['lockstep', text.version]]));
+    holder.append(
+      element('h3', 'Run'),
+      this.facts(text.facts),
+      element('h3', 'Mechanism'),
+      table([
+        ['bodies', `${mechanism.moving.length} that move`],
+        ['links', String(mechanism.links.length)],
+        ['forces', String(mechanism.forces.length)],
+        ['gravity', vector(mechanism.gravity, 'm/s\u00b2')],
+        [
+          'recorded',
+          `${count(columns.columns.length - 1, 'column', 'columns')} in ${count(columns.rows, 'row', 'rows')}${columns.stride > 1 ? `; every ${columns.stride}th is in this file` : ''}`,
+        ],
+        ['instants drawn', String(frames.n)],
+      ]),
+      element('h3', 'Made by'),
+      table([['lockstep', text.version]]),
+    );
     if (text.command) holder.append(element('pre', text.command));
   }
 

@@ -5,13 +5,16 @@ import { download, pngOf } from './export.js';
 import { indexAt } from './motion.js';
 import { theme } from './theme.js';
 
-const MOST_CURVES = 8, LONG = 6000, HEIGHT = 190;
+const MOST_CURVES = 8,
+  LONG = 6000,
+  HEIGHT = 190;
 
 // Groups of column numbers with a title: those of the scene, then one for each unit; a group is no larger than can be read.
 export function groupsOf(data) {
   const { columns } = data.table;
   const byName = new Map(columns.map((c, i) => [c.name, i]));
-  const groups = [], taken = new Set();
+  const groups = [],
+    taken = new Set();
   for (const names of data.text.panels) {
     const members = names.map((n) => byName.get(n)).filter((i) => i !== undefined);
     members.forEach((i) => taken.add(i));
@@ -24,7 +27,8 @@ export function groupsOf(data) {
     byUnit.get(column.unit).push(i);
   });
   for (const [unit, members] of byUnit)
-    for (let i = 0; i < members.length; i += MOST_CURVES) groups.push({ unit, members: members.slice(i, i + MOST_CURVES) });
+    for (let i = 0; i < members.length; i += MOST_CURVES)
+      groups.push({ unit, members: members.slice(i, i + MOST_CURVES) });
   return groups;
 }
 
@@ -82,10 +86,15 @@ export class Plots {
     clock.addEventListener('time', () => this.showTime());
     new ResizeObserver(() => this.resize()).observe(holder);
     // A panel is drawn when it comes into view: a run may have hundreds.
-    this.views = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && this.fill(entry.target)), { rootMargin: '200px' });
+    this.views = new IntersectionObserver(
+      (entries) => entries.forEach((entry) => entry.isIntersecting && this.fill(entry.target)),
+      { rootMargin: '200px' },
+    );
   }
 
-  get full() { return [this.x[0], this.x[this.x.length - 1]]; }
+  get full() {
+    return [this.x[0], this.x[this.x.length - 1]];
+  }
 
   build() {
     for (const { plot } of this.plots) plot.destroy();
@@ -96,7 +105,8 @@ export class Plots {
     if (this.groups.length === 0 || this.x.length < 2) {
       const note = document.createElement('p');
       note.className = 'note';
-      note.textContent = this.groups.length === 0 ? 'No column beside the time was recorded.' : 'A curve needs two rows.';
+      note.textContent =
+        this.groups.length === 0 ? 'No column beside the time was recorded.' : 'A curve needs two rows.';
       this.holder.append(note);
       return;
     }
@@ -115,7 +125,12 @@ export class Plots {
       this.build();
     });
     log.setAttribute('aria-pressed', String(group.log));
-    const save = button('PNG', 'Save this plot as a picture', () => pngOf(this.plots.find((p) => p.group === group), `${this.fileName()}_${group.unit || 'plot'}.png`));
+    const save = button('PNG', 'Save this plot as a picture', () =>
+      pngOf(
+        this.plots.find((p) => p.group === group),
+        `${this.fileName()}_${group.unit || 'plot'}.png`,
+      ),
+    );
     head.append(title, log, save);
     const body = document.createElement('div');
     body.style.minHeight = `${HEIGHT + 28}px`;
@@ -136,9 +151,13 @@ export class Plots {
     queueMicrotask(() => this.showTime());
   }
 
-  fileName() { return (this.data.text.title || 'report').replace(/[^\p{L}\p{N}]+/gu, '_').slice(0, 60); }
+  fileName() {
+    return (this.data.text.title || 'report').replace(/[^\p{L}\p{N}]+/gu, '_').slice(0, 60);
+  }
 
-  columnsOf(group) { return group.members.map((i) => this.data.table.columns[i]); }
+  columnsOf(group) {
+    return group.members.map((i) => this.data.table.columns[i]);
+  }
 
   dataOf(group, [from, to]) {
     const columns = this.columnsOf(group).map((c) => c.values);
@@ -148,7 +167,8 @@ export class Plots {
   }
 
   makePlot(group, body) {
-    const columns = this.columnsOf(group), smooth = this.x.length < 1500;  // few rows are joined without corners
+    const columns = this.columnsOf(group),
+      smooth = this.x.length < 1500; // few rows are joined without corners
     const options = {
       width: Math.max(200, body.clientWidth || this.holder.clientWidth - 24),
       height: HEIGHT,
@@ -158,9 +178,9 @@ export class Plots {
         sync: { key: 'time' },
         drag: { x: true, y: false },
         bind: { dblclick: () => () => this.zoom(this.full) },
-        points: { size: 6 }
+        points: { size: 6 },
       },
-      scales: {x: { time: false }, y: group.log ? { distr: 3 } : {}},
+      scales: { x: { time: false }, y: group.log ? { distr: 3 } : {} },
       axes: [
         { ...axisStyle(), size: 26 },
         { ...axisStyle(), size: 62 },
@@ -168,26 +188,29 @@ export class Plots {
       series: [
         { label: 't [s]', value: (u, v) => number(v) },
         ...columns.map((column, i) => ({
-                         label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
-                         stroke: theme.color(i),
-                         width: 1.6,
-                         pxAlign: 0,
-                         paths: smooth ? uPlot.paths.spline() : uPlot.paths.linear(),
-                         show: !group.hidden.has(i),
-                         points: { show: false },
-                         value: (u, v) => number(v),
-                       })),
+          label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
+          stroke: theme.color(i),
+          width: 1.6,
+          pxAlign: 0,
+          paths: smooth ? uPlot.paths.spline() : uPlot.paths.linear(),
+          show: !group.hidden.has(i),
+          points: { show: false },
+          value: (u, v) => number(v),
+        })),
       ],
       hooks: {
         setScale: [(u, key) => key === 'x' && this.zoomed(u)],
         setSeries: [(u, i, { show }) => show !== undefined && i > 0 && group.hidden[show ? 'delete' : 'add'](i - 1)],
       },
     };
-    const positive = (list) => (group.log ? list.map((y, i) => (i === 0 ? y : Array.from(y, (v) => (v > 0 ? v : null)))) : list);
+    const positive = (list) =>
+      group.log ? list.map((y, i) => (i === 0 ? y : Array.from(y, (v) => (v > 0 ? v : null)))) : list;
     group.data = (range) => positive(this.dataOf(group, range));
     const plot = new uPlot(options, group.data(this.range), body);
     let down = NaN;
-    plot.over.addEventListener('mousedown', (e) => { down = e.clientX; });
+    plot.over.addEventListener('mousedown', (e) => {
+      down = e.clientX;
+    });
     plot.over.addEventListener('click', (e) => {
       if (Math.abs(e.clientX - down) > 3) return;
       this.clock.pause();
@@ -200,7 +223,14 @@ export class Plots {
   // One panel was zoomed: the others follow.
   zoomed(u) {
     const { min, max } = u.scales.x;
-    if (this.zooming || min === undefined || min === null || this.plots.length === 0 || (min === this.range[0] && max === this.range[1])) return;
+    if (
+      this.zooming ||
+      min === undefined ||
+      min === null ||
+      this.plots.length === 0 ||
+      (min === this.range[0] && max === this.range[1])
+    )
+      return;
     this.zoom([min, max]);
   }
 
@@ -226,7 +256,8 @@ export class Plots {
       const x = plot.valToPos(t, 'x');
       mark.style.transform = `translateX(${x}px)`;
       mark.hidden = !(x >= 0 && x <= plot.over.clientWidth);
-      if (plot.cursor.left < 0 || plot.cursor.left === undefined) plot.setLegend({ idx: indexAt(plot.data[0], t) }, false);
+      if (plot.cursor.left < 0 || plot.cursor.left === undefined)
+        plot.setLegend({ idx: indexAt(plot.data[0], t) }, false);
     }
   }
 

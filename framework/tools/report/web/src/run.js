@@ -60,7 +60,9 @@ class RunPage {
     // A click picks a body; a drag turns the view.
     const { canvas } = this.elements;
     let down = null;
-    canvas.addEventListener('pointerdown', (e) => { down = [e.clientX, e.clientY]; });
+    canvas.addEventListener('pointerdown', (e) => {
+      down = [e.clientX, e.clientY];
+    });
     canvas.addEventListener('pointerup', (e) => {
       if (!this.stage || !down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
       const box = canvas.getBoundingClientRect();
@@ -77,12 +79,24 @@ class RunPage {
   }
 
   // -- what keys and buttons do
-  toggle() { this.clock.toggle(); }
-  step(n) { this.clock.step(n); }
-  first() { this.clock.seek(this.clock.start); }
-  last() { this.clock.seek(this.clock.end); }
-  fit() { this.stage?.views.fit(); }
-  look(view) { this.stage?.views.look(view); }
+  toggle() {
+    this.clock.toggle();
+  }
+  step(n) {
+    this.clock.step(n);
+  }
+  first() {
+    this.clock.seek(this.clock.start);
+  }
+  last() {
+    this.clock.seek(this.clock.end);
+  }
+  fit() {
+    this.stage?.views.fit();
+  }
+  look(view) {
+    this.stage?.views.look(view);
+  }
 
   loop() {
     this.clock.loop = !this.clock.loop;
@@ -122,5 +136,5 @@ class RunPage {
 }
 
 export function showRun(data) {
-  globalThis.lockstepReport = new RunPage(data);  // for tests and for the curious
+  globalThis.lockstepReport = new RunPage(data); // for tests and for the curious
 }

@@ -1,10 +1,27 @@
 // Shapes: geometry made of a few solids, with thin edges that keep forms apart.
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CatmullRomCurve3, Color, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial,
-  LineSegments, Mesh, MeshStandardMaterial, Quaternion, Shape, ShapeGeometry, SphereGeometry, TubeGeometry, Vector3,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CatmullRomCurve3,
+  Color,
+  CylinderGeometry,
+  EdgesGeometry,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshStandardMaterial,
+  Quaternion,
+  Shape,
+  ShapeGeometry,
+  SphereGeometry,
+  TubeGeometry,
+  Vector3,
 } from 'three';
 
-const Y = new Vector3(0, 1, 0), Z = new Vector3(0, 0, 1);
+const Y = new Vector3(0, 1, 0),
+  Z = new Vector3(0, 0, 1);
 
 // Parts of the same size share one geometry: a chain has a hundred of them.
 const made = new Map();
@@ -17,7 +34,7 @@ function shared(make, ...numbers) {
 const boxOf = (x, y, z) => new BoxGeometry(x, y, z);
 const cylinderOf = (radius, length, sides) => new CylinderGeometry(radius, radius, length, sides);
 const sphereOf = (radius, across, down) => new SphereGeometry(radius, across, down);
-const edgesOf = new Map();  // of a geometry
+const edgesOf = new Map(); // of a geometry
 
 export function material(color, options = {}) {
   return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });

@@ -1,5 +1,14 @@
 // Stage: the picture of the mechanism, drawn when something changed.
-import { AmbientLight, Color, DirectionalLight, HemisphereLight, Raycaster, Scene, Vector2, WebGLRenderer } from 'three';
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  Raycaster,
+  Scene,
+  Vector2,
+  WebGLRenderer,
+} from 'three';
 import { Views } from './camera.js';
 import { Grid } from './grid.js';
 import { Overlay } from './overlay.js';
@@ -18,8 +27,13 @@ export class Stage {
     // Light comes over the viewer's left shoulder, from wherever he looks.
     this.key = new DirectionalLight('#ffffff', 2.1);
     this.scene.add(
-        world.root, this.grid.lines, this.key, this.key.target, new HemisphereLight('#ffffff', '#b0b7c0', 1.4),
-        new AmbientLight('#ffffff', 0.5));
+      world.root,
+      this.grid.lines,
+      this.key,
+      this.key.target,
+      new HemisphereLight('#ffffff', '#b0b7c0', 1.4),
+      new AmbientLight('#ffffff', 0.5),
+    );
     this.recolor();
     new ResizeObserver(() => this.resize()).observe(elements.stage);
     this.resize();
@@ -51,8 +65,14 @@ export class Stage {
     camera.updateMatrixWorld();
     const e = camera.matrixWorld.elements;
     this.key.position.copy(controls.target);
-    for (const [column, weight] of [[0, -0.5], [4, 0.9], [8, 1]])
-      this.key.position.x += weight * e[column], this.key.position.y += weight * e[column + 1], this.key.position.z += weight * e[column + 2];
+    for (const [column, weight] of [
+      [0, -0.5],
+      [4, 0.9],
+      [8, 1],
+    ])
+      ((this.key.position.x += weight * e[column]),
+        (this.key.position.y += weight * e[column + 1]),
+        (this.key.position.z += weight * e[column + 2]));
     this.key.target.position.copy(controls.target);
     this.renderer.render(this.scene, camera);
     this.overlay.draw(camera, this.width, this.height, this.views.metresPerPixel(this.height));
@@ -60,7 +80,8 @@ export class Stage {
 
   // The body under a point of the canvas; -1: none.
   pick(x, y) {
-    const ray = new Raycaster(), at = new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height);
+    const ray = new Raycaster(),
+      at = new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height);
     ray.setFromCamera(at, this.views.camera);
     for (const hit of ray.intersectObject(this.world.root, true)) {
       let object = hit.object;

@@ -1,5 +1,16 @@
 // What spans two points that move: springs, rods of distance links, ropes, belts.
-import { CatmullRomCurve3, CylinderGeometry, Group, Line, LineBasicMaterial, LineSegments, Mesh, Quaternion, TubeGeometry, Vector3 } from 'three';
+import {
+  CatmullRomCurve3,
+  CylinderGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  Quaternion,
+  TubeGeometry,
+  Vector3,
+} from 'three';
 
 import { lineGeometry, material, sphere } from './shapes.js';
 import { theme } from './theme.js';
@@ -22,7 +33,11 @@ function coil(radius, wire) {
 // The marker objects of what is stretched, and its mesh of length 1 along z.
 export class Stretched {
   constructor(data, world, unit) {
-    this.mats = { spring: material(theme.is.spring, { metalness: 0.3 }), rod: material(theme.is.joint), rope: new LineBasicMaterial({ color: theme.is.ink }) };
+    this.mats = {
+      spring: material(theme.is.spring, { metalness: 0.3 }),
+      rod: material(theme.is.joint),
+      rope: new LineBasicMaterial({ color: theme.is.ink }),
+    };
     this.items = [];
     this.belts = [];
     const { links, forces } = data.mechanism;
@@ -32,7 +47,10 @@ export class Stretched {
     links.forEach((link, number) => {
       if (link.belt) this.addBelt(world, link);
       if (link.type !== 'distance') return;
-      const rod = new Mesh(new CylinderGeometry(0.3 * unit, 0.3 * unit, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5), this.mats.rod);
+      const rod = new Mesh(
+        new CylinderGeometry(0.3 * unit, 0.3 * unit, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5),
+        this.mats.rod,
+      );
       const rope = new Line(lineGeometry([0, 0, 0, 0, 0, 1]), this.mats.rope);
       this.add(world, link.pairs[0], link.one_sided ? rope : rod, number);
       for (const m of link.pairs[0]) world.markers[m].add(sphere(0.6 * unit, this.mats.rod, 20));
@@ -56,7 +74,9 @@ export class Stretched {
 
   seek() {
     this.seekBelts();
-    const a = new Vector3(), b = new Vector3(), turn = new Quaternion();
+    const a = new Vector3(),
+      b = new Vector3(),
+      turn = new Quaternion();
     for (const { from, to, holder } of this.items) {
       from.updateWorldMatrix(true, false);
       to.updateWorldMatrix(true, false);
@@ -74,14 +94,22 @@ export class Stretched {
     for (const { markers, lines, radii, crossed } of this.belts) {
       const [a, b] = markers.map((m) => new Vector3().setFromMatrixPosition(m.matrixWorld));
       const axis = new Vector3().setFromMatrixColumn(markers[0].matrixWorld, 2);
-      const along = new Vector3().subVectors(b, a), distance = along.length();
+      const along = new Vector3().subVectors(b, a),
+        distance = along.length();
       along.divideScalar(distance || 1);
       const across = new Vector3().crossVectors(axis, along);
-      const cosine = (radii[0] + (crossed ? radii[1] : -radii[1])) / distance, sine = Math.sqrt(Math.max(0, 1 - cosine * cosine));
+      const cosine = (radii[0] + (crossed ? radii[1] : -radii[1])) / distance,
+        sine = Math.sqrt(Math.max(0, 1 - cosine * cosine));
       const ends = [];
       for (const side of [1, -1]) {
-        const normal = along.clone().multiplyScalar(cosine).addScaledVector(across, side * sine);
-        ends.push(a.clone().addScaledVector(normal, radii[0]), b.clone().addScaledVector(normal, crossed ? -radii[1] : radii[1]));
+        const normal = along
+          .clone()
+          .multiplyScalar(cosine)
+          .addScaledVector(across, side * sine);
+        ends.push(
+          a.clone().addScaledVector(normal, radii[0]),
+          b.clone().addScaledVector(normal, crossed ? -radii[1] : radii[1]),
+        );
       }
       const position = lines.geometry.getAttribute('position');
       ends.forEach((p, i) => position.setXYZ(i, p.x, p.y, p.z));

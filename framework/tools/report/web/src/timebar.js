@@ -2,7 +2,7 @@
 import { SPEEDS } from './clock.js';
 import { number } from './plots.js';
 
-const TICKS = 100000;  // of the slider
+const TICKS = 100000; // of the slider
 
 export class Timebar {
   constructor(data, clock, elements) {
@@ -22,7 +22,10 @@ export class Timebar {
       clock.seek(clock.start + (slider.value / TICKS) * (clock.end - clock.start));
     });
     // Arrow keys on the slider step by frames, as everywhere on the page.
-    slider.addEventListener('keydown', (e) => ['ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(e.key) && e.preventDefault());
+    slider.addEventListener(
+      'keydown',
+      (e) => ['ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(e.key) && e.preventDefault(),
+    );
     for (const s of SPEEDS) speed.add(new Option(`${s}\u00d7`, s));
     speed.addEventListener('change', () => clock.setSpeed(Number(speed.value)));
     clock.addEventListener('time', () => this.showTime());
@@ -33,7 +36,8 @@ export class Timebar {
   }
 
   addMarks() {
-    const { clock, data } = this, length = clock.end - clock.start;
+    const { clock, data } = this,
+      length = clock.end - clock.start;
     const marks = data.marks.slice(0, 400);
     for (const mark of marks) {
       const element = document.createElement('button');
@@ -52,7 +56,8 @@ export class Timebar {
   }
 
   showTime() {
-    const { clock, elements } = this, length = clock.end - clock.start;
+    const { clock, elements } = this,
+      length = clock.end - clock.start;
     elements.slider.value = length > 0 ? (TICKS * (clock.t - clock.start)) / length : 0;
     const digits = Math.max(0, Math.min(9, 3 - Math.floor(Math.log10(length || 1))));
     elements.slider.setAttribute('aria-valuetext', `${clock.t.toFixed(digits)} seconds`);

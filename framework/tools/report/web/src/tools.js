@@ -7,10 +7,11 @@ export class Tools {
     this.centers = false;
     const { elements, world, stage, plots, data } = page;
     const on = (id, act) => elements[id].addEventListener('click', act);
-    const flip = (id, act) => on(id, () => {
-      act();
-      this.show();
-    });
+    const flip = (id, act) =>
+      on(id, () => {
+        act();
+        this.show();
+      });
     on('fit', () => page.fit());
     on('parallel', () => page.orthographic());
     on('names', () => page.names());
@@ -18,11 +19,19 @@ export class Tools {
     on('trail', () => page.trail());
     on('csv', () => plots.saveCsv());
     on('picture', () => this.savePicture());
-    flip('joints', () => { if (stage) stage.overlay.names.links = !stage.overlay.names.links; });
-    flip('centers', () => { this.centers = !this.centers; });
+    flip('joints', () => {
+      if (stage) stage.overlay.names.links = !stage.overlay.names.links;
+    });
+    flip('centers', () => {
+      this.centers = !this.centers;
+    });
     flip('trails', () => world.trails.show(!world.trails.shown));
-    flip('forces', () => { world.arrows.shown.force = !world.arrows.shown.force; });
-    flip('reactions', () => { world.arrows.shown.reaction = !world.arrows.shown.reaction; });
+    flip('forces', () => {
+      world.arrows.shown.force = !world.arrows.shown.force;
+    });
+    flip('reactions', () => {
+      world.arrows.shown.reaction = !world.arrows.shown.reaction;
+    });
     elements.forces.hidden = !data.mechanism.loads.some((load) => !load.reaction);
     elements.reactions.hidden = !data.mechanism.loads.some((load) => load.reaction);
     elements.arrows.parentElement.hidden = data.mechanism.loads.length === 0;
@@ -59,7 +68,9 @@ export class Tools {
     const { stage, plots } = this.page;
     if (!stage) return;
     stage.render();
-    const bytes = await new Promise((done) => { stage.elements.canvas.toBlob(done); });
+    const bytes = await new Promise((done) => {
+      stage.elements.canvas.toBlob(done);
+    });
     download(`${plots.fileName()}.png`, bytes);
   }
 }

@@ -10,7 +10,8 @@ function trailTimes(motion, most = 3000) {
   const every = Math.max(1, Math.ceil(times.length / most));
   const list = [];
   for (let k = 0; k + 1 < times.length; k += every)
-    for (let i = 0; i < Math.min(between, 8); ++i) list.push(times[k] + ((times[Math.min(k + every, times.length - 1)] - times[k]) * i) / Math.min(between, 8));
+    for (let i = 0; i < Math.min(between, 8); ++i)
+      list.push(times[k] + ((times[Math.min(k + every, times.length - 1)] - times[k]) * i) / Math.min(between, 8));
   list.push(times[times.length - 1]);
   return list;
 }
@@ -20,15 +21,17 @@ export class Trails {
     this.data = data;
     this.motion = motion;
     this.world = world;
-    this.lines = new Map();  // by the key of a point
+    this.lines = new Map(); // by the key of a point
     this.shown = true;
   }
 
   // `object`: what is followed; `point`: in its axes.
   add(key, object, point, color) {
     if (this.lines.has(key)) return;
-    const times = trailTimes(this.motion), numbers = [];
-    const p = new Vector3(), now = this.motion.t;
+    const times = trailTimes(this.motion),
+      numbers = [];
+    const p = new Vector3(),
+      now = this.motion.t;
     for (const t of times) {
       this.world.pose(t);
       object.updateWorldMatrix(true, false);

@@ -71,16 +71,21 @@ export class World {
     this.trails.add(`body ${body}`, this.bodies.groups[body], center, () => this.colorOf(body));
   }
 
-  colorOf(body) { return this.bodies.tintOf(this.bodies.looks[body]); }
+  colorOf(body) {
+    return this.bodies.tintOf(this.bodies.looks[body]);
+  }
 
-  keyPoints() { return this.bodies.keyPoints(); }
+  keyPoints() {
+    return this.bodies.keyPoints();
+  }
 
   // Poses alone.
   pose(t) {
     this.motion.seek(t);
     this.bodies.seek(this.motion);
     this.movedMarkers.forEach((object, i) => {
-      const m = this.motion.markers, k = 7 * i;
+      const m = this.motion.markers,
+        k = 7 * i;
       object.position.set(m[k], m[k + 1], m[k + 2]);
       object.quaternion.set(m[k + 3], m[k + 4], m[k + 5], m[k + 6]);
     });
@@ -104,7 +109,8 @@ export class World {
   }
 
   showActive(t) {
-    const active = this.activeAt(t), key = active.join();
+    const active = this.activeAt(t),
+      key = active.join();
     if (key === this.active) return;
     this.active = key;
     this.data.mechanism.links.forEach((link, i) => {
