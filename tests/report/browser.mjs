@@ -323,7 +323,7 @@ async function checkSweep(browser) {
   await page.settle();
   const [, ...rows] = readFileSync(csv, 'utf8').trim().split('\n');
   const points = await page.evaluate(
-    '(() => { const p = globalThis.lockstepReport.points; return p.seen.map((i) => [p.table.columns[p.x].numbers[i], p.table.columns[p.y].numbers[i]]); })()',
+    '(() => { const p = globalThis.lockstepReport.points; return p.scatter.seen.map((i) => [p.table.columns[p.x].numbers[i], p.table.columns[p.y].numbers[i]]); })()',
   );
   check(
     points.length === 9 && rows.length === 9,
@@ -334,7 +334,7 @@ async function checkSweep(browser) {
     check(cells.includes(points[i][0]) && cells.includes(points[i][1]), `point ${points[i]} is none of row ${row}`);
   });
   const [x, y] = await page.evaluate(
-    "(() => { const p = globalThis.lockstepReport.points, b = p.plot.over.getBoundingClientRect(); return [b.x + p.plot.valToPos(p.table.columns[p.x].numbers[4], 'x'), b.y + p.plot.valToPos(p.table.columns[p.y].numbers[4], 'y')]; })()",
+    '(() => { const p = globalThis.lockstepReport.points, b = p.scatter.plot.over.getBoundingClientRect(), [x, y] = p.scatter.placeOf(4); return [b.x + x, b.y + y]; })()',
   );
   await page.mouse('mouseMoved', x, y);
   await page.settle();
