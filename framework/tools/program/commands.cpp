@@ -260,15 +260,23 @@ int exit_code_of(const Error& error) {
   return code == kCodes.end() ? kExitFailure : code->second;
 }
 
-// "lockstep run four_bar.json --until 3": the same on every machine, so paths are left out.
-std::string command_words(int argc, const char* const* argv) {
+// A word of the command line without the folders of a file that it names.
+std::string without_folders(std::string word, const Arguments& args) {
+  std::vector<std::string> files{args.scene, args.record, args.report, args.out, args.histories};
+  files.insert(files.end(), args.plugins.begin(), args.plugins.end());
+  for (const std::string& file : files)
+    if (const std::size_t slash = file.find_last_of('/'); slash != std::string::npos && word.ends_with(file))
+      return word.erase(word.size() - file.size(), slash + 1);
+  return word;
+}
+
+// "lockstep run four_bar.json --until 3": the same on every machine.
+std::string command_words(int argc, const char* const* argv, const Arguments& args) {
   std::string line = "lockstep";
   for (int k = 1; k < argc; ++k) {
-    std::string word = argv[k];
-    const std::size_t value = word.starts_with("--") ? word.find('=') + 1 : 0;  // npos + 1 is 0
-    if (const std::size_t slash = word.find_last_of('/'); slash != std::string::npos && slash >= value)
-      word.erase(value, slash + 1 - value);
-    line += word.find_first_of(" '\"$*?&|;<>()") == std::string::npos && !word.empty() ? " " + word : " '" + word + "'";
+    const std::string word = without_folders(argv[k], args);
+    const bool plain = !word.empty() && word.find_first_of(" '\"$*?&|;<>()") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
   }
   return line;
 }
@@ -343,7 +351,7 @@ int run_program(int argc, const char* const* argv) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
   const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
-  arguments.command = command_words(argc, argv);
+  arguments.command = command_words(argc, argv, arguments);
   const int code = guarded([&] { return called->second->run(arguments); });
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
