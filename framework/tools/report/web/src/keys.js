@@ -2,7 +2,7 @@
 
 export function addKeys(page) {
   addEventListener('keydown', (e) => {
-    if (e.ctrlKey || e.altKey || e.metaKey || e.target.closest('select, textarea')) return;
+    if (e.ctrlKey || e.altKey || e.metaKey || e.target.closest?.('select, textarea, input:not(#slider)')) return;
     const onButton = e.target.closest('button, summary') !== null;
     const act = {
       ' ': () => !onButton && page.toggle(),
