@@ -1,5 +1,6 @@
 // Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
-import { Group, LineBasicMaterial, LineLoop, Object3D, Vector3 } from 'three';
+import { Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
+import { freedoms } from './freedoms.js';
 
 import { bar, box, centerMark, cylinder, lineGeometry, material, plate, sphere } from './shapes.js';
 import { theme } from './theme.js';
@@ -148,7 +149,7 @@ function collinear(points) {
   return points.every((p) => new Vector3().subVectors(p, a).cross(along).length() < 1e-3 * a.distanceTo(b));
 }
 
-function addNeutral(group, body, points, mats, { unit, size, isWheel }) {
+function addNeutral(group, body, points, mats, { unit, size, isWheel, shaft }) {
   const center = point(body.center);
   if (body.particle) {
     group.add(sphere(1.1 * unit, mats.solid));
@@ -161,6 +162,7 @@ function addNeutral(group, body, points, mats, { unit, size, isWheel }) {
   const arm = points.length === 1 ? points[0].distanceTo(center) : 0;
   if (points.length === 0) group.add(ellipsoid(body, mats, 3 * size));
   else if (arm > 0.05 * size) group.add(ellipsoid(body, mats, Math.min(size, 1.6 * arm)));
+  else if (shaft) group.add(shaftAlong(shaft, center, mats, unit));
   else if (!isWheel) {
     const block = box([3.4 * unit, 2.8 * unit, 2.8 * unit], mats.solid, mats.edge);
     block.position.copy(center);
@@ -176,6 +178,30 @@ function wheelsOf({ mechanism }) {
     for (const curve of link.curves ?? [])
       if (curve.closed) wheels.add(mechanism.markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]].body);
   return wheels;
+}
+
+// The axis, in its own frame, about which a link lets a body turn as a shaft; null: none.
+function axisOf(index, { mechanism }) {
+  for (const link of mechanism.links) {
+    if (link.mask === undefined || link.pairs.length !== 1) continue;
+    const { slides, turns } = freedoms(link.mask);
+    const marker = link.pairs[0].map((m) => mechanism.markers[m]).find((m) => m.body === index);
+    if (slides.length > 0 || turns.length !== 1 || !marker) continue;
+    const [, , , w, x, y, z] = marker.at;
+    return new Vector3().setComponent(turns[0], 1).applyQuaternion(new Quaternion(x, y, z, w));
+  }
+  return null;
+}
+
+// A shaft with a key, which shows that it turns.
+function shaftAlong(axis, center, mats, unit) {
+  const shaft = new Group();
+  const key = box([0.35 * unit, 0.35 * unit, 9 * unit], mats.solid, mats.edge);
+  key.position.set(0.6 * unit, 0, 0);
+  shaft.add(cylinder(0.6 * unit, 10 * unit, mats.solid, mats.edge), key);
+  shaft.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), axis);
+  shaft.position.copy(center);
+  return shaft;
 }
 
 // A group for every body of the mechanism, by number, with what it looks like. Fixed bodies stay at home.
@@ -280,6 +306,7 @@ export class Bodies {
           unit,
           size: frame.size,
           isWheel: wheels.has(index),
+          shaft: axisOf(index, this.data),
         });
       if (!body.fixed) {
         look.center = centerMark(0.75 * unit);

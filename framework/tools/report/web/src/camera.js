@@ -76,7 +76,7 @@ export class Views {
     const margin = 0.07 * frame.size,
       slope = Math.tan((FIELD * Math.PI) / 360),
       v = new Vector3();
-    let half = 0.08 * frame.size,
+    let half = 0.25 * frame.size,
       distance = half / slope;
     for (const p of frame.points) {
       v.subVectors(p, target);

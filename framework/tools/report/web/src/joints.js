@@ -12,19 +12,9 @@ import {
   TorusGeometry,
   Vector3,
 } from 'three';
+import { freedoms } from './freedoms.js';
 import { box, cylinder, lineGeometry, material, sphere, tube } from './shapes.js';
 import { theme } from './theme.js';
-
-const AXES = ['x', 'y', 'z'];
-
-// What the rows of a mask leave free: axes of translation and of rotation, 0 1 2.
-export function freedoms(mask) {
-  const rows = new Set(mask.split(' '));
-  return {
-    slides: [0, 1, 2].filter((k) => !rows.has(AXES[k])),
-    turns: [0, 1, 2].filter((k) => !rows.has(`e${k + 1}`)),
-  };
-}
 
 export function kindOf(link) {
   if (link.mask === undefined || link.pairs.length !== 1) return 'coupling';

@@ -49,7 +49,8 @@ export function tickTexts(u, ticks, axis, space, step) {
   const largest = Math.max(...ticks.map((v) => Math.abs(v ?? 0)));
   const logarithmic = u.scales[u.axes[axis].scale].distr === 3;
   if (logarithmic) return ticks.map((v) => (v === null ? '' : number(v)));
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  let digits = 0; // after the point, so that the step is whole
+  while (digits < 15 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) ++digits;
   if (digits <= 6 && largest < 1e6) return ticks.map((v) => v.toFixed(digits));
   const significant = Math.min(12, Math.max(1, Math.ceil(Math.log10(largest / step)) + 1));
   return ticks.map((v) => (v === 0 ? '0' : v.toExponential(Math.max(0, significant - 1))));
