@@ -132,7 +132,7 @@ int chart_command(const Arguments& args) {
   else
     for (const std::string& file : draw_all(base, *result, benchmark)) fmt::print("       {}, and as .svg\n", file);
   if (!report.empty()) {
-    write_runs_report(report, text_of(args, loaded), base + ".csv", "cpu [s]", "position error [m]", true);
+    write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
     fmt::print("       {}\n", report);
   }
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");

@@ -139,13 +139,13 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
       "range for fixed steps, s; default: a hundredth of the run and 2^14 times less");
   add(verb, "--until", a.until, "T", "end of the runs, s");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs together; default 60 s");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
   verb.add_flag("--quiet", a.quiet, "do not print each run");
 }
 
 void add_chart(CLI::App& verb, Arguments& a) {
   add_benchmark(verb, a);
   add(verb, "--out", a.out, "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here");
-  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
 }
 
 constexpr const char* kChartFooter =

@@ -12,21 +12,21 @@
 namespace lockstep {
 namespace {
 
-std::string contents(const std::string& file) {
+// The scene as its author wrote it; from the data where the file is gone, or was none.
+std::string scene_text(const Scene& scene) {
+  const std::string text = contents_of(scene.file);
+  return text.empty() ? write_json(scene.root) : text;
+}
+
+}  // namespace
+
+std::string contents_of(const std::string& file) {
   std::error_code none;
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (in && std::filesystem::is_regular_file(file, none)) text << in.rdbuf();
   return text.str();
 }
-
-// The scene as its author wrote it; from the data where the file is gone, or was none.
-std::string scene_text(const Scene& scene) {
-  const std::string text = contents(scene.file);
-  return text.empty() ? write_json(scene.root) : text;
-}
-
-}  // namespace
 
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines) {
   std::vector<std::pair<std::string, std::string>> facts;
@@ -54,7 +54,7 @@ ReportText text_of(const Arguments& args, const Loaded& loaded) {
 
 void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
                        const std::string& y, bool log) {
-  report::write_points(file, {.text = text, .csv = contents(csv), .x = x, .y = y, .log = log, .joined = log});
+  report::write_points(file, {.text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log});
 }
 
 RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanism& m, const Recorder& recorder,

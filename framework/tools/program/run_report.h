@@ -16,7 +16,11 @@ std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lin
 /// The texts of a report that do not depend on the run: title, description, scene, command.
 ReportText text_of(const Arguments&, const Loaded&);
 
-/// Writes the report of the many runs of a table, whose columns `x` and `y` are shown first. Throws FileError.
+/// The text of a file; "" where there is none.
+std::string contents_of(const std::string& file);
+
+/// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
+/// FileError.
 void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
                        const std::string& y, bool log);
 

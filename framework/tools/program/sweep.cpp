@@ -334,7 +334,7 @@ void write_report(const Plan& plan, const std::string& csv, const std::string& r
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
-  write_runs_report(report, text_of(plan.arguments, plan.loaded), csv, column_title({v.path, v.unit, {}}),
+  write_runs_report(report, text_of(plan.arguments, plan.loaded), contents_of(csv), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false);
   if (!plan.arguments.quiet) fmt::print("             {}\n", report);
 }
