@@ -172,7 +172,7 @@ class Points {
   showMissing(shown) {
     const n = shown.reduce((sum, g) => sum + g.members.length, 0) - this.scatter.seen.length;
     const runs = n === 1 ? '1 run has' : `${n} runs have`;
-    const words = `${runs} no point here: they failed, or have no such number; the table has their reasons.`;
+    const words = `${runs} no point here: they failed, have no such number, or lie far beyond the others; the table has them.`;
     $('points-note').textContent = n > 0 ? words : '';
   }
 

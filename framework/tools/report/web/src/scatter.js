@@ -18,6 +18,12 @@ const scale = (log) => ({ time: false, distr: log ? 3 : 1, range: range(log) });
 const axis = (title, size) => ({ ...axisStyle(), label: title.slice(0, 80), labelSize: 18, size });
 const facet = (key) => ({ scale: key, auto: true });
 
+// On a logarithmic axis, runs that blew up to numbers without meaning would press all others together.
+function limitOf({ numbers, log }) {
+  const given = log ? numbers.filter((v) => Number.isFinite(v) && v > 0).sort((a, b) => a - b) : [];
+  return given.length > 0 ? 1e4 * given[Math.floor(0.75 * (given.length - 1))] : Infinity;
+}
+
 export class Scatter {
   // `onPoint` is told the number of the point under the mouse.
   constructor(holder, onPoint) {
@@ -31,10 +37,14 @@ export class Scatter {
     this.plot?.destroy();
     this.plot = null;
     this.what = what;
-    const fits = ({ numbers, log }, i) => Number.isFinite(numbers[i]) && (!log || numbers[i] > 0);
+    const limits = { x: limitOf(what.x), y: limitOf(what.y) };
+    const fits = (key, i) => {
+      const { numbers, log } = what[key];
+      return Number.isFinite(numbers[i]) && (!log || (numbers[i] > 0 && numbers[i] <= limits[key]));
+    };
     this.groups = what.groups.map((g) => ({
       ...g,
-      members: g.members.filter((i) => fits(what.x, i) && fits(what.y, i)),
+      members: g.members.filter((i) => fits('x', i) && fits('y', i)),
     }));
     this.seen = this.groups.flatMap((g) => g.members);
     this.extent = what.colors ? extentOf(what.colors.numbers, this.seen) : null;
