@@ -44,6 +44,66 @@ TEST_CASE("run writes the columns and says what moved", "[runner]") {
   CHECK(contains(header, "Bx [N]"));
 }
 
+TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
+  const auto page = [](const std::string& name) {
+    std::ifstream in(kFolder + "/" + name, std::ios::binary);
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    const std::size_t begin = text.find(" id=\"data\">") + 11;
+    return nlohmann::json::parse(text.substr(begin, text.find("</script>", begin) - begin));
+  };
+  for (const char* name : {"bar.html", "short.html", "grid.html"}) fs::remove(kFolder + "/" + std::string(name));
+  const Called run = call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report pages/../bar.html");
+  INFO(run.text);
+  CHECK(run.exit == 0);
+  CHECK(contains(run.text, "bar.html"));
+  const nlohmann::json bar = page("bar.html");
+  CHECK(bar["text"]["command"] == "lockstep run four_bar.json --until 0.1 --record bar.csv --report bar.html");
+  CHECK(bar["text"]["title"] == "Four-bar at 10 rad/s: angles, pin forces and the torque it takes");
+  CHECK(contains(bar["text"]["scene"], "\"axial_inertia\": 1e-4"));  // as its author wrote it
+  CHECK(bar["table"]["rows"] == 11);
+  bool conserved = false;
+  for (const nlohmann::json& fact : bar["text"]["facts"]) conserved = conserved || fact[0] == "conserved";
+  CHECK(conserved);
+
+  const Called report = call("report '" + kFourBar + "' --until 0.1 --record short.csv --quiet");
+  INFO(report.text);
+  CHECK(report.exit == 0);
+  CHECK(report.text.empty());
+  CHECK(page("short.html")["table"]["rows"] == 11);
+
+  const std::string rod = std::string(paths::kScenes) + "/rod_pendulum.json";
+  const Called sweep = call(
+      "sweep '" + rod + "' --vary gravity.1=-9.81,-1.62 --until 0.1 --record grid.csv --shard 1/1 --report grid.html");
+  INFO(sweep.text);
+  CHECK(sweep.exit == 0);
+  const nlohmann::json grid = page("grid.html");
+  CHECK(contains(grid["text"]["command"], "--shard 1/1"));
+  const std::string header = std::string(grid["csv"]).substr(0, std::string(grid["csv"]).find('\n'));
+  for (const char* axis : {"x", "y"}) CHECK(contains("," + header + ",", "," + std::string(grid[axis]) + ","));
+  CHECK(contains(grid["x"], "gravity.1"));
+
+  CHECK(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.csv").exit == 2);
+  CHECK(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.png").exit == 2);
+  const std::string own = scene_file("own", kArm + R"("run": {"until": 0.1})");
+  const Called over = call("run '" + own + "' --record bar.csv --report '" + own + "'");
+  CHECK(over.exit == 2);
+  CHECK(contains(over.text, "from which the scene is read"));
+}
+
+TEST_CASE("a run that fails leaves a report of what it computed", "[runner]") {
+  const std::string page = kFolder + "/broken.html";
+  fs::remove(page);
+  const std::string few = scene_file(
+      "few", kArm + R"("run": {"until": 1, "integrator": "rk4", "step": 0.01, "max_steps": 20, "output": 0.05})");
+  const Called r = call("run '" + few + "' --record broken.csv --report broken.html");
+  INFO(r.text);
+  CHECK(r.exit == 6);
+  CHECK(contains(r.text, "its report up to there is"));
+  std::ifstream in(page);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  CHECK(contains(text, "the run ended at t = 0.2 s"));
+}
+
 TEST_CASE("options of the command line stand over the scene", "[runner]") {
   const Called r = call("run '" + kFourBar +
                         "' --integrator rk4 --step 1ms --until '50 ms' --solver dense --formulation quaternion"

@@ -105,16 +105,35 @@ MassProperties read_mass(const Params& body) {
   });
 }
 
-// Mass and, for a rod, the pose of its frame. `kind` is the given key, a shape or "mass".
-Shape read_matter(const Params& body, const std::string& kind) {
+// What a shape looks like in its own frame; the keys are checked. A rod without thickness is drawn like any other.
+Solid solid_of(const Params& shape, const std::string& kind) {
+  if (kind == "box") return {{}, Solid::Kind::box, shape.vector3("size")};
+  if (kind == "rod") {
+    const double length = (shape.vector3("to") - shape.vector3("from")).norm();
+    const double width = 2 * (shape.has("radius") ? shape.number("radius") : length / 50);
+    const Quat z_along_x = axis_angle(Vec3::UnitY(), kPi / 2);
+    return {{}, Solid::Kind::cylinder, {width, width, length}, {Vec3::Zero(), z_along_x}};
+  }
+  const double width = 2 * shape.number("radius");
+  if (kind == "sphere") return {{}, Solid::Kind::sphere, {width, width, width}};
+  return {{}, Solid::Kind::cylinder, {width, width, shape.number("length")}};
+}
+
+using Solids = std::vector<Solid>;
+
+// Mass and, for a rod, the pose of its frame; what it looks like is added to `solids`. `kind` is the given key, a shape
+// or "mass".
+Shape read_matter(const Params& body, const std::string& kind, Solids& solids) {
   if (kind == "mass") return {read_mass(body), {}};
   refuse_beside(body, "\"" + kind + "\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
-  return placed(body.value(kind).where, [&]() -> Shape {
+  const Shape read = placed(body.value(kind).where, [&]() -> Shape {
     if (kind == "rod") return read_rod(shape);
     return {read_solid(shape, kind), {}};
   });
+  solids.push_back(solid_of(shape, kind));
+  return read;
 }
 
 // The one of `kinds` that is given; refuses none, or several.
@@ -127,25 +146,27 @@ std::string the_kind(const Params& body, std::vector<std::string> kinds) {
   return found.front();
 }
 
-MassProperties read_part(const Value& v, const std::string& owner) {
+MassProperties read_part(const Value& v, const std::string& owner, Solids& solids) {
   const Params part = params_of(v, "part", owner, nullptr);
   std::vector<std::string> kinds = kShapes;
   kinds.push_back("mass");
   const std::string kind = the_kind(part, kinds);
-  const Shape shape = read_matter(part, kind);
+  const std::size_t n_before = solids.size();
+  const Shape shape = read_matter(part, kind, solids);
   if (kind == "rod") refuse_beside(part, "\"rod\" itself places the part", {"position", "orientation"});
   const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
+  for (std::size_t k = n_before; k < solids.size(); ++k) solids[k].at = pose * solids[k].at;
   return shapes::moved(shape.mass, pose);
 }
 
-MassProperties read_compound(const Params& body) {
+MassProperties read_compound(const Params& body, Solids& solids) {
   refuse_beside(body, "\"compound\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Value::List& items = objects_of(body, "compound");
   if (items.empty()) body.refuse("compound", "the list is empty; give at least one part");
   std::vector<MassProperties> parts;
   for (std::size_t i = 0; i < items.size(); ++i)
-    parts.push_back(read_part(items[i], part_of(body.owner(), "compound") + "[" + std::to_string(i) + "]"));
+    parts.push_back(read_part(items[i], part_of(body.owner(), "compound") + "[" + std::to_string(i) + "]", solids));
   return shapes::compound(parts);
 }
 
@@ -157,6 +178,27 @@ Twist read_start(const Params& body, const Pose& home) {
   if (body.has("omega_body")) start.w = body.vector3("omega_body");
   if (body.has("omega_world")) start.w = rotation(home.q).transpose() * body.vector3("omega_world");
   return start;
+}
+
+bool is_color(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+}
+
+Look read_look(const Params& body, const std::string& name) {
+  const Params visual = params_of(body.value("visual"), "visual", part_of(body.owner(), "visual"), nullptr);
+  Look look{name, visual.has("color") ? visual.text("color") : "", visual.number("opacity")};
+  if (!look.color.empty() && !is_color(look.color))
+    visual.refuse("color", "\"" + look.color + "\" is no color; write it like \"#0072b2\"");
+  if (!(look.opacity >= 0 && look.opacity <= 1))
+    visual.refuse("opacity", "it is " + text::brief(look.opacity) + "; give a number from 0 to 1");
+  return look;
+}
+
+void keep(const std::string& body, const Solids& solids, Mechanism& out) {
+  for (Solid solid : solids) {
+    solid.body = body;
+    out.solids.push_back(std::move(solid));
+  }
 }
 
 }  // namespace
@@ -172,6 +214,8 @@ void Builder::body(const Value& object, const std::string& owner) {
   const Pose home{p.vector3("position"), p.orientation("orientation")};
   const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
   System& system = out_.system;
+  Solids solids;
+  if (p.has("visual")) out_.looks.push_back(read_look(p, name));
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
     // Its mass may be given, and is checked; a rod still places the frame.
@@ -181,15 +225,16 @@ void Builder::body(const Value& object, const std::string& owner) {
     if (!matter.empty() && matter.front() == "particle")
       positive(p, "particle", "mass");
     else if (!matter.empty() && matter.front() == "compound")
-      read_compound(p);
+      read_compound(p, solids);
     else if (!matter.empty() && (matter.front() != "mass" || p.has("inertia"))) {
-      const Shape shape = read_matter(p, matter.front());
+      const Shape shape = read_matter(p, matter.front(), solids);
       if (matter.front() == "rod") {
         refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
         at = shape.home;
       }
     }
     placed(object.where, [&] { system.add_fixed(name, at); });
+    keep(name, solids, out_);
     return;
   }
   const std::string kind = the_kind(p, kMass);
@@ -201,9 +246,10 @@ void Builder::body(const Value& object, const std::string& owner) {
     return;
   }
   if (kind == "rod") refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
-  const Shape shape = kind == "compound" ? Shape{read_compound(p), {}} : read_matter(p, kind);
+  const Shape shape = kind == "compound" ? Shape{read_compound(p, solids), {}} : read_matter(p, kind, solids);
   const Pose pose = kind == "rod" ? shape.home : home;
   placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
+  keep(name, solids, out_);
 }
 
 void Builder::markers(const Params& root) {

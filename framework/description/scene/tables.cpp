@@ -86,9 +86,11 @@ SceneTable body() {
       {"orientation", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "its axes at the start, in the world"},
       {"velocity", Form::vector3, Unit::speed, Value::List{0, 0, 0}, "of the frame's origin at the start, world axes"},
       {"omega_body", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, body axes"},
-      {"omega_world", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, world axes"}};
+      {"omega_world", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, world axes"},
+      any("visual", "what it looks like in reports")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
   t.parts.push_back({"compound", Holds::objects, "part"});
+  t.parts.push_back({"visual", Holds::object, "visual"});
   return t;
 }
 
@@ -133,6 +135,13 @@ SceneTable inertia() {
   return {{"inertia",
            "an inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm",
            {entry("xx", kRequired), entry("yy", kRequired), entry("zz", kRequired), entry("xy", 0), entry("yz", 0), entry("zx", 0)}}};
+}
+
+SceneTable visual() {
+  return {{"visual",
+           "what a body looks like in reports, beside its shape",
+           {{"color", Form::text, Unit::none, kOptional, "\"#rrggbb\"; default: the next of a palette"},
+            {"opacity", Form::number, Unit::none, 1, "from 0, glass, to 1, solid"}}}};
 }
 
 SceneTable marker() {
@@ -315,7 +324,7 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
+  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), visual(), marker(), link(), pair(), force()};
   for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check_type_info(table.info);

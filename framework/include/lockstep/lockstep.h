@@ -44,9 +44,11 @@
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
 #include <lockstep/relative.h>
+#include <lockstep/report.h>
 #include <lockstep/rows.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
+#include <lockstep/solid.h>
 #include <lockstep/solver.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>

@@ -8,6 +8,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/kernel.h>
 #include <lockstep/registry.h>
+#include <lockstep/solid.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>
 
@@ -76,6 +77,8 @@ struct Mechanism {
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
   std::vector<EventRequest> events{};          ///< of the scene
+  std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
+  std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
 };
 
 /// The same scene, computed in space unless it has a key "planar".

@@ -12,6 +12,8 @@ namespace lockstep {
 /// One line per run: its method, setting, errors and cost, whether it counts, whether it is on the Pareto front of
 /// position error against CPU time, and the reason of a failure. Throws FileError.
 LOCKSTEP_API void write_runs(const std::string& file, const WorkPrecision&);
+/// The same table as text.
+LOCKSTEP_API std::string runs_text(const WorkPrecision&);
 
 /// "18 combinations, such as rk4, quaternion, project, schur: why", one line per reason.
 LOCKSTEP_API std::vector<std::string> unsuited_lines(const WorkPrecision&);

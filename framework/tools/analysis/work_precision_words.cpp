@@ -58,11 +58,11 @@ std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
   return lines;
 }
 
-void write_runs(const std::string& file, const WorkPrecision& result) {
-  std::ofstream out(file);
-  out << "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "
-         "[m/s],energy "
-         "error [J],reaction error [N],cpu [s],evaluations,factors,steps,rejected,counts,front,failure\n";
+std::string runs_text(const WorkPrecision& result) {
+  std::string text =
+      "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "
+      "[m/s],energy "
+      "error [J],reaction error [N],cpu [s],evaluations,factors,steps,rejected,counts,front,failure\n";
   const std::vector<const WorkPrecisionRun*> front = pareto_front(result);
   for (const WorkPrecisionRun& r : result.runs) {
     const std::string setting = r.adaptive ? fmt::format("{},", r.setting) : fmt::format(",{}", r.setting);
@@ -70,10 +70,17 @@ void write_runs(const std::string& file, const WorkPrecision& result) {
                                                       r.error.energy, r.error.reaction)
                                         : ",,,";
     const bool on_front = std::find(front.begin(), front.end(), &r) != front.end();
-    out << fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
-                       to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
-                       r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, r.done() ? "" : quoted_cell(r.failure));
+    text +=
+        fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
+                    to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
+                    r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, r.done() ? "" : quoted_cell(r.failure));
   }
+  return text;
+}
+
+void write_runs(const std::string& file, const WorkPrecision& result) {
+  std::ofstream out(file);
+  out << runs_text(result);
   out.flush();
   if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
 }

@@ -7,8 +7,11 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
 #include "framework/tools/analysis/pareto.h"
+#include "framework/tools/analysis/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
+#include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/run_report.h"
 
 namespace lockstep {
 namespace {
@@ -98,12 +101,16 @@ int advise_command(const Arguments& args) {
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const double error = args.error.empty() ? kError : positive_number("--error", args.error, Unit::none);
   const ErrorKind kind = kind_of(args);
+  const std::string report = args.report.empty() ? "" : report_path(args.report, "", loaded.scene);
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
   benchmark.options.target = error, benchmark.options.target_kind = kind;
   fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
+  if (!report.empty())
+    write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]",
+                      fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), true);
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
   fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result->runs.size(),
              benchmark.trajectory.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));

@@ -8,6 +8,7 @@
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/run_report.h"
 
 namespace lockstep {
 namespace {
@@ -101,6 +102,7 @@ int chart_command(const Arguments& args) {
       args.scene);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
+  const std::string report = args.report.empty() ? "" : report_path(args.report, base + ".csv", loaded.scene);
 
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
@@ -129,6 +131,10 @@ int chart_command(const Arguments& args) {
     fmt::print("       no pictures: gnuplot is not installed (apt install gnuplot-nox)\n");
   else
     for (const std::string& file : draw_all(base, *result, benchmark)) fmt::print("       {}, and as .svg\n", file);
+  if (!report.empty()) {
+    write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
+    fmt::print("       {}\n", report);
+  }
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
   return interrupt.asked() ? kExitInterrupted : kExitOk;
 }

@@ -62,11 +62,20 @@ void add_settings(CLI::App& verb, Arguments& a) {
 
 void add_run(CLI::App& verb, Arguments& a) {
   add_settings(verb, a);
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows the motion and the columns in a browser");
   CLI::Option* certify = verb.add_flag("--certify", a.certify,
                                        "repeat the run with a tighter tolerance and with a second method; report how "
                                        "many digits of each column agree");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
   add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
+  verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
+}
+
+void add_report(CLI::App& verb, Arguments& a) {
+  add_settings(verb, a);
+  add(verb, "--out", a.report, "FILE.html", "the HTML file; default: beside the CSV, with its name");
+  add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
+  verb.add_flag("--open", a.open, "show it in the browser (xdg-open)");
   verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
 }
 
@@ -98,6 +107,7 @@ void add_sweep(CLI::App& verb, Arguments& a) {
   add(verb, "--shard", a.shard, "i/n", "only every n-th run, from the i-th on; i counts from 1");
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
   add(verb, "--lanes", a.lanes, "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one",
       {"auto", "off"});
   verb.add_option("--jobs", a.jobs,
@@ -129,6 +139,7 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
       "range for fixed steps, s; default: a hundredth of the run and 2^14 times less");
   add(verb, "--until", a.until, "T", "end of the runs, s");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs together; default 60 s");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
   verb.add_flag("--quiet", a.quiet, "do not print each run");
 }
 
@@ -204,6 +215,10 @@ struct Verb {
 constexpr Verb kVerbs[] = {
     {"run", "Compute the motion of a scene, write CSV and a picture", add_run, run_command,
      "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},
+    {"report", "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
+     add_report, report_command,
+     "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
+     "Example:\n  lockstep report samples/scenes/four_bar.json --open"},
     {"sweep", "Run a scene many times with other values, one row per run", add_sweep, sweep_command, kSweepFooter},
     {"check", "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom", add_check,
      check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
@@ -243,6 +258,27 @@ int exit_code_of(const Error& error) {
                                            {Kind::interrupted, kExitInterrupted}};
   const auto code = kCodes.find(error.kind());
   return code == kCodes.end() ? kExitFailure : code->second;
+}
+
+// A word of the command line without the folders of a file that it names.
+std::string without_folders(std::string word, const Arguments& args) {
+  std::vector<std::string> files{args.scene, args.record, args.report, args.out, args.histories};
+  files.insert(files.end(), args.plugins.begin(), args.plugins.end());
+  for (const std::string& file : files)
+    if (const std::size_t slash = file.find_last_of('/'); slash != std::string::npos && word.ends_with(file))
+      return word.erase(word.size() - file.size(), slash + 1);
+  return word;
+}
+
+// "lockstep run four_bar.json --until 3": the same on every machine.
+std::string command_words(int argc, const char* const* argv, const Arguments& args) {
+  std::string line = "lockstep";
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = without_folders(argv[k], args);
+    const bool plain = !word.empty() && word.find_first_of(" '\"$*?&|;<>()") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
 }
 
 // Prints what is wrong with the command line, the closest name that exists, and where help is.
@@ -315,6 +351,7 @@ int run_program(int argc, const char* const* argv) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
   const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
+  arguments.command = command_words(argc, argv, arguments);
   const int code = guarded([&] { return called->second->run(arguments); });
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);

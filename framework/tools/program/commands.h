@@ -42,6 +42,9 @@ struct Arguments {
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::string shard, histories;   ///< "2/8"; a folder
+  std::string report;             ///< the HTML file
+  bool open = false;              ///< show it in the browser
+  std::string command;            ///< the whole command line, files by their names alone
   std::string lanes;              ///< "off": one run at a time
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
   std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
@@ -67,6 +70,7 @@ void override_settings(RunSettings&, const Arguments&, const Registry&);
 Loaded load(const Arguments&);
 
 int run_command(const Arguments&);
+int report_command(const Arguments&);
 int check_command(const Arguments&);
 int chart_command(const Arguments&);
 int advise_command(const Arguments&);

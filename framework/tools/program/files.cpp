@@ -1,7 +1,12 @@
 #include "framework/tools/program/files.h"
 
+#include <spawn.h>
+#include <sys/wait.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -11,6 +16,8 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/commands.h"
+
+extern char** environ;
 
 namespace lockstep {
 
@@ -101,6 +108,44 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
 }
 
 }  // namespace
+
+std::string report_path(const std::string& report, const std::string& csv, const Scene& scene) {
+  const fs::path file = fs::path(report).lexically_normal();
+  std::error_code error;
+  if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
+  if (error)
+    throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
+                    "; name another");
+  const fs::path base = fs::path(csv).replace_extension();
+  for (const fs::path& taken : {fs::path(csv), fs::path(base.string() + ".svg"), fs::path(base.string() + ".png")})
+    if (file == taken.lexically_normal())
+      throw UsageError("the report would replace '" + taken.string() + "', another result; name it " +
+                       fs::path(file).replace_extension(".html").string());
+  const auto refuse_if_input = [&](const fs::path& input) {
+    std::error_code none;
+    if (fs::is_regular_file(input, none) && fs::exists(file, none) && fs::equivalent(input, file, none))
+      throw UsageError("the report would replace '" + file.string() +
+                       "', from which the scene is read; name another file");
+  };
+  refuse_if_input(scene.file);
+  for_each_text(scene.root, [&](const std::string& text) {
+    if (!text.empty() && text.size() < 4096) refuse_if_input(fs::path(scene.file).parent_path() / text);
+  });
+  check_writable(file.string());
+  return file.string();
+}
+
+std::string open_in_browser(const std::string& file) {
+  std::string program = "xdg-open", path = fs::absolute(file).string();
+  char* const words[] = {program.data(), path.data(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, program.c_str(), nullptr, nullptr, words, environ);
+  if (failed == ENOENT) return "xdg-open is not installed (apt install xdg-utils); open the file with a browser";
+  if (failed != 0) return std::string("xdg-open cannot be started: ") + std::strerror(failed);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "" : "xdg-open found no browser; open the file with one";
+}
 
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
                      const std::vector<std::vector<std::string>>& draw) {

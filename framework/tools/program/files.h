@@ -20,6 +20,13 @@ void check_writable(const std::string& file);
 /// own, or one that it names.
 void check_overwrites(const std::string& csv, const Scene&);
 
+/// The HTML file of a report: `report` if given, else beside the CSV, with its name. Makes its folder. Throws FileError,
+/// and UsageError where the name is that of another result, or of a file that the scene is read from.
+std::string report_path(const std::string& report, const std::string& csv, const Scene&);
+
+/// Shows a file in the browser, as far as this machine can (xdg-open). Returns why not, or "".
+std::string open_in_browser(const std::string& file);
+
 /// The result of drawing a picture.
 struct Drawing {
   std::vector<std::string> files{};  ///< empty: see `reason`

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -17,6 +18,7 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/program/run_report.h"
 #include "framework/tools/program/summary.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -60,19 +62,23 @@ Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
-void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, const Audit& audit, double seconds,
-               bool interrupted) {
+// What is printed of a run that ended.
+std::string end_words(StepLoop& sim, const RunSettings& run, const Summary& summary, const Audit& audit, double seconds,
+                      bool interrupted) {
+  std::string words;
+  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    words += fmt::format(format, std::forward<Args>(args)...);
+  };
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
-  fmt::print("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
-             counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
+  say("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
+      counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
   if (r.manifold_steps > 0)
-    fmt::print("  stages     on the constraints in {} of {}, as singular positions ask for\n", r.manifold_steps,
-               counted(r.steps, "step", "steps"));
+    say("  stages     on the constraints in {} of {}, as singular positions ask for\n", r.manifold_steps,
+        counted(r.steps, "step", "steps"));
   if (std::isfinite(r.stiff_since))
-    fmt::print(
-        "  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
+    say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
         "cheaper (--integrator radau5 or generalized_alpha)\n",
         r.stiff_since);
   const auto& links = sim.system().links();
@@ -80,17 +86,17 @@ void print_end(StepLoop& sim, const RunSettings& run, const Summary& summary, co
     return link->unilateral() && sim.state().modes[link->number()];
   });
   if (r.impacts > 0 || resting > 0)
-    fmt::print("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
-               resting == 1 ? "is" : "are");
-  if (r.stopped && !r.stopped_by.empty() && !interrupted) fmt::print("  stopped    by '{}'\n", r.stopped_by);
-  fmt::print("{}", summary.text());
-  fmt::print("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
+    say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
+        resting == 1 ? "is" : "are");
+  if (r.stopped && !r.stopped_by.empty() && !interrupted) say("  stopped    by '{}'\n", r.stopped_by);
+  say("{}", summary.text());
+  say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
   if (!sim.system().links().empty())
-    fmt::print("  {}    constraints violated by at most {:.2g} m after a step{}\n",
-               audit.drifted ? "DRIFTED" : "drift  ", r.largest_violation,
-               audit.drifted
-                   ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
-                   : "");
+    say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
+        r.largest_violation,
+        audit.drifted ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
+                      : "");
+  return words;
 }
 
 // Methods of fixed steps promise no error: what they do to the energy is only said.
@@ -146,7 +152,33 @@ void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoo
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
+// What a run showed until it failed; the error itself matters more than one of this file.
+void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
+  if (!report) return;
+  try {
+    report.write(sim, "", fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error)));
+    fmt::print(stderr, "lockstep: its report up to there is {}\n", report.file());
+  } catch (const std::exception& second) {
+    fmt::print(stderr, "lockstep: no report: {}\n", second.what());
+  }
+}
+
+void show(const Arguments& args, const RunReport& report) {
+  if (!args.open) return;
+  const std::string problem = open_in_browser(report.file());
+  if (!problem.empty()) fmt::print(stderr, "lockstep: {}\n", problem);
+}
+
 }  // namespace
+
+int report_command(const Arguments& args) {
+  Arguments with_report = args;
+  if (with_report.report.empty()) {
+    const std::filesystem::path csv = csv_path(args.record, args.scene);
+    with_report.report = std::filesystem::path(csv).replace_extension(".html").string();
+  }
+  return run_command(with_report);
+}
 
 int run_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
@@ -162,6 +194,7 @@ int run_command(const Arguments& args) {
 
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
+  RunReport report(args, loaded, m, *recorder, csv);
   Summary summary;
   std::optional<EnergyAudit> audit;  // energies are integrated only if they are printed
   if (!args.quiet) audit.emplace(m.system, m.run.limits);
@@ -169,8 +202,8 @@ int run_command(const Arguments& args) {
   State start = m.system.start();
   if (!args.quiet) fmt::print("{}\n", loaded.title());
   if (m.run.assemble) {
-    const AssemblyReport report = assemble(dynamics, start, m.start_speeds);
-    if (!args.quiet && report.is_notable()) fmt::print("  assembled  {}\n", report.text());
+    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds);
+    if (!args.quiet && assembled.is_notable()) fmt::print("  assembled  {}\n", assembled.text());
   }
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
@@ -178,6 +211,7 @@ int run_command(const Arguments& args) {
   sim.add_observer(*recorder);
   sim.add_observer(rows);
   if (audit) sim.add_observer(summary), sim.add_observer(*audit);
+  report.watch(sim);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   warn(loaded.scene, m, args, sim);
@@ -189,13 +223,20 @@ int run_command(const Arguments& args) {
     const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
                                           : rows_of(recorder->table()) + " up to there are in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
+    write_unfinished(report, sim, ended.error);
     std::rethrow_exception(ended.error);
   }
   const Audit found = audit ? audit->result() : drift_alone(sim, m.run.limits);
-  if (audit) print_end(sim, m.run, summary, found, seconds, ended.interrupted);
+  const std::string words = audit ? end_words(sim, m.run, summary, found, seconds, ended.interrupted) : "";
+  fmt::print("{}", words);
   if (unwritten) std::rethrow_exception(unwritten);
   file.commit();
   print_files(csv, loaded.title(), recorder->table(), m.run, args.quiet);
+  if (report) {
+    report.write(sim, words, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
+    if (!args.quiet) fmt::print("             {}\n", report.file());
+    show(args, report);
+  }
   if (args.certify && !ended.interrupted) print_certificate(loaded, args, m.run, recorder->table());
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);

@@ -19,6 +19,7 @@
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
+#include "framework/tools/program/run_report.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
@@ -328,6 +329,16 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
   }
 }
 
+// The first variable of numbers against the first result.
+void write_report(const Plan& plan, const std::string& csv, const std::string& report) {
+  const Variable& v = plan.variables.front();
+  const std::vector<Column>& columns = plan.columns.columns();
+  const Column result = columns.size() > 1 ? columns[1] : columns.front();
+  write_runs_report(report, text_of(plan.arguments, plan.loaded), contents_of(csv), column_title({v.path, v.unit, {}}),
+                    column_title({result.name + " final", result.unit, {}}), false);
+  if (!plan.arguments.quiet) fmt::print("             {}\n", report);
+}
+
 }  // namespace
 
 int sweep_command(const Arguments& args) {
@@ -336,12 +347,14 @@ int sweep_command(const Arguments& args) {
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
   make_folder(args.histories);
+  const std::string report = args.report.empty() ? "" : report_path(args.report, csv, plan.loaded.scene);
   GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
   if (!args.quiet) print_heading(plan, sweep.n_runs());
   const Tally tally = run_and_commit(sweep, rows);
   if (!args.quiet) print_end(plan, tally, csv);
+  if (!report.empty()) write_report(plan, csv, report);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);
     return kExitInterrupted;

@@ -1,0 +1,66 @@
+// Reports: a run as one HTML file, to be looked at in a browser.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/recorder.h>
+#include <lockstep/solid.h>
+
+namespace lockstep {
+
+/// What a report says beside motion and columns. Every part may be left out.
+struct ReportText {
+  std::string title{},                                          ///< above the page, and of the browser's window
+      description{},                                            ///< below the title
+      scene{},                                                  ///< the scene as its author wrote it
+      command{};                                                ///< what makes this report again
+  std::vector<std::pair<std::string, std::string>> facts{};     ///< of the run: what, and how much
+  std::vector<std::string> warnings{};                          ///< of the run, as SimulationReport::warnings
+  std::vector<std::vector<std::string>> panels{};               ///< columns drawn together; empty: one panel per unit
+  std::vector<std::pair<std::string, std::string>> channels{};  ///< columns with names of their own: name, channel
+};
+
+/// Watches a run and writes it as a report: one HTML file that shows the mechanism in motion, beside the columns that a
+/// recorder filled. A browser opens it without a server and without a network.
+///
+///     Simulation run(system, {.output = 0.01});
+///     run.record({"rod.angle_z", "energy.total"});
+///     Report report(run.recorder());
+///     run.add_observer(report);
+///     run.run_until(2.0);
+///     report.write("pendulum.html", {.title = "A pendulum"});
+///
+/// Poses are kept at every output time, and between them where bodies moved far in a step; reactions and forces with
+/// them, which costs one solution each. Long runs keep fewer instants, about evenly spread: at most 16 million numbers.
+class LOCKSTEP_API Report final : public Observer {
+ public:
+  /// `recorder` must outlive this. `solids` and `looks`: as those of a Mechanism; a body without a solid is drawn from its
+  /// joints and its mass centre.
+  explicit Report(const Recorder& recorder, std::vector<Solid> solids = {}, std::vector<Look> looks = {});
+  ~Report() override;
+
+  void start(const Sample&) override;
+  void step(const Sample&) override;
+  void jumped(const Sample&) override;
+  void output(const Sample&) override;
+  void finish(const Sample&) override;
+
+  /// Writes what was seen so far; an existing file is replaced when the new one is whole. Throws ModelError before the
+  /// run began, FileError where the file cannot be written.
+  void write(const std::string& file, const ReportText& text = {}) const;
+  /// The same page as text.
+  std::string page(const ReportText& text = {}) const;
+
+ private:
+  struct Seen;
+  const Recorder& recorder_;
+  std::vector<Solid> solids_;
+  std::vector<Look> looks_;
+  std::unique_ptr<Seen> seen_;
+};
+
+}  // namespace lockstep

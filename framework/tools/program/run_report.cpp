@@ -1,0 +1,84 @@
+#include "framework/tools/program/run_report.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <lockstep/text.h>
+#include "framework/description/scene/write.h"
+#include "framework/tools/program/files.h"
+#include "framework/tools/report/points.h"
+
+namespace lockstep {
+namespace {
+
+// The scene as its author wrote it; from the data where the file is gone, or was none.
+std::string scene_text(const Scene& scene) {
+  const std::string text = contents_of(scene.file);
+  return text.empty() ? write_json(scene.root) : text;
+}
+
+}  // namespace
+
+std::string contents_of(const std::string& file) {
+  std::error_code none;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in && std::filesystem::is_regular_file(file, none)) text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines) {
+  std::vector<std::pair<std::string, std::string>> facts;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("     ")) {
+      facts.emplace_back("", text::trimmed(line));
+      continue;
+    }
+    const std::string fact(text::trimmed(line));
+    const std::size_t end = fact.find("  ");
+    facts.emplace_back(fact.substr(0, end), end == std::string::npos ? "" : text::trimmed(fact.substr(end)));
+  }
+  return facts;
+}
+
+ReportText text_of(const Arguments& args, const Loaded& loaded) {
+  ReportText text;
+  text.title = loaded.title();
+  text.description = loaded.scene.description;
+  text.scene = scene_text(loaded.scene);
+  text.command = args.command;
+  return text;
+}
+
+void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
+                       const std::string& y, bool log) {
+  report::write_points(file, {.text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log});
+}
+
+RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanism& m, const Recorder& recorder,
+                     const std::string& csv) {
+  if (args.report.empty()) return;
+  file_ = report_path(args.report, csv, loaded.scene);
+  text_ = text_of(args, loaded);
+  text_.panels = m.run.draw;
+  for (const ChannelRequest& request : m.run.record)
+    if (!request.name.empty()) text_.channels.emplace_back(request.name, request.channel);
+  report_ = std::make_unique<Report>(recorder, m.solids, m.looks);
+}
+
+void RunReport::watch(StepLoop& sim) {
+  if (report_) sim.add_observer(*report_);
+}
+
+void RunReport::write(const StepLoop& sim, const std::string& lines, const std::string& failure) const {
+  if (!report_) return;
+  ReportText text = text_;
+  text.facts = facts_of(lines);
+  text.warnings = sim.report().warnings;
+  if (!failure.empty()) text.warnings.push_back(failure);
+  report_->write(file_, text);
+}
+
+}  // namespace lockstep

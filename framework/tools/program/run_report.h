@@ -1,0 +1,44 @@
+// The report of a run of a scene: where it goes, and what it says.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <lockstep/report.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// Lines as the program prints them, "  energy     change 1 J", as facts of a report: what, and how much. A line that
+/// goes on has no "what".
+std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines);
+
+/// The texts of a report that do not depend on the run: title, description, scene, command.
+ReportText text_of(const Arguments&, const Loaded&);
+
+/// The text of a file; "" where there is none.
+std::string contents_of(const std::string& file);
+
+/// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
+/// FileError.
+void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
+                       const std::string& y, bool log);
+
+/// The report of a run, where one is asked for. Without one it costs nothing.
+class RunReport {
+ public:
+  /// Make it before the run. Throws UsageError, FileError: the file cannot be written, or is needed.
+  RunReport(const Arguments&, const Loaded&, const Mechanism&, const Recorder&, const std::string& csv);
+  explicit operator bool() const { return report_ != nullptr; }
+  const std::string& file() const { return file_; }
+  void watch(StepLoop&);  ///< adds the observer
+  /// Writes the file: `lines` are what the program prints of the run. Throws FileError.
+  void write(const StepLoop&, const std::string& lines, const std::string& failure = {}) const;
+
+ private:
+  std::string file_;
+  ReportText text_;
+  std::unique_ptr<Report> report_;
+};
+
+}  // namespace lockstep

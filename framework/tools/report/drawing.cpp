@@ -1,0 +1,94 @@
+// What of a link is drawn beside the symbol of its mask.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <lockstep/couplings.h>
+#include <lockstep/joints.h>
+#include "framework/tools/report/outline.h"
+
+namespace lockstep::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr int kPoints = 240;  // of a curve
+
+void put(Json& points, const Vec3& x) {
+  for (int k = 0; k < 3; ++k) points.push_back(x[k]);
+}
+
+// A path as far as it was used, and a little more. Laws that end where they are asked cut it off.
+Json path(const CurvePoint& curve, std::pair<double, double> range) {
+  const auto [low, high] = range;
+  const double more = 0.1 * (high - low) + 1e-9;
+  Json points = Json::array();
+  for (int k = 0; k <= kPoints; ++k) {
+    const double s = low - more + (high - low + 2 * more) * k / kPoints;
+    try {
+      const Vec3 x = curve.path()->at(s).x;
+      if (x.allFinite()) put(points, x);
+    } catch (const std::exception&) {
+      continue;
+    }
+  }
+  return {{"pair", 0}, {"side", "s"}, {"closed", false}, {"points", std::move(points)}};
+}
+
+Json profile(const CamProfile& cam) {
+  Json points = Json::array();
+  for (int k = 0; k < kPoints; ++k) {
+    const CamProfile::Vec2 c = cam.at(kTwoPi * k / kPoints).c;
+    put(points, {c[0], c[1], 0});
+  }
+  return {{"pair", 0}, {"side", "s"}, {"closed", true}, {"points", std::move(points)}};
+}
+
+// A circle about z of a marker.
+Json circle(std::size_t pair, const char* side, double radius) {
+  Json points = Json::array();
+  const int n = 96;
+  for (int k = 0; k < n; ++k) put(points, radius * Vec3(std::cos(kTwoPi * k / n), std::sin(kTwoPi * k / n), 0));
+  return {{"pair", pair}, {"side", side}, {"closed", true}, {"points", std::move(points)}};
+}
+
+// Pitch circles of gears on parallel axes, from the distance of their axes at the start.
+Json pitch_circles(const Gear& gear) {
+  const auto pairs = gear.pairs();
+  const auto home = [](const Marker* m) { return m->body->home * m->local; };
+  const Pose first = home(pairs[0].first), second = home(pairs[1].first);
+  const Vec3 axis = rotation(first.q).col(2), across = second.x - first.x;
+  if (std::abs(std::abs(axis.dot(rotation(second.q).col(2))) - 1) > 1e-6) return Json::array();
+  const double distance = (across - across.dot(axis) * axis).norm(), ratio = std::abs(gear.phi().b / gear.phi().a);
+  const bool internal = gear.phi().a * gear.phi().b < 0;
+  if (!(distance > 0) || (internal && ratio == 1)) return Json::array();
+  const double radius = internal ? distance / std::abs(ratio - 1) : distance / (1 + ratio);
+  return Json::array({circle(0, "p", radius), circle(1, "p", radius * ratio)});
+}
+
+}  // namespace
+
+Json drawing_of(const Lock& link, std::pair<double, double> path_range) {
+  Json json = Json::object();
+  if (const auto* curve = dynamic_cast<const PointOnCurve*>(&link))
+    json["curves"] = Json::array({path(curve->phi().curve, path_range)});
+  else if (const auto* follower = dynamic_cast<const PathFollower*>(&link))
+    json["curves"] = Json::array({path(follower->phi().curve, path_range)});
+  else if (const auto* roller = dynamic_cast<const CamRoller*>(&link)) {
+    json["curves"] = Json::array({profile(roller->phi().profile)});
+    if (roller->phi().roller > 0) json["curves"].push_back(circle(0, "p", roller->phi().roller));
+  } else if (const auto* flat = dynamic_cast<const CamFlat*>(&link))
+    json["curves"] = Json::array({profile(flat->phi().profile)});
+  else if (const auto* gear = dynamic_cast<const Gear*>(&link))
+    json["curves"] = pitch_circles(*gear);
+  else if (const auto* belt = dynamic_cast<const Belt*>(&link)) {
+    const double a = std::abs(belt->phi().a), b = std::abs(belt->phi().b);
+    json["curves"] = Json::array({circle(0, "p", a), circle(1, "p", b)});
+    json["belt"] = {{"radii", {a, b}}, {"crossed", belt->phi().a * belt->phi().b > 0}};
+  } else if (const auto* rolling = dynamic_cast<const RollingRack*>(&link)) {
+    json["curves"] = Json::array({circle(0, "p", std::abs(rolling->phi().radius))});
+    json["rack"] = rolling->phi().radius;
+  } else if (const auto* rack = dynamic_cast<const RackAndPinion*>(&link))
+    json["curves"] = Json::array({circle(0, "p", std::abs(rack->phi().radius))});
+  return json;
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,179 @@
+#include "framework/tools/report/frames.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <lockstep/relative.h>
+#include <lockstep/system.h>
+
+namespace lockstep::report {
+namespace {
+
+constexpr std::size_t kMostNumbers = 16'000'000;  // of all frames: 85 MB of page
+constexpr std::size_t kMostMarks = 2000;
+constexpr double kFarMove = 0.05, kFarTurn = 0.2;  // of the system's length; rad
+
+Pose pose_of(const Body& body, const Inputs& in) {
+  const Motion& O = in.slot(body.slot);
+  return Pose{O.x, O.e} * body.in_slot;
+}
+
+// The load of a force on a body is that on its slot, with the moment about the marker.
+LinkWrench wrench_of(const Force& force, const Marker& at, const Evaluated& v) {
+  VecX f = VecX::Zero(6 * static_cast<Eigen::Index>(v.in.motions.size() - 1));
+  WrenchSum sum(v.in.motions, f);
+  force.apply(v.in, sum);
+  if (force.reacting()) force.reacting()->react(v.in, Reactions(v), sum);
+  const int slot = at.body->slot;
+  const Motion& O = v.in.slot(slot);
+  const Vec3 F = f.segment<3>(6 * slot), M = O.A * f.segment<3>(6 * slot + 3);
+  const Vec3 arm = in_world(MarkerFrame(at), v.in).x - O.x;
+  return {F, M - cross(arm, F)};
+}
+
+// Of these markers the first on a body that moves, or null.
+const Marker* moving_one(const std::vector<const Marker*>& markers) {
+  for (const Marker* m : markers)
+    if (m->body->slot != kGround) return m;
+  return nullptr;
+}
+
+}  // namespace
+
+Frames::Frames(const System& system) : system_(&system) {
+  for (const Body& body : system.bodies())
+    if (!body.fixed) bodies_.push_back(&body);
+  for (const Marker& marker : system.markers())
+    if (marker.translation_law || marker.rotation_law) markers_.push_back(&marker);
+  for (const auto& link : system.links()) {
+    const auto pairs = link->pairs();
+    if (pairs.empty() || system.merged(*link)) continue;
+    if (const Marker* at = moving_one({pairs.front().first, pairs.front().second}))
+      loads_.push_back({link.get(), nullptr, at});
+  }
+  for (const auto& force : system.forces())
+    if (const Marker* at = moving_one(force->markers())) loads_.push_back({nullptr, force.get(), at});
+  width_ = 13 * bodies_.size() + 7 * markers_.size() + 6 * loads_.size();
+  most_ = std::max<std::size_t>(100, kMostNumbers / std::max<std::size_t>(1, width_));
+  paths_.resize(system.links().size());
+  path_seen_.resize(system.links().size());
+}
+
+void Frames::output(const Sample& sample) {
+  if (!times_.empty() && times_.back() == sample.state.t) return;
+  if (!times_.empty() && ++skipped_ < stride_) return;
+  add(sample);
+}
+
+void Frames::step(const Sample& sample) {
+  if (times_.empty() || times_.back() >= sample.state.t || !has_moved_far(sample.inputs())) return;
+  add(sample);
+}
+
+void Frames::jumped(const Sample& sample) {
+  if (marks_.size() < kMostMarks) marks_.push_back({sample.state.t, std::string(sample.cause)});
+  add(sample);
+  after_jump_.back() = true;
+}
+
+void Frames::finish(const Sample& sample) {
+  if (times_.empty() || times_.back() < sample.state.t) add(sample);
+}
+
+void Frames::add(const Sample& sample) {
+  const Inputs& in = sample.inputs();
+  if (times_.empty()) modes_at_start_ = modes_ = sample.state.modes;
+  follow_modes(sample.state);
+  follow_paths(in);
+  times_.push_back(sample.state.t);
+  after_jump_.push_back(false);
+  for (const Body* body : bodies_) {
+    const Motion& O = in.slot(body->slot);
+    const Pose at = pose_of(*body, in);
+    const Vec3 w = O.A * O.w;
+    put(at.x), put(at.q), put(O.v + cross(w, Vec3(at.x - O.x))), put(w);
+  }
+  for (const Marker* marker : markers_) {
+    const MarkerInWorld at = in_world(MarkerFrame(*marker), in);
+    put(at.x), put(quaternion_of(at.A));
+  }
+  put_loads(sample);
+  skipped_ = 0;
+  if (times_.size() > most_) thin();
+}
+
+void Frames::put(const Vec3& v) {
+  for (int k = 0; k < 3; ++k) rows_.push_back(static_cast<float>(v[k]));
+}
+
+void Frames::put(const Quat& q) {
+  for (const double c : {q.w, q.x, q.y, q.z}) rows_.push_back(static_cast<float>(c));
+}
+
+// Where there is no solution, the motion is shown all the same.
+void Frames::put_loads(const Sample& sample) {
+  if (loads_.empty()) return;
+  const std::size_t first = rows_.size();
+  try {
+    const Solution& v = sample.values();
+    for (const Load& load : loads_) {
+      const LinkWrench wrench =
+          load.link ? sample.wrench(*load.link, *load.at, Reactions::kJoint) : wrench_of(*load.force, *load.at, v);
+      put(wrench.force), put(wrench.moment);
+    }
+  } catch (const Error&) {
+    rows_.resize(first);
+    rows_.insert(rows_.end(), 6 * loads_.size(), std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
+// How much of its path a link used: its first quantity is the parameter of the curve.
+void Frames::follow_paths(const Inputs& in) {
+  for (const auto& link : system_->links()) {
+    const auto k = static_cast<std::size_t>(link->number());
+    if (link->observable() == nullptr || (link->type() != "point_on_curve" && link->type() != "path_follower"))
+      continue;
+    const double s = link->observable()->quantity(0, in);
+    auto& [low, high] = paths_[k];
+    low = path_seen_[k] ? std::min(low, s) : s;
+    high = path_seen_[k] ? std::max(high, s) : s;
+    path_seen_[k] = true;
+  }
+}
+
+void Frames::follow_modes(const State& state) {
+  if (modes_ == state.modes || switches_.size() > kMostMarks) return;
+  for (std::size_t k = 0; k < std::min(modes_.size(), state.modes.size()); ++k)
+    if (modes_[k] != state.modes[k]) switches_.push_back({state.t, static_cast<int>(k), state.modes[k]});
+  modes_ = state.modes;
+}
+
+bool Frames::has_moved_far(const Inputs& in) const {
+  const float* last = rows_.data() + rows_.size() - width_;
+  for (const Body* body : bodies_) {
+    const Pose at = pose_of(*body, in);
+    const Vec3 x(last[0], last[1], last[2]);
+    const Quat q{last[3], last[4], last[5], last[6]};
+    if ((at.x - x).norm() > kFarMove * static_cast<double>(stride_) * system_->length()) return true;
+    if (rotation_vector(normalized(conjugate(q) * at.q)).norm() > kFarTurn) return true;
+    last += 13;
+  }
+  return false;
+}
+
+// Every other frame, and every other output from here on.
+void Frames::thin() {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < times_.size(); k += 2, ++kept) {
+    times_[kept] = times_[k];
+    after_jump_[kept] = after_jump_[k];
+    std::copy_n(rows_.begin() + static_cast<std::ptrdiff_t>(k * width_), width_,
+                rows_.begin() + static_cast<std::ptrdiff_t>(kept * width_));
+  }
+  times_.resize(kept);
+  after_jump_.resize(kept);
+  rows_.resize(kept * width_);
+  stride_ *= 2;
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,89 @@
+// Frames: what is drawn at the instants of a run.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/step_loop.h>
+
+namespace lockstep::report {
+
+/// An instant at which something acted: "event 'grab'", "an impact".
+struct Mark {
+  double t;  ///< s
+  std::string what;
+};
+
+/// A link that came into force, or was released.
+struct Switch {
+  double t;  ///< s
+  int link;
+  bool active;
+};
+
+/// What a link or a force exerts, drawn at a marker.
+struct Load {
+  const Lock* link;    ///< or null
+  const Force* force;  ///< or null
+  const Marker* at;    ///< on the body on which it acts
+};
+
+/// The frames of a run. Each is one row of numbers in single precision:
+///
+///     of every body that moves:    x (m), q (scalar first), v (m/s), w (rad/s), all in world axes     13
+///     of every marker with a law:  x (m), q                                                            7
+///     of every load:               force (N), moment about the marker's origin (N m), world axes       6
+///
+/// A load that cannot be solved for is NaN.
+class Frames {
+ public:
+  explicit Frames(const System&);
+
+  void output(const Sample&);  ///< adds a frame
+  void step(const Sample&);    ///< adds one where bodies moved far since the last
+  void jumped(const Sample&);  ///< adds one at the same instant, and a mark
+  void finish(const Sample&);  ///< adds the last one
+
+  const System& system() const { return *system_; }
+  const std::vector<const Body*>& bodies() const { return bodies_; }      ///< that move
+  const std::vector<const Marker*>& markers() const { return markers_; }  ///< that laws move
+  const std::vector<Load>& loads() const { return loads_; }
+  const std::vector<double>& times() const { return times_; }
+  /// By frame: whether something acted since the one before, so that velocities jumped.
+  const std::vector<bool>& after_jump() const { return after_jump_; }
+  const std::vector<float>& rows() const { return rows_; }  ///< one after another
+  std::size_t width() const { return width_; }              ///< numbers of a row
+  const std::vector<Mark>& marks() const { return marks_; }
+  const std::vector<Switch>& switches() const { return switches_; }
+  const std::vector<bool>& modes_at_start() const { return modes_at_start_; }
+  /// Least and largest value of the first quantity of a link with a path; none: 0, 0.
+  std::pair<double, double> path_range(int link) const { return paths_[static_cast<std::size_t>(link)]; }
+
+ private:
+  void add(const Sample&);
+  void put(const Vec3& v);
+  void put(const Quat& q);
+  void put_loads(const Sample&);
+  void follow_paths(const Inputs&);
+  void follow_modes(const State&);
+  bool has_moved_far(const Inputs&) const;
+  void thin();
+
+  const System* system_;
+  std::vector<const Body*> bodies_;
+  std::vector<const Marker*> markers_;
+  std::vector<Load> loads_;
+  std::size_t width_ = 0, most_ = 0;
+  std::vector<double> times_;
+  std::vector<bool> after_jump_;
+  std::vector<float> rows_;
+  std::vector<Mark> marks_;
+  std::vector<Switch> switches_;
+  std::vector<bool> modes_at_start_, modes_;
+  std::vector<std::pair<double, double>> paths_;  // by link
+  std::vector<bool> path_seen_;
+  std::size_t stride_ = 1, skipped_ = 0;  // of outputs, once there are too many
+};
+
+}  // namespace lockstep::report

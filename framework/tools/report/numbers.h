@@ -1,0 +1,31 @@
+// Numbers of a report: arrays in one block of bytes, which the page holds as base64 text.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+
+namespace lockstep::report {
+
+/// Arrays, one after another in one block; each begins at a multiple of 8 bytes. Little endian.
+class LOCKSTEP_API Numbers {
+ public:
+  /// Adds an array; returns where it is: {"at": first byte, "n": count, "bits": 32 or 64}.
+  nlohmann::ordered_json add(std::span<const float> values);
+  nlohmann::ordered_json add(std::span<const double> values);
+  /// Adds a column with single precision, as differences from "base" where they are small against the values: what
+  /// changes in the last digits of an energy stays visible. With double precision where single has no such numbers.
+  nlohmann::ordered_json add_column(std::span<const double> values);
+  /// All of it.
+  std::string base64() const;
+
+ private:
+  nlohmann::ordered_json append(const void* data, std::size_t n, std::size_t width);
+  std::vector<unsigned char> bytes_;
+};
+
+}  // namespace lockstep::report

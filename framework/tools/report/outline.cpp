@@ -1,0 +1,102 @@
+#include "framework/tools/report/outline.h"
+
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+#include <lockstep/system.h>
+
+namespace lockstep::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json of(const Vec3& v) { return {v[0], v[1], v[2]}; }
+Json of(const Pose& p) { return {p.x[0], p.x[1], p.x[2], p.q.w, p.q.x, p.q.y, p.q.z}; }
+
+// Numbers of the things of one kind, by address.
+template <class T>
+class Numbering {
+ public:
+  template <class Things>
+  explicit Numbering(const Things& things) {
+    for (const T& thing : things) numbers_.emplace(&thing, numbers_.size());
+  }
+  std::size_t operator()(const T* thing) const { return numbers_.at(thing); }
+
+ private:
+  std::unordered_map<const T*, std::size_t> numbers_;
+};
+
+const char* word(Solid::Kind kind) {
+  return kind == Solid::Kind::box ? "box" : kind == Solid::Kind::sphere ? "sphere" : "cylinder";
+}
+
+Json solids_of(const Body& body, const std::vector<Solid>& solids) {
+  Json list = Json::array();
+  for (const Solid& s : solids)
+    if (s.body == body.name) list.push_back({{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}});
+  return list;
+}
+
+Json body_of(const Body& body, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
+  Json json{{"name", body.name}, {"fixed", body.fixed}, {"home", of(body.home)}, {"solids", solids_of(body, solids)}};
+  for (const Look& look : looks)
+    if (look.body == body.name) json["look"] = {{"color", look.color}, {"opacity", look.opacity}};
+  if (body.fixed) return json;
+  const Mat3& J = body.mass.J;
+  json["mass"] = body.mass.mass;
+  json["center"] = of(body.mass.center);
+  json["particle"] = body.freedoms == Freedoms::particle;
+  json["inertia"] = {J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0)};
+  return json;
+}
+
+Json link_of(const Lock& link, const System& system, const Numbering<Marker>& marker, const Frames& frames) {
+  Json json{{"name", link.name()}, {"type", link.type()}};
+  Json& pairs = json["pairs"] = Json::array();
+  for (const auto& [p, s] : link.pairs()) pairs.push_back(Json::array({marker(p), marker(s)}));
+  if (const Jointed* joint = link.jointed()) {
+    json["mask"] = to_string(joint->mask());
+    Json& drives = json["drives"] = Json::array();
+    for (const Drive& drive : joint->imposed().drives) drives.push_back(to_string(drive.axis));
+  }
+  if (link.unilateral()) json["one_sided"] = link.unilateral()->below ? "rope" : "push";
+  if (system.merged(link)) json["merged"] = true;
+  json.update(drawing_of(link, frames.path_range(link.number())));
+  return json;
+}
+
+Json force_of(const Force& force, const Numbering<Marker>& marker) {
+  Json json{{"name", force.name()}, {"type", force.type()}};
+  Json& markers = json["markers"] = Json::array();
+  for (const Marker* m : force.markers()) markers.push_back(marker(m));
+  return json;
+}
+
+Json load_of(const Load& load, const Numbering<Marker>& marker) {
+  return {{"name", load.link ? load.link->name() : load.force->name()},
+          {"reaction", load.link != nullptr},
+          {"marker", marker(load.at)}};
+}
+
+}  // namespace
+
+Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
+  const System& system = frames.system();
+  const Numbering<Body> body(system.bodies());
+  const Numbering<Marker> marker(system.markers());
+  Json json{{"gravity", of(system.gravity())}, {"plane", system.plane().n}, {"length", system.length()}};
+  for (const char* list : {"bodies", "markers", "links", "forces", "loads", "moving", "moved_markers"})
+    json[list] = Json::array();
+  for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, solids, looks));
+  for (const Marker& m : system.markers())
+    json["markers"].push_back({{"name", m.name}, {"body", body(m.body)}, {"at", of(m.local)}});
+  for (const auto& link : system.links()) json["links"].push_back(link_of(*link, system, marker, frames));
+  for (const auto& force : system.forces()) json["forces"].push_back(force_of(*force, marker));
+  for (const Load& load : frames.loads()) json["loads"].push_back(load_of(load, marker));
+  for (const Body* b : frames.bodies()) json["moving"].push_back(body(b));
+  for (const Marker* m : frames.markers()) json["moved_markers"].push_back(marker(m));
+  return json;
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,20 @@
+// The outline of a report: who is in the mechanism, and what is drawn of it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include <lockstep/solid.h>
+#include "framework/tools/report/frames.h"
+
+namespace lockstep::report {
+
+/// Bodies with their solids, markers, links with what is drawn of them, forces. Bodies and markers are referred to by
+/// their numbers in System::bodies() and System::markers().
+nlohmann::ordered_json outline_of(const Frames&, const std::vector<Solid>&, const std::vector<Look>&);
+
+/// What of a link is drawn beside the symbol of its mask: {"curves": [{"pair":, "side": "p" or "s", "points": [x, y, z,
+/// ...], "closed":}], ...}, in the axes of a marker; an empty object for most.
+nlohmann::ordered_json drawing_of(const Lock&, std::pair<double, double> path_range);
+
+}  // namespace lockstep::report

@@ -1,0 +1,84 @@
+#include "framework/tools/report/page.h"
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <lockstep/error.h>
+#include <lockstep/version.h>
+
+namespace lockstep::report {
+namespace {
+
+// Puts `value` in place of the one `mark` in the page.
+void put(std::string& page, std::string_view mark, const std::string& value) {
+  const std::size_t at = page.find(mark);
+  if (at == std::string::npos) throw Error("the page of reports lacks its mark " + std::string(mark));
+  page.replace(at, mark.size(), value);
+}
+
+}  // namespace
+
+std::string for_script(const std::string& json) {
+  std::string text;
+  text.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string for_html(const std::string& text) {
+  std::string html;
+  for (const char c : text) {
+    if (c == '<')
+      html += "&lt;";
+    else if (c == '&')
+      html += "&amp;";
+    else
+      html += c;
+  }
+  return html;
+}
+
+// From the end, so that no mark is sought in what was put in.
+std::string page_with(const std::string& title, const std::string& json, const std::string& numbers) {
+  std::string page;
+  for (const std::string_view piece : page_pieces()) page += piece;
+  const std::size_t data = page.find("@lockstep-json@");
+  if (data == std::string::npos) throw Error("the page of reports lacks its mark @lockstep-json@");
+  std::string tail = page.substr(data);
+  page.resize(data);
+  put(tail, "@lockstep-numbers@", numbers);
+  put(tail, "@lockstep-json@", for_script(json));
+  put(page, "@lockstep-title@", for_html(title));
+  return page + tail;
+}
+
+nlohmann::ordered_json json_of(const ReportText& text) {
+  return {{"title", text.title},         {"description", text.description},
+          {"scene", text.scene},         {"command", text.command},
+          {"facts", text.facts},         {"warnings", text.warnings},
+          {"panels", text.panels},       {"channels", text.channels},
+          {"version", library_version()}};
+}
+
+// The file appears when it is whole.
+void write_whole(const std::string& file, const std::string& page) {
+  const std::string partial = file + ".partial";
+  std::error_code error;
+  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
+  out << page;
+  out.close();
+  if (out) std::filesystem::rename(partial, file, error);
+  if (out && !error) return;
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+  throw FileError("report '" + file + "' cannot be written" + (error ? ": " + error.message() : "") +
+                  "; check the folder and the space left, or name another file");
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,25 @@
+// The report of many runs: each is a point of a plot whose axes are columns of their table.
+#pragma once
+
+#include <string>
+
+#include <lockstep/report.h>
+
+namespace lockstep::report {
+
+/// Many runs, and how they are shown at first; the reader may choose otherwise.
+struct Points {
+  ReportText text{};
+  std::string csv,     ///< their table, one row a run; "failure" and "status" say why one failed
+      x, y,            ///< titles of the columns on the axes; what is no column of numbers: the first ones
+      color{};         ///< title of the column that gives the colour; "": the words that tell the runs apart
+  bool log = false,    ///< logarithmic axes
+      joined = false;  ///< lines between the points of a group
+};
+
+/// Writes the page. Throws FileError.
+LOCKSTEP_API void write_points(const std::string& file, const Points&);
+/// The same page as text.
+LOCKSTEP_API std::string points_page(const Points&);
+
+}  // namespace lockstep::report

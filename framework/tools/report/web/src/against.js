@@ -1,0 +1,155 @@
+// One column against another: a coupler curve, a phase portrait.
+import uPlot from 'uplot';
+import { pngOf } from './export.js';
+import { indexAt } from './motion.js';
+import { axisStyle, button } from './plots.js';
+import { theme } from './theme.js';
+
+const title = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
+
+export class Against {
+  constructor(data, clock, holder) {
+    this.data = data;
+    this.clock = clock;
+    this.holder = holder;
+    const n = data.table.columns.length;
+    this.x = n > 1 ? 1 : 0;
+    this.y = n > 2 ? 2 : 0;
+    this.addChoice();
+    clock.addEventListener('time', () => this.showTime());
+    new ResizeObserver(() => this.build()).observe(this.body);
+  }
+
+  addChoice() {
+    const head = document.createElement('header');
+    const choose = (label, key) => {
+      const wrap = document.createElement('label'),
+        select = document.createElement('select');
+      wrap.textContent = `${label} `;
+      this.data.table.columns.forEach((column, i) =>
+        select.add(new Option(title(column).slice(0, 80), i, false, i === this[key])),
+      );
+      select.addEventListener('change', () => {
+        this[key] = Number(select.value);
+        this.build();
+      });
+      wrap.append(select);
+      return wrap;
+    };
+    head.append(
+      choose('y', 'y'),
+      choose('against x', 'x'),
+      button('PNG', 'Save this plot as a picture', () => this.plot && pngOf({ plot: this.plot }, 'against.png')),
+    );
+    this.body = document.createElement('div');
+    this.body.className = 'against';
+    this.holder.append(head, this.body);
+  }
+
+  build() {
+    const width = this.body.clientWidth;
+    if (width === 0 || this.data.table.columns[0].values.length < 2) return;
+    this.plot?.destroy();
+    const [cx, cy] = [this.data.table.columns[this.x], this.data.table.columns[this.y]];
+    const facet = (scale) => ({ scale, auto: true });
+    const axis = (column, size) => ({ ...axisStyle(), label: title(column).slice(0, 60), labelSize: 16, size });
+    this.plot = new uPlot(
+      {
+        mode: 2,
+        width,
+        height: Math.min(360, Math.max(220, width * 0.7)),
+        padding: [10, 12, 0, 0],
+        legend: { show: false },
+        cursor: { show: false },
+        scales: { x: { time: false, range: padded }, y: { range: padded } },
+        axes: [axis(cx, 30), axis(cy, 60)],
+        series: [
+          {},
+          {
+            label: cy.name.slice(0, 60),
+            stroke: theme.color(0),
+            width: 1.6,
+            facets: [facet('x'), facet('y')],
+            paths: way,
+          },
+        ],
+      },
+      [null, [cx.values, cy.values]],
+      this.body,
+    );
+    this.dot = document.createElement('div');
+    this.dot.className = 'dot';
+    this.plot.over.append(this.dot);
+    this.showTime();
+  }
+
+  showTime() {
+    if (!this.plot) return;
+    const { columns } = this.data.table,
+      times = columns[0].values,
+      { t } = this.clock;
+    const k = indexAt(times, t),
+      next = Math.min(k + 1, times.length - 1),
+      h = times[next] - times[k];
+    const u = h > 0 ? Math.min(1, Math.max(0, (t - times[k]) / h)) : 0;
+    const at = (column) => (1 - u) * column.values[k] + u * column.values[next];
+    const x = this.plot.valToPos(at(columns[this.x]), 'x'),
+      y = this.plot.valToPos(at(columns[this.y]), 'y');
+    this.dot.style.transform = `translate(${x}px, ${y}px)`;
+    this.dot.hidden = !(Number.isFinite(x) && Number.isFinite(y));
+  }
+}
+
+function padded(u, low, high) {
+  const more = 0.05 * (high - low) || 0.05 * Math.abs(low) || 1;
+  return [low - more, high + more];
+}
+
+// The points joined in the order of time. Of very long columns every k-th is drawn.
+function way(u, seriesIdx) {
+  uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
+    const [xs, ys] = u.data[seriesIdx],
+      every = Math.max(1, Math.floor(xs.length / 20000)),
+      points = [];
+    for (let i = 0; i < xs.length; i += every)
+      points.push(
+        Number.isFinite(xs[i]) && Number.isFinite(ys[i])
+          ? [toX(xs[i], scaleX, wide, left), toY(ys[i], scaleY, high, top)]
+          : null,
+      );
+    const path = curve(points, xs.length < 1500);
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(left, top, wide, high);
+    u.ctx.clip();
+    u.ctx.strokeStyle = series.stroke();
+    u.ctx.lineWidth = series.width * devicePixelRatio;
+    u.ctx.lineJoin = 'round';
+    u.ctx.stroke(path);
+    u.ctx.restore();
+  });
+  return null;
+}
+
+// A path through points, where null is a gap; `smooth`: by cubic pieces, whose slopes are those from neighbour to neighbour.
+function curve(points, smooth) {
+  const path = new Path2D();
+  points.forEach((p, i) => {
+    if (!p) return;
+    const before = points[i - 1];
+    if (!before) path.moveTo(...p);
+    else if (!smooth) path.lineTo(...p);
+    else {
+      const a = points[i - 2] ?? before,
+        b = points[i + 1] ?? p;
+      path.bezierCurveTo(
+        before[0] + (p[0] - a[0]) / 6,
+        before[1] + (p[1] - a[1]) / 6,
+        p[0] - (b[0] - before[0]) / 6,
+        p[1] - (b[1] - before[1]) / 6,
+        ...p,
+      );
+    }
+  });
+  return path;
+}

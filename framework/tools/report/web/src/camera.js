@@ -1,0 +1,152 @@
+// Views: a camera with perspective and one without, standard views, fit, and following a body.
+import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+
+const FIELD = 30; // degrees, vertically: little distortion
+
+export class Views {
+  constructor(frame, canvas, onChange) {
+    this.frame = frame;
+    this.canvas = canvas;
+    this.onChange = onChange;
+    const near = 1e-3 * frame.size,
+      far = 200 * frame.reach;
+    this.perspective = new PerspectiveCamera(FIELD, 1, near, far);
+    this.orthographic = new OrthographicCamera(-1, 1, 1, -1, -far, far);
+    this.aspect = 1;
+    this.followed = null;
+    this.use(frame.plane >= 0);
+    this.look('home');
+  }
+
+  get isOrthographic() {
+    return this.camera === this.orthographic;
+  }
+
+  use(orthographic) {
+    const before = this.camera;
+    this.camera = orthographic ? this.orthographic : this.perspective;
+    this.camera.up.copy(this.frame.up);
+    const target = this.controls ? this.controls.target.clone() : this.frame.center.clone();
+    if (before && before !== this.camera) {
+      this.camera.position.copy(before.position);
+      const distance = before.position.distanceTo(target);
+      if (orthographic) this.halfHeight = distance * Math.tan((FIELD * Math.PI) / 360);
+      else {
+        const wanted = this.halfHeight / this.orthographic.zoom / Math.tan((FIELD * Math.PI) / 360);
+        this.camera.position.sub(target).setLength(wanted).add(target);
+      }
+      this.orthographic.zoom = 1;
+    }
+    this.controls?.dispose();
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.target.copy(target);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('change', this.onChange);
+    this.project();
+    this.controls.update();
+    this.onChange();
+  }
+
+  directionOf(view) {
+    const { front, right, up, plane } = this.frame;
+    const d = new Vector3();
+    if (view === 'home') view = plane >= 0 ? 'front' : 'iso';
+    if (view === 'front') return d.copy(front);
+    if (view === 'right') return d.copy(right);
+    if (view === 'top') return d.copy(up).addScaledVector(front, 1e-4); // not along "up" itself
+    return d.copy(front).addScaledVector(right, 0.75).addScaledVector(up, 0.55);
+  }
+
+  look(view) {
+    this.direction = this.directionOf(view).normalize();
+    this.fit();
+  }
+
+  // All that moves fills the picture, seen from the present direction.
+  fit() {
+    const { frame } = this;
+    const direction =
+      this.direction ?? new Vector3().subVectors(this.camera.position, this.controls.target).normalize();
+    this.direction = null;
+    const side = new Vector3().crossVectors(frame.up, direction).normalize(),
+      top = new Vector3().crossVectors(direction, side);
+    const target = this.middle(side, top, direction);
+    const margin = 0.07 * frame.size,
+      slope = Math.tan((FIELD * Math.PI) / 360),
+      v = new Vector3();
+    let half = 0.25 * frame.size,
+      distance = half / slope;
+    for (const p of frame.points) {
+      v.subVectors(p, target);
+      const across = Math.max(Math.abs(v.dot(top)) + margin, (Math.abs(v.dot(side)) + margin) / this.aspect) * 1.06;
+      half = Math.max(half, across);
+      distance = Math.max(distance, across / slope + v.dot(direction));
+    }
+    this.halfHeight = half;
+    this.orthographic.zoom = 1;
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(direction, this.isOrthographic ? half / slope : distance);
+    this.project();
+    this.controls.update();
+    this.onChange();
+  }
+
+  // The middle of all that moves, as it is seen along three axes.
+  middle(...axes) {
+    const target = new Vector3();
+    for (const axis of axes) {
+      let low = Infinity,
+        high = -Infinity;
+      for (const p of this.frame.points) {
+        const d = p.dot(axis);
+        low = Math.min(low, d);
+        high = Math.max(high, d);
+      }
+      target.addScaledVector(axis, 0.5 * (low + high));
+    }
+    return target;
+  }
+
+  resize(aspect) {
+    this.aspect = aspect;
+    this.project();
+  }
+
+  project() {
+    this.perspective.aspect = this.aspect;
+    this.perspective.updateProjectionMatrix();
+    const h = this.halfHeight ?? this.frame.size,
+      o = this.orthographic;
+    o.left = -h * this.aspect;
+    o.right = h * this.aspect;
+    o.top = h;
+    o.bottom = -h;
+    o.updateProjectionMatrix();
+  }
+
+  // Keeps an object where it is in the picture; null: none.
+  follow(object) {
+    this.followed = object;
+    this.at = object ? object.getWorldPosition(new Vector3()) : null;
+  }
+
+  moveAlong() {
+    if (!this.followed) return;
+    const now = this.followed.getWorldPosition(new Vector3());
+    const step = now.clone().sub(this.at);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+    this.at = now;
+  }
+
+  // Metres that a pixel at the target shows.
+  metresPerPixel(height) {
+    const half = this.isOrthographic
+      ? this.halfHeight / this.orthographic.zoom
+      : this.camera.position.distanceTo(this.controls.target) * Math.tan((FIELD * Math.PI) / 360);
+    return (2 * half) / height;
+  }
+}

@@ -1,0 +1,35 @@
+// Files that the reader saves.
+import { theme } from './theme.js';
+
+export function download(name, blob) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+// A plot with its legend, on the page's ground.
+export function pngOf({ plot }, name) {
+  const from = plot.ctx.canvas,
+    scale = devicePixelRatio,
+    top = 26 * scale;
+  const canvas = document.createElement('canvas');
+  canvas.width = from.width;
+  canvas.height = from.height + top;
+  const ctx = canvas.getContext('2d');
+  ctx.fillStyle = theme.is.dark ? '#1a2028' : '#ffffff';
+  ctx.fillRect(0, 0, canvas.width, canvas.height);
+  ctx.drawImage(from, 0, top);
+  ctx.font = `${12 * scale}px system-ui, sans-serif`;
+  let x = 12 * scale;
+  for (const series of plot.series.slice(1)) {
+    if (!series.show || !series.label) continue;
+    ctx.fillStyle = series.stroke();
+    ctx.fillRect(x, 12 * scale, 16 * scale, 2.5 * scale);
+    ctx.fillStyle = theme.is.ink;
+    ctx.fillText(series.label, x + 20 * scale, 17 * scale);
+    x += 34 * scale + ctx.measureText(series.label).width;
+  }
+  canvas.toBlob((blob) => download(name, blob));
+}

@@ -1,0 +1,68 @@
+// Grid: the ground of a mechanism in space, or the sheet behind one in a plane; fades out.
+import { BufferAttribute, Color, LineBasicMaterial, LineSegments, Vector3 } from 'three';
+import { roundDown } from './arrows.js';
+import { lineGeometry } from './shapes.js';
+import { theme } from './theme.js';
+
+const FADE = 24; // pieces of a line
+
+export class Grid {
+  constructor(frame, unit) {
+    const { plane, center, box, up, front, right } = frame;
+    this.spacing = roundDown(frame.reach / 8);
+    const planar = plane >= 0;
+    const normal = planar ? front : up;
+    const [e1, e2] = planar ? [right, up] : [right, front];
+    // Below everything, or behind it.
+    const corners = [box.min, box.max].map((p) => p.dot(normal));
+    const level = Math.min(...corners) - (planar ? 3 * unit : 1.2 * unit);
+    const snap = (e) => Math.round(center.dot(e) / this.spacing) * this.spacing;
+    const origin = new Vector3()
+      .addScaledVector(e1, snap(e1))
+      .addScaledVector(e2, snap(e2))
+      .addScaledVector(normal, level);
+    const n = Math.ceil(((planar ? 1.6 : 1.3) * frame.reach) / this.spacing);
+    this.lines = this.make(origin, e1, e2, n);
+    this.lines.raycast = () => {};
+    this.recolor();
+  }
+
+  make(origin, e1, e2, n) {
+    const numbers = [],
+      alphas = [],
+      p = new Vector3(),
+      reach = n * this.spacing;
+    const put = (a, b, c, d) => {
+      p.copy(origin)
+        .addScaledVector(c, a * this.spacing)
+        .addScaledVector(d, b * this.spacing);
+      numbers.push(p.x, p.y, p.z);
+      alphas.push(Math.max(0, 1 - (Math.hypot(a, b) * this.spacing) / reach) ** 1.5);
+    };
+    for (let i = -n; i <= n; ++i)
+      for (const [c, d] of [
+        [e1, e2],
+        [e2, e1],
+      ])
+        for (let k = 0; k < FADE; ++k) {
+          put(-n + (2 * n * k) / FADE, i, c, d);
+          put(-n + (2 * n * (k + 1)) / FADE, i, c, d);
+        }
+    const geometry = lineGeometry(numbers);
+    this.alphas = alphas;
+    geometry.setAttribute('color', new BufferAttribute(new Float32Array(4 * alphas.length), 4));
+    const lines = new LineSegments(
+      geometry,
+      new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }),
+    );
+    lines.renderOrder = -1;
+    return lines;
+  }
+
+  recolor() {
+    const color = new Color(theme.is.grid),
+      attribute = this.lines.geometry.getAttribute('color');
+    this.alphas.forEach((alpha, i) => attribute.setXYZW(i, color.r, color.g, color.b, 0.75 * alpha));
+    attribute.needsUpdate = true;
+  }
+}

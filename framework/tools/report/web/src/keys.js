@@ -1,0 +1,26 @@
+// Keys of the page, beside those of its buttons.
+
+export function addKeys(page) {
+  addEventListener('keydown', (e) => {
+    if (e.ctrlKey || e.altKey || e.metaKey || e.target.closest?.('select, textarea, input:not(#slider)')) return;
+    const onButton = e.target.closest('button, summary') !== null;
+    const act = {
+      ' ': () => !onButton && page.toggle(),
+      ArrowLeft: () => page.step(e.shiftKey ? -10 : -1),
+      ArrowRight: () => page.step(e.shiftKey ? 10 : 1),
+      Home: () => page.first(),
+      End: () => page.last(),
+      f: () => page.fit(),
+      1: () => page.look('iso'),
+      2: () => page.look('front'),
+      3: () => page.look('right'),
+      4: () => page.look('top'),
+      o: () => page.orthographic(),
+      n: () => page.names(),
+      l: () => page.loop(),
+      Escape: () => page.select(-1),
+    }[e.key];
+    if (!act || (e.target.getAttribute?.('role') === 'tab' && e.key.startsWith('Arrow'))) return;
+    if (act() !== false) e.preventDefault();
+  });
+}

@@ -1,0 +1,128 @@
+// Motion: poses and loads at any instant, between the frames by cubic polynomials through poses and velocities.
+
+const BODY = 13,
+  MARKER = 7,
+  LOAD = 6;
+
+// The last index k with times[k] <= t; at least 0.
+export function indexAt(times, t) {
+  let low = 0,
+    high = times.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= t) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+// Weights of the two values and of the two rates, for a step h and u = 0..1 in it.
+function weights(u, h) {
+  const v = 1 - u;
+  return [v * v * (1 + 2 * u), u * u * (3 - 2 * u), u * v * v * h, -u * u * v * h];
+}
+
+export class Motion {
+  constructor(data) {
+    const { frames, mechanism } = data;
+    this.times = frames.times;
+    this.rows = frames.rows;
+    this.width = frames.width;
+    this.jumps = new Set(frames.jumps);
+    this.nBodies = mechanism.moving.length;
+    this.nMarkers = mechanism.moved_markers.length;
+    this.nLoads = mechanism.loads.length;
+    // x y z, then the quaternion x y z w as three.js has it
+    this.bodies = new Float64Array(7 * this.nBodies);
+    this.markers = new Float64Array(7 * this.nMarkers);
+    this.loads = new Float64Array(LOAD * this.nLoads);
+    this.velocities = new Float64Array(6 * this.nBodies);
+    this.t = NaN;
+  }
+
+  get start() {
+    return this.times[0];
+  }
+  get end() {
+    return this.times[this.times.length - 1];
+  }
+
+  seek(t) {
+    if (t === this.t) return;
+    this.t = t;
+    const { times } = this;
+    const k = indexAt(times, t);
+    const next = Math.min(k + 1, times.length - 1);
+    const h = times[next] - times[k];
+    const u = h > 0 ? Math.min(1, Math.max(0, (t - times[k]) / h)) : 0;
+    // Velocities at the end are those after a jump, unless the frame before it is kept as well.
+    const endIsAfterJump = this.jumps.has(next) && h > 0;
+    for (let i = 0; i < this.nBodies; ++i) this.seekBody(i, k, next, u, h, endIsAfterJump);
+    for (let i = 0; i < this.nMarkers; ++i) this.seekMarker(i, k, next, u);
+    const first = BODY * this.nBodies + MARKER * this.nMarkers;
+    const a = k * this.width + first,
+      b = next * this.width + first;
+    for (let i = 0; i < this.loads.length; ++i) this.loads[i] = (1 - u) * this.rows[a + i] + u * this.rows[b + i];
+  }
+
+  seekBody(i, k, next, u, h, endIsAfterJump) {
+    const { rows, bodies, velocities } = this;
+    const a = k * this.width + BODY * i,
+      b = next * this.width + BODY * i,
+      out = 7 * i;
+    if (u === 0 || h === 0) {
+      for (let c = 0; c < 3; ++c) bodies[out + c] = rows[a + c];
+      for (let c = 0; c < 4; ++c) bodies[out + 3 + c] = rows[a + 3 + ((c + 1) & 3)];
+      for (let c = 0; c < 6; ++c) velocities[6 * i + c] = rows[a + 7 + c];
+      return;
+    }
+    const [p, q, r, s] = weights(u, h);
+    for (let c = 0; c < 3; ++c) {
+      const end = endIsAfterJump ? (rows[b + c] - rows[a + c]) / h : rows[b + 7 + c];
+      bodies[out + c] = p * rows[a + c] + q * rows[b + c] + r * rows[a + 7 + c] + s * end;
+    }
+    for (let c = 0; c < 6; ++c) velocities[6 * i + c] = (1 - u) * rows[a + 7 + c] + u * rows[b + 7 + c];
+    this.turn(a, b, [p, q, r, s], endIsAfterJump ? h : 0, out + 3);
+  }
+
+  // The quaternion, scalar first in the frames: its rate is half the angular velocity times itself.
+  turn(a, b, [p, q, r, s], secant, out) {
+    const { rows, bodies } = this;
+    const q0 = [0, 1, 2, 3].map((c) => rows[a + 3 + c]);
+    let q1 = [0, 1, 2, 3].map((c) => rows[b + 3 + c]);
+    if (q0.reduce((sum, c, i) => sum + c * q1[i], 0) < 0) q1 = q1.map((c) => -c);
+    const rate = (at, e) => {
+      const x = rows[at + 10],
+        y = rows[at + 11],
+        z = rows[at + 12],
+        [w, i, j, k] = e;
+      return [-x * i - y * j - z * k, x * w + y * k - z * j, y * w + z * i - x * k, z * w + x * j - y * i].map(
+        (c) => 0.5 * c,
+      );
+    };
+    const d0 = rate(a, q0),
+      d1 = secant ? q1.map((c, i) => (c - q0[i]) / secant) : rate(b, q1);
+    const e = q0.map((c, i) => p * c + q * q1[i] + r * d0[i] + s * d1[i]);
+    const n = Math.hypot(...e) || 1;
+    for (let c = 0; c < 4; ++c) bodies[out + c] = e[(c + 1) & 3] / n;
+  }
+
+  seekMarker(i, k, next, u) {
+    const { rows, markers } = this;
+    const first = BODY * this.nBodies + MARKER * i;
+    const a = k * this.width + first,
+      b = next * this.width + first,
+      out = 7 * i;
+    let dot = 0;
+    for (let c = 3; c < 7; ++c) dot += rows[a + c] * rows[b + c];
+    const sign = dot < 0 ? -1 : 1;
+    for (let c = 0; c < 3; ++c) markers[out + c] = (1 - u) * rows[a + c] + u * rows[b + c];
+    let norm = 0;
+    for (let c = 0; c < 4; ++c) {
+      const e = (1 - u) * rows[a + 3 + ((c + 1) & 3)] + u * sign * rows[b + 3 + ((c + 1) & 3)];
+      markers[out + 3 + c] = e;
+      norm += e * e;
+    }
+    for (let c = 3; c < 7; ++c) markers[out + c] /= Math.sqrt(norm) || 1;
+  }
+}

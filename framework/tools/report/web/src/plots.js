@@ -1,0 +1,284 @@
+// Plots: the recorded columns over time, one panel per unit or as the scene asks; their cursor is the page's time.
+import uPlot from 'uplot';
+import { envelope } from './envelope.js';
+import { download, pngOf } from './export.js';
+import { indexAt } from './motion.js';
+import { theme } from './theme.js';
+
+const MOST_CURVES = 8,
+  LONG = 6000,
+  HEIGHT = 190;
+
+// Groups of column numbers with a title: those of the scene, then one for each unit; a group is no larger than can be read.
+export function groupsOf(data) {
+  const { columns } = data.table;
+  const byName = new Map(columns.map((c, i) => [c.name, i]));
+  const groups = [],
+    taken = new Set();
+  for (const names of data.text.panels) {
+    const members = names.map((n) => byName.get(n)).filter((i) => i !== undefined);
+    members.forEach((i) => taken.add(i));
+    if (members.length > 0) groups.push({ unit: columns[members[0]].unit, members });
+  }
+  const byUnit = new Map();
+  columns.forEach((column, i) => {
+    if (i === 0 || taken.has(i)) return;
+    if (!byUnit.has(column.unit)) byUnit.set(column.unit, []);
+    byUnit.get(column.unit).push(i);
+  });
+  for (const [unit, members] of byUnit)
+    for (let i = 0; i < members.length; i += MOST_CURVES)
+      groups.push({ unit, members: members.slice(i, i + MOST_CURVES) });
+  return groups;
+}
+
+// uPlot leaves a gap where a value is null.
+function drawable(values) {
+  return values.every(Number.isFinite) ? values : Array.from(values, (v) => (Number.isFinite(v) ? v : null));
+}
+
+export function number(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '\u2013';
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return Number(value.toPrecision(4)).toExponential();
+  return Number(value.toPrecision(5)).toString();
+}
+
+// Numbers of an axis, with as many digits as tell neighbours apart; on logarithmic axes some ticks have none.
+export function tickTexts(u, ticks, axis, space, step) {
+  const largest = Math.max(...ticks.map((v) => Math.abs(v ?? 0)));
+  const logarithmic = u.scales[u.axes[axis].scale].distr === 3;
+  if (logarithmic) return ticks.map((v) => (v === null ? '' : number(v)));
+  let digits = 0; // after the point, so that the step is whole
+  while (digits < 15 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) ++digits;
+  if (digits <= 6 && largest < 1e6) return ticks.map((v) => v.toFixed(digits));
+  const significant = Math.min(12, Math.max(1, Math.ceil(Math.log10(largest / step)) + 1));
+  return ticks.map((v) => (v === 0 ? '0' : v.toExponential(Math.max(0, significant - 1))));
+}
+
+export const axisStyle = () => ({
+  values: tickTexts,
+  stroke: theme.is.soft,
+  font: '11px system-ui, sans-serif',
+  labelFont: '11px system-ui, sans-serif',
+  grid: { stroke: theme.is.plotGrid, width: 1 },
+  ticks: { stroke: theme.is.plotGrid, width: 1, size: 4 },
+});
+
+export function button(text, title, act) {
+  const element = document.createElement('button');
+  element.type = 'button';
+  element.textContent = text;
+  element.title = title;
+  element.addEventListener('click', act);
+  return element;
+}
+
+export class Plots {
+  constructor(data, clock, holder) {
+    this.data = data;
+    this.clock = clock;
+    this.holder = holder;
+    this.groups = groupsOf(data).map((group) => ({ ...group, log: false, hidden: new Set() }));
+    this.x = data.table.columns[0].values;
+    this.long = this.x.length > LONG;
+    this.sync = uPlot.sync('time');
+    this.plots = [];
+    clock.addEventListener('time', () => this.showTime());
+    new ResizeObserver(() => this.resize()).observe(holder);
+    // A panel is drawn when it comes into view: a run may have hundreds.
+    this.views = new IntersectionObserver(
+      (entries) => entries.forEach((entry) => entry.isIntersecting && this.fill(entry.target)),
+      { rootMargin: '200px' },
+    );
+  }
+
+  get full() {
+    return [this.x[0], this.x[this.x.length - 1]];
+  }
+
+  build() {
+    for (const { plot } of this.plots) plot.destroy();
+    this.views.disconnect();
+    this.holder.replaceChildren();
+    this.plots = [];
+    this.range = this.full;
+    if (this.groups.length === 0 || this.x.length < 2) {
+      const note = document.createElement('p');
+      note.className = 'note';
+      note.textContent =
+        this.groups.length === 0 ? 'No column beside the time was recorded.' : 'A curve needs two rows.';
+      this.holder.append(note);
+      return;
+    }
+    for (const group of this.groups) this.addPanel(group);
+    this.showTime();
+  }
+
+  addPanel(group) {
+    const panel = document.createElement('section');
+    panel.className = 'plot';
+    const head = document.createElement('header');
+    const title = document.createElement('h3');
+    title.textContent = group.unit === '' ? 'without unit' : group.unit;
+    const log = button('log', 'Logarithmic axis', () => {
+      group.log = !group.log;
+      this.build();
+    });
+    log.setAttribute('aria-pressed', String(group.log));
+    const save = button('PNG', 'Save this plot as a picture', () =>
+      pngOf(
+        this.plots.find((p) => p.group === group),
+        `${this.fileName()}_${group.unit || 'plot'}.png`,
+      ),
+    );
+    head.append(title, log, save);
+    const body = document.createElement('div');
+    body.style.minHeight = `${HEIGHT + 28}px`;
+    body.group = group;
+    panel.append(head, body);
+    this.holder.append(panel);
+    this.views.observe(body);
+  }
+
+  fill(body) {
+    this.views.unobserve(body);
+    const plot = this.makePlot(body.group, body);
+    const mark = document.createElement('div');
+    mark.className = 'time-mark';
+    plot.over.append(mark);
+    this.plots.push({ plot, group: body.group, mark, body });
+    plot.setScale('x', { min: this.range[0], max: this.range[1] });
+    queueMicrotask(() => this.showTime());
+  }
+
+  fileName() {
+    return (this.data.text.title || 'report').replace(/[^\p{L}\p{N}]+/gu, '_').slice(0, 60);
+  }
+
+  columnsOf(group) {
+    return group.members.map((i) => this.data.table.columns[i]);
+  }
+
+  dataOf(group, [from, to]) {
+    const columns = this.columnsOf(group).map((c) => c.values);
+    if (!this.long) return [this.x, ...columns.map(drawable)];
+    const [x, ...ys] = envelope(this.x, columns, from, to, 1200);
+    return [x, ...ys.map(drawable)];
+  }
+
+  makePlot(group, body) {
+    const columns = this.columnsOf(group),
+      smooth = this.x.length < 1500; // few rows are joined without corners
+    const options = {
+      width: Math.max(200, body.clientWidth || this.holder.clientWidth - 24),
+      height: HEIGHT,
+      padding: [8, 12, 0, 0],
+      legend: { live: true },
+      cursor: {
+        sync: { key: 'time' },
+        drag: { x: true, y: false },
+        bind: { dblclick: () => () => this.zoom(this.full) },
+        points: { size: 6 },
+      },
+      scales: { x: { time: false }, y: group.log ? { distr: 3 } : {} },
+      axes: [
+        { ...axisStyle(), size: 26 },
+        { ...axisStyle(), size: 62 },
+      ],
+      series: [
+        { label: 't [s]', value: (u, v) => number(v) },
+        ...columns.map((column, i) => ({
+          label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
+          stroke: theme.color(i),
+          width: 1.6,
+          pxAlign: 0,
+          paths: smooth ? uPlot.paths.spline() : uPlot.paths.linear(),
+          show: !group.hidden.has(i),
+          points: { show: false },
+          value: (u, v) => number(v),
+        })),
+      ],
+      hooks: {
+        setScale: [(u, key) => key === 'x' && this.zoomed(u)],
+        setSeries: [(u, i, { show }) => show !== undefined && i > 0 && group.hidden[show ? 'delete' : 'add'](i - 1)],
+      },
+    };
+    const positive = (list) =>
+      group.log ? list.map((y, i) => (i === 0 ? y : Array.from(y, (v) => (v > 0 ? v : null)))) : list;
+    group.data = (range) => positive(this.dataOf(group, range));
+    const plot = new uPlot(options, group.data(this.range), body);
+    let down = NaN;
+    plot.over.addEventListener('mousedown', (e) => {
+      down = e.clientX;
+    });
+    plot.over.addEventListener('click', (e) => {
+      if (Math.abs(e.clientX - down) > 3) return;
+      this.clock.pause();
+      this.clock.seek(plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x'));
+    });
+    plot.over.addEventListener('mouseleave', () => this.showTime());
+    return plot;
+  }
+
+  // One panel was zoomed: the others follow.
+  zoomed(u) {
+    const { min, max } = u.scales.x;
+    if (
+      this.zooming ||
+      min === undefined ||
+      min === null ||
+      this.plots.length === 0 ||
+      (min === this.range[0] && max === this.range[1])
+    )
+      return;
+    this.zoom([min, max]);
+  }
+
+  zoom(range) {
+    this.zooming = true;
+    this.range = range;
+    for (const { plot, group } of this.plots)
+      plot.batch(() => {
+        if (this.long) plot.setData(group.data(range), false);
+        plot.setScale('x', { min: range[0], max: range[1] });
+      });
+    // What uPlot decides at the end of its batch is no wish of the reader's.
+    queueMicrotask(() => {
+      this.zooming = false;
+      this.showTime();
+    });
+  }
+
+  // The cursor of time, and the values there.
+  showTime() {
+    const { t } = this.clock;
+    for (const { plot, mark } of this.plots) {
+      const x = plot.valToPos(t, 'x');
+      mark.style.transform = `translateX(${x}px)`;
+      mark.hidden = !(x >= 0 && x <= plot.over.clientWidth);
+      if (plot.cursor.left < 0 || plot.cursor.left === undefined)
+        plot.setLegend({ idx: indexAt(plot.data[0], t) }, false);
+    }
+  }
+
+  resize() {
+    const width = this.holder.clientWidth;
+    if (width === 0 || width === this.width) return;
+    this.width = width;
+    if (!this.range) this.build();
+    for (const { plot, body } of this.plots) plot.setSize({ width: Math.max(200, body.clientWidth), height: HEIGHT });
+    this.showTime();
+  }
+
+  saveCsv() {
+    const { columns } = this.data.table;
+    const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const lines = [columns.map((c) => quoted(c.unit ? `${c.name} [${c.unit}]` : c.name)).join()];
+    // Columns in single precision have 7 digits, and those with a base more.
+    const digits = (c) => (c.values instanceof Float32Array ? (v) => Number(v.toPrecision(8)) : (v) => v);
+    const forms = columns.map(digits);
+    for (let i = 0; i < this.x.length; ++i) lines.push(columns.map((c, k) => forms[k](c.values[i])).join());
+    download(`${this.fileName()}.csv`, new Blob([`${lines.join('\n')}\n`], { type: 'text/csv' }));
+  }
+}

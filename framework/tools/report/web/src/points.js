@@ -1,0 +1,215 @@
+// The page of many runs: each is a point of a plot whose axes and colour are columns of their table.
+import { readTable } from './csv.js';
+import { download, pngOf } from './export.js';
+import { shade } from './marks.js';
+import { number } from './plots.js';
+import { Scatter } from './scatter.js';
+import { theme } from './theme.js';
+
+const REASONS = ['failure', 'status']; // columns that say why a run failed
+const MOST_ROWS = 1000; // shown as a table
+const MOST_GROUPS = 12; // with a button each
+
+const $ = (id) => document.getElementById(id);
+
+function make(kind, words) {
+  const e = document.createElement(kind);
+  e.textContent = words;
+  return e;
+}
+
+// The columns of words that tell runs apart.
+function wordsOf({ columns }) {
+  return columns.filter((c) => !c.numbers && !REASONS.includes(c.title) && new Set(c.texts).size > 1);
+}
+
+// Rows by all words of these columns: each group is a line.
+function groupsOf({ rows }, words) {
+  const groups = new Map();
+  rows.forEach((_, i) => {
+    const given = words.map((c) => c.texts[i]).filter((t) => t !== '');
+    const name = given.join(', ') || 'runs';
+    if (!groups.has(name)) groups.set(name, []);
+    groups.get(name).push(i);
+  });
+  return [...groups].map(([name, members]) => ({ name, members }));
+}
+
+class Points {
+  constructor(data) {
+    this.data = data;
+    this.table = readTable(data.csv);
+    this.words = wordsOf(this.table);
+    this.groups = groupsOf(this.table, this.words);
+    this.numeric = this.table.columns.map((c, i) => (c.numbers ? i : -1)).filter((i) => i >= 0);
+    this.x = this.find(data.x, 0);
+    this.y = this.find(data.y, 1);
+    this.color = this.table.columns.findIndex((c) => c.title === data.color && c.numbers); // -1: by group
+    this.by = this.groups.length > MOST_GROUPS || this.words.length === 1 ? 0 : -1; // what has one colour and one button
+    this.hidden = new Set();
+    this.log = { x: data.log, y: data.log };
+    this.joined = data.joined;
+    this.picked = -1;
+    this.scatter = new Scatter($('points-plot'), (i) => this.pick(i));
+    this.addChoices();
+    this.addToggles();
+    this.addGroups();
+    this.addTable();
+    this.addAbout();
+    new ResizeObserver(() => this.draw()).observe($('points-plot'));
+    theme.onChange(() => this.draw());
+  }
+
+  // The column of numbers with this title, else the n-th one of numbers; -1: none.
+  find(title, n) {
+    const i = this.table.columns.findIndex((c) => c.title === title && c.numbers);
+    return i >= 0 ? i : (this.numeric[Math.min(n, this.numeric.length - 1)] ?? -1);
+  }
+
+  addChoices() {
+    const ways = [
+      ...this.words.map((c, k) => [`by ${c.title}`, k]),
+      [this.groups.length > 1 ? 'by all words' : 'one', -1],
+    ];
+    for (const key of ['x', 'y', 'color']) {
+      const select = $(`points-${key}`);
+      if (key === 'color') for (const [name, k] of ways) select.add(new Option(name.slice(0, 80), `by ${k}`));
+      for (const i of this.numeric) select.add(new Option(this.table.columns[i].title.slice(0, 80), i));
+      select.value = key === 'color' && this.color < 0 ? `by ${this.by}` : this[key];
+      select.addEventListener('change', () => this.choose(key, select.value));
+    }
+  }
+
+  choose(key, value) {
+    if (value.startsWith('by ')) {
+      this.color = -1;
+      this.by = Number(value.slice(3));
+      this.hidden.clear();
+      this.addGroups();
+    } else this[key] = Number(value);
+    this.draw();
+  }
+
+  addToggles() {
+    const toggle = (id, object, key) => {
+      $(id).setAttribute('aria-pressed', String(object[key]));
+      $(id).addEventListener('click', () => {
+        object[key] = !object[key];
+        $(id).setAttribute('aria-pressed', String(object[key]));
+        this.draw();
+      });
+    };
+    toggle('points-log-x', this.log, 'x');
+    toggle('points-log-y', this.log, 'y');
+    toggle('points-join', this, 'joined');
+    $('points-png').addEventListener('click', () => this.scatter.plot && pngOf(this.scatter, 'runs.png'));
+    $('points-csv').addEventListener('click', () =>
+      download('runs.csv', new Blob([this.data.csv], { type: 'text/csv' })),
+    );
+  }
+
+  // What a group is called among those that have one colour.
+  nameOf(group) {
+    return this.by < 0 ? group.name : this.words[this.by].texts[group.members[0]];
+  }
+
+  addGroups() {
+    this.names = [...new Set(this.groups.map((g) => this.nameOf(g)))];
+    $('points-groups').replaceChildren();
+    if (this.names.length < 2) return;
+    this.names.forEach((name, i) => {
+      const button = make('button', name.slice(0, 80) || 'none');
+      button.type = 'button';
+      button.style.setProperty('--tint', theme.color(i));
+      button.setAttribute('aria-pressed', 'true');
+      button.addEventListener('click', () => {
+        this.hidden[this.hidden.has(name) ? 'delete' : 'add'](name);
+        button.setAttribute('aria-pressed', String(!this.hidden.has(name)));
+        this.draw();
+      });
+      $('points-groups').append(button);
+    });
+  }
+
+  addTable() {
+    const t = document.createElement('table');
+    const head = t.createTHead().insertRow();
+    for (const c of this.table.columns) head.append(Object.assign(make('th', c.title), { scope: 'col' }));
+    const body = t.createTBody();
+    this.table.rows.slice(0, MOST_ROWS).forEach((cells, i) => {
+      const row = body.insertRow();
+      for (const cell of cells) row.insertCell().textContent = cell;
+      row.addEventListener('click', () => this.pick(i));
+    });
+    $('points-table').append(t);
+    const n = this.table.rows.length;
+    if (n > MOST_ROWS) $('points-table').append(`The first ${MOST_ROWS} of ${n} rows; the CSV has all.`);
+  }
+
+  addAbout() {
+    const { text } = this.data;
+    const about = [make('p', text.description), ...text.facts.map((fact) => make('p', fact.join(' ')))];
+    about.push(make('p', `lockstep ${text.version}`), make('pre', text.command), make('pre', text.scene));
+    $('points-about').append(...about.filter((e) => e.textContent !== ''));
+  }
+
+  draw() {
+    if ($('points-plot').clientWidth === 0 || this.x < 0 || this.y < 0) return;
+    const { columns } = this.table;
+    const shown = this.groups.filter((g) => !this.hidden.has(this.nameOf(g)));
+    this.scatter.draw({
+      x: { ...columns[this.x], log: this.log.x },
+      y: { ...columns[this.y], log: this.log.y },
+      groups: shown.map((g) => ({ ...g, color: theme.color(this.names.indexOf(this.nameOf(g))) })),
+      colors: this.color < 0 ? null : columns[this.color],
+      joined: this.joined,
+    });
+    this.showMissing(shown);
+    this.showScale();
+    queueMicrotask(() => this.pick(this.picked)); // uPlot knows its scales by then
+  }
+
+  showMissing(shown) {
+    const n = shown.reduce((sum, g) => sum + g.members.length, 0) - this.scatter.seen.length;
+    const runs = n === 1 ? '1 run has' : `${n} runs have`;
+    const words = `${runs} no point here: they failed, have no such number, or lie far beyond the others; the table has them.`;
+    $('points-note').textContent = n > 0 ? words : '';
+  }
+
+  // What the colours of numbers mean.
+  showScale() {
+    const holder = $('points-scale');
+    holder.hidden = this.color < 0;
+    if (this.color < 0) return;
+    const [low, high] = this.scatter.extent;
+    const bar = document.createElement('i');
+    bar.style.background = `linear-gradient(to right, ${[0, 0.25, 0.5, 0.75, 1].map(shade).join()})`;
+    const title = this.table.columns[this.color].title.slice(0, 80);
+    holder.replaceChildren(`${title}: ${number(low)} `, bar, ` ${number(high)}`);
+  }
+
+  // All cells of one run beside the plot.
+  pick(i) {
+    this.picked = i;
+    this.scatter.mark(i);
+    const holder = $('points-row');
+    if (i < 0) {
+      holder.textContent = 'Move over a point, or click a row of the table, to see its run.';
+      return;
+    }
+    const t = document.createElement('table');
+    for (const c of this.table.columns) {
+      if (c.texts[i] === '') continue;
+      const row = t.insertRow();
+      row.append(Object.assign(make('th', c.title), { scope: 'row' }), make('td', c.texts[i]));
+    }
+    holder.replaceChildren(t);
+  }
+}
+
+export function showPoints(data) {
+  for (const id of ['main', 'tools']) $(id).hidden = true;
+  $('points').hidden = false;
+  $('heading').textContent = data.text.title || 'lockstep report';
+  globalThis.lockstepReport = { data, points: new Points(data) };
+}

@@ -1,0 +1,140 @@
+// The page of a run: its parts, and what the reader may do with them.
+import { Against } from './against.js';
+import { Clock } from './clock.js';
+import { addKeys } from './keys.js';
+import { Motion } from './motion.js';
+import { Panel } from './panel.js';
+import { Plots } from './plots.js';
+import { Stage } from './stage.js';
+import { addTabs } from './tabs.js';
+import { theme } from './theme.js';
+import { Timebar } from './timebar.js';
+import { Tools } from './tools.js';
+import { World } from './world.js';
+
+class RunPage {
+  constructor(data) {
+    this.data = data;
+    this.elements = Object.fromEntries([...document.querySelectorAll('[id]')].map((e) => [e.id, e]));
+    this.elements.heading.textContent = data.text.title || 'lockstep report';
+    this.motion = new Motion(data);
+    this.clock = new Clock(data.frames.times);
+    this.world = new World(data, this.motion);
+    this.selected = -1;
+    this.following = false;
+    this.stage = this.makeStage();
+    this.plots = new Plots(data, this.clock, this.elements.plots);
+    this.against = new Against(data, this.clock, this.elements.against);
+    this.timebar = new Timebar(data, this.clock, this.elements);
+    this.panel = new Panel(data, this.world, this, this.elements);
+    this.showTab = addTabs(this.elements.tabs);
+    this.tools = new Tools(this);
+    addKeys(this);
+    this.listen();
+    this.tools.show();
+    this.begin();
+  }
+
+  // Where the browser cannot draw in space, plots and numbers are shown all the same.
+  makeStage() {
+    try {
+      return new Stage(this.data, this.world, this.elements);
+    } catch (error) {
+      this.elements.failure.hidden = false;
+      this.elements.failure.textContent = `This browser cannot draw in space: ${error.message}. Plots and numbers are there all the same.`;
+      return null;
+    }
+  }
+
+  listen() {
+    this.clock.addEventListener('time', () => {
+      this.world.seek(this.clock.t);
+      this.panel.showTime();
+      this.stage?.redraw();
+    });
+    theme.onChange(() => {
+      this.stage?.recolor();
+      this.panel.recolor();
+      this.plots.build();
+    });
+    // A click picks a body; a drag turns the view.
+    const { canvas } = this.elements;
+    let down = null;
+    canvas.addEventListener('pointerdown', (e) => {
+      down = [e.clientX, e.clientY];
+    });
+    canvas.addEventListener('pointerup', (e) => {
+      if (!this.stage || !down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
+      const box = canvas.getBoundingClientRect();
+      this.select(this.stage.pick(e.clientX - box.left, e.clientY - box.top));
+      if (this.selected >= 0) this.showTab('bodies-tab');
+    });
+  }
+
+  // "#t=0.5" opens at an instant; otherwise the run is played, unless the reader wants no motion.
+  begin() {
+    const asked = /^#t=([-+.e\d]+)$/i.exec(location.hash);
+    if (asked && Number.isFinite(Number(asked[1]))) this.clock.seek(Number(asked[1]));
+    else if (!matchMedia('(prefers-reduced-motion: reduce)').matches) this.clock.play();
+  }
+
+  // -- what keys and buttons do
+  toggle() {
+    this.clock.toggle();
+  }
+  step(n) {
+    this.clock.step(n);
+  }
+  first() {
+    this.clock.seek(this.clock.start);
+  }
+  last() {
+    this.clock.seek(this.clock.end);
+  }
+  fit() {
+    this.stage?.views.fit();
+  }
+  look(view) {
+    this.stage?.views.look(view);
+  }
+
+  loop() {
+    this.clock.loop = !this.clock.loop;
+    this.clock.tell('state');
+  }
+
+  orthographic() {
+    this.stage?.views.use(!this.stage.views.isOrthographic);
+    this.tools.show();
+  }
+
+  names() {
+    if (this.stage) this.stage.overlay.names.bodies = !this.stage.overlay.names.bodies;
+    this.tools.show();
+  }
+
+  select(index) {
+    this.selected = index;
+    if (index < 0) this.following = false;
+    this.world.bodies.select(index);
+    this.panel.showBody(index);
+    this.follow(this.following);
+  }
+
+  follow(on) {
+    this.following = on;
+    this.stage?.views.follow(on ? this.world.bodies.groups[this.selected] : null);
+    this.tools.show();
+  }
+
+  trail() {
+    const key = `body ${this.selected}`;
+    if (this.world.trails.lines.has(key)) this.world.trails.remove(key);
+    else this.world.addBodyTrail(this.selected);
+    this.tools.show();
+  }
+}
+
+export function showRun(data) {
+  globalThis.lockstepReport = new RunPage(data); // for tests and for the curious
+}

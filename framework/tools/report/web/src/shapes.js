@@ -1,0 +1,130 @@
+// Shapes: geometry made of a few solids, with thin edges that keep forms apart.
+import {
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CatmullRomCurve3,
+  Color,
+  CylinderGeometry,
+  EdgesGeometry,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshStandardMaterial,
+  Quaternion,
+  Shape,
+  ShapeGeometry,
+  SphereGeometry,
+  TubeGeometry,
+  Vector3,
+} from 'three';
+
+const Y = new Vector3(0, 1, 0),
+  Z = new Vector3(0, 0, 1);
+
+// Parts of the same size share one geometry: a chain has a hundred of them.
+const made = new Map();
+function shared(make, ...numbers) {
+  const key = `${make.name} ${numbers.map((n) => n.toPrecision(6))}`;
+  if (!made.has(key)) made.set(key, make(...numbers));
+  return made.get(key);
+}
+
+const boxOf = (x, y, z) => new BoxGeometry(x, y, z);
+const cylinderOf = (radius, length, sides) => new CylinderGeometry(radius, radius, length, sides);
+const sphereOf = (radius, across, down) => new SphereGeometry(radius, across, down);
+const edgesOf = new Map(); // of a geometry
+
+export function material(color, options = {}) {
+  return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
+}
+
+function edges(geometry, color, opacity = 0.35) {
+  if (!edgesOf.has(geometry)) edgesOf.set(geometry, new EdgesGeometry(geometry, 40));
+  const lines = new LineSegments(edgesOf.get(geometry), new LineBasicMaterial({ color, transparent: true, opacity }));
+  lines.raycast = () => {};
+  return lines;
+}
+
+export function box(size, mat, edgeColor) {
+  const geometry = shared(boxOf, ...size);
+  const mesh = new Mesh(geometry, mat);
+  mesh.add(edges(geometry, edgeColor));
+  return mesh;
+}
+
+// Along z.
+export function cylinder(radius, length, mat, edgeColor, sides = 40) {
+  const geometry = shared(cylinderOf, radius, length, sides);
+  const mesh = new Mesh(geometry, mat);
+  mesh.rotation.x = Math.PI / 2;
+  if (edgeColor) mesh.add(edges(geometry, edgeColor));
+  return new Group().add(mesh);
+}
+
+export function sphere(radius, mat, detail = 32) {
+  return new Mesh(shared(sphereOf, radius, detail, detail >> 1), mat);
+}
+
+// A bar with round ends.
+export function bar(from, to, radius, mat) {
+  const group = new Group();
+  const along = new Vector3().subVectors(to, from);
+  const length = along.length();
+  if (length > 1e-9) {
+    const rod = new Mesh(shared(cylinderOf, radius, length, 20), mat);
+    rod.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
+    rod.position.addVectors(from, to).multiplyScalar(0.5);
+    group.add(rod);
+  }
+  for (const end of [from, to]) {
+    const ball = new Mesh(shared(sphereOf, radius, 20, 12), mat);
+    ball.position.copy(end);
+    group.add(ball);
+  }
+  return group;
+}
+
+// The flat area of points in the plane with this normal, as a thin sheet.
+export function plate(points, normal, mat) {
+  const turn = new Quaternion().setFromUnitVectors(normal, Z);
+  const flat = points.map((p) => p.clone().applyQuaternion(turn));
+  const shape = new Shape(flat);
+  const geometry = new ShapeGeometry(shape);
+  const mesh = new Mesh(geometry, mat);
+  mesh.quaternion.copy(turn).invert();
+  mesh.position.copy(new Vector3(0, 0, flat[0].z).applyQuaternion(mesh.quaternion));
+  return mesh;
+}
+
+// The engineer's mark of a mass centre: a ball in quarters.
+export function centerMark(radius) {
+  return new Mesh(shared(quarters, radius), new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+}
+
+function quarters(radius) {
+  const geometry = new SphereGeometry(radius, 24, 16).toNonIndexed();
+  const at = geometry.getAttribute('position');
+  const colors = new Float32Array(3 * at.count);
+  const [a, b] = [new Color('#15181c'), new Color('#f4f4f4')];
+  for (let i = 0; i < at.count; i += 3) {
+    const mean = [0, 1, 2].map((c) => at.getComponent(i, c) + at.getComponent(i + 1, c) + at.getComponent(i + 2, c));
+    const color = mean[0] * mean[1] * mean[2] > 0 ? a : b;
+    for (let k = 0; k < 3; ++k) color.toArray(colors, 3 * (i + k));
+  }
+  geometry.setAttribute('color', new BufferAttribute(colors, 3));
+  return geometry;
+}
+
+// A tube along points x y z, x y z, ...
+export function tube(numbers, closed, radius, mat) {
+  const points = [];
+  for (let i = 0; i < numbers.length; i += 3) points.push(new Vector3(numbers[i], numbers[i + 1], numbers[i + 2]));
+  return new Mesh(new TubeGeometry(new CatmullRomCurve3(points, closed), 2 * points.length, radius, 8, closed), mat);
+}
+
+// Points x y z, x y z, ... as a geometry of lines.
+export function lineGeometry(numbers) {
+  return new BufferGeometry().setAttribute('position', new BufferAttribute(Float32Array.from(numbers), 3));
+}

@@ -1,0 +1,105 @@
+// Stage: the picture of the mechanism, drawn when something changed.
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  Raycaster,
+  Scene,
+  Vector2,
+  WebGLRenderer,
+} from 'three';
+import { Views } from './camera.js';
+import { Grid } from './grid.js';
+import { Overlay } from './overlay.js';
+import { theme } from './theme.js';
+
+export class Stage {
+  constructor(data, world, elements) {
+    this.world = world;
+    this.elements = elements;
+    this.scene = new Scene();
+    this.renderer = new WebGLRenderer({ canvas: elements.canvas, antialias: true });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.grid = new Grid(world.frame, world.unit);
+    this.views = new Views(world.frame, elements.canvas, () => this.redraw());
+    this.overlay = new Overlay(data, world, elements);
+    // Light comes over the viewer's left shoulder, from wherever he looks.
+    this.key = new DirectionalLight('#ffffff', 2.1);
+    this.scene.add(
+      world.root,
+      this.grid.lines,
+      this.key,
+      this.key.target,
+      new HemisphereLight('#ffffff', '#b0b7c0', 1.4),
+      new AmbientLight('#ffffff', 0.5),
+    );
+    this.recolor();
+    new ResizeObserver(() => this.resize()).observe(elements.stage);
+    this.resize();
+    this.views.fit();
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.elements.stage;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    const first = this.width === undefined;
+    [this.width, this.height] = [clientWidth, clientHeight];
+    this.renderer.setSize(this.width, this.height, false);
+    this.views.resize(this.width / this.height);
+    if (first) this.views.look('home');
+    this.render();
+  }
+
+  redraw() {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => this.render());
+  }
+
+  render() {
+    this.asked = false;
+    if (this.width === undefined) return;
+    const { camera, controls } = this.views;
+    this.views.moveAlong();
+    camera.updateMatrixWorld();
+    const e = camera.matrixWorld.elements;
+    this.key.position.copy(controls.target);
+    for (const [column, weight] of [
+      [0, -0.5],
+      [4, 0.9],
+      [8, 1],
+    ])
+      ((this.key.position.x += weight * e[column]),
+        (this.key.position.y += weight * e[column + 1]),
+        (this.key.position.z += weight * e[column + 2]));
+    this.key.target.position.copy(controls.target);
+    this.renderer.render(this.scene, camera);
+    this.overlay.draw(camera, this.width, this.height, this.views.metresPerPixel(this.height));
+  }
+
+  // The body under a point of the canvas; -1: none.
+  pick(x, y) {
+    const ray = new Raycaster(),
+      at = new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height);
+    ray.setFromCamera(at, this.views.camera);
+    for (const hit of ray.intersectObject(this.world.root, true)) {
+      let object = hit.object;
+      while (object && object.userData.body === undefined) object = object.parent;
+      if (object) return object.userData.body;
+    }
+    return -1;
+  }
+
+  picture() {
+    this.render();
+    return this.elements.canvas.toDataURL('image/png');
+  }
+
+  recolor() {
+    this.scene.background = new Color(theme.is.background);
+    this.world.recolor();
+    this.grid.recolor();
+    this.redraw();
+  }
+}

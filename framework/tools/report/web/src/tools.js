@@ -1,0 +1,76 @@
+// The buttons above the picture, and those for the picked body.
+import { download } from './export.js';
+
+export class Tools {
+  constructor(page) {
+    this.page = page;
+    this.centers = false;
+    const { elements, world, stage, plots, data } = page;
+    const on = (id, act) => elements[id].addEventListener('click', act);
+    const flip = (id, act) =>
+      on(id, () => {
+        act();
+        this.show();
+      });
+    on('fit', () => page.fit());
+    on('parallel', () => page.orthographic());
+    on('names', () => page.names());
+    on('follow', () => page.follow(!page.following));
+    on('trail', () => page.trail());
+    on('csv', () => plots.saveCsv());
+    on('picture', () => this.savePicture());
+    flip('joints', () => {
+      if (stage) stage.overlay.names.links = !stage.overlay.names.links;
+    });
+    flip('centers', () => {
+      this.centers = !this.centers;
+    });
+    flip('trails', () => world.trails.show(!world.trails.shown));
+    flip('forces', () => {
+      world.arrows.shown.force = !world.arrows.shown.force;
+    });
+    flip('reactions', () => {
+      world.arrows.shown.reaction = !world.arrows.shown.reaction;
+    });
+    elements.forces.hidden = !data.mechanism.loads.some((load) => !load.reaction);
+    elements.reactions.hidden = !data.mechanism.loads.some((load) => load.reaction);
+    elements.arrows.parentElement.hidden = data.mechanism.loads.length === 0;
+    elements.arrows.addEventListener('input', () => {
+      world.arrows.factor = 10 ** Number(elements.arrows.value);
+      this.show();
+    });
+    elements.view.addEventListener('change', () => {
+      page.look(elements.view.value);
+      elements.view.value = '';
+    });
+  }
+
+  // Buttons as things are, and the picture with them.
+  show() {
+    const { elements, world, stage, selected, following, clock } = this.page;
+    const press = (id, on) => elements[id].setAttribute('aria-pressed', String(on));
+    world.bodies.showCenters(this.centers, selected);
+    press('centers', this.centers);
+    press('forces', world.arrows.shown.force);
+    press('reactions', world.arrows.shown.reaction);
+    press('trails', world.trails.shown);
+    press('names', stage?.overlay.names.bodies ?? false);
+    press('joints', stage?.overlay.names.links ?? false);
+    press('parallel', stage?.views.isOrthographic ?? false);
+    press('follow', following);
+    press('trail', world.trails.lines.has(`body ${selected}`));
+    elements.follow.disabled = elements.trail.disabled = selected < 0;
+    world.seek(clock.t);
+    stage?.redraw();
+  }
+
+  async savePicture() {
+    const { stage, plots } = this.page;
+    if (!stage) return;
+    stage.render();
+    const bytes = await new Promise((done) => {
+      stage.elements.canvas.toBlob(done);
+    });
+    download(`${plots.fileName()}.png`, bytes);
+  }
+}

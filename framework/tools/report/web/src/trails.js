@@ -1,0 +1,85 @@
+// Trails: the ways of points of bodies during the run; the part that lies behind is drawn stronger.
+import { Line, LineBasicMaterial, Vector3 } from 'three';
+
+import { lineGeometry, material, sphere } from './shapes.js';
+
+// Instants for a smooth way: every frame, and some between them where there are few.
+function trailTimes(motion, most = 3000) {
+  const { times } = motion;
+  const between = Math.max(1, Math.floor(most / Math.max(1, times.length)));
+  const every = Math.max(1, Math.ceil(times.length / most));
+  const list = [];
+  for (let k = 0; k + 1 < times.length; k += every)
+    for (let i = 0; i < Math.min(between, 8); ++i)
+      list.push(times[k] + ((times[Math.min(k + every, times.length - 1)] - times[k]) * i) / Math.min(between, 8));
+  list.push(times[times.length - 1]);
+  return list;
+}
+
+export class Trails {
+  constructor(data, motion, world) {
+    this.data = data;
+    this.motion = motion;
+    this.world = world;
+    this.lines = new Map(); // by the key of a point
+    this.shown = true;
+  }
+
+  // `object`: what is followed; `point`: in its axes.
+  add(key, object, point, color) {
+    if (this.lines.has(key)) return;
+    const times = trailTimes(this.motion),
+      numbers = [];
+    const p = new Vector3(),
+      now = this.motion.t;
+    for (const t of times) {
+      this.world.pose(t);
+      object.updateWorldMatrix(true, false);
+      p.copy(point).applyMatrix4(object.matrixWorld);
+      numbers.push(p.x, p.y, p.z);
+    }
+    this.world.pose(now);
+    const geometry = lineGeometry(numbers);
+    const whole = new Line(geometry, new LineBasicMaterial({ transparent: true, opacity: 0.28, depthWrite: false }));
+    const past = new Line(geometry.clone(), new LineBasicMaterial({}));
+    for (const line of [whole, past]) {
+      line.raycast = () => {};
+      line.frustumCulled = false;
+      line.visible = this.shown;
+      this.world.root.add(line);
+    }
+    const dot = sphere(0.4 * this.world.unit, material('#000000'), 16);
+    dot.position.copy(point);
+    dot.raycast = () => {};
+    dot.visible = this.shown;
+    object.add(dot);
+    this.lines.set(key, { times, whole, past, dot, color });
+    this.recolor();
+  }
+
+  remove(key) {
+    const trail = this.lines.get(key);
+    if (!trail) return;
+    this.world.root.remove(trail.whole, trail.past);
+    trail.dot.removeFromParent();
+    this.lines.delete(key);
+  }
+
+  show(shown) {
+    this.shown = shown;
+    for (const { whole, past, dot } of this.lines.values()) whole.visible = past.visible = dot.visible = shown;
+  }
+
+  seek(t) {
+    for (const { times, past } of this.lines.values()) {
+      let n = 0;
+      while (n < times.length && times[n] <= t) ++n;
+      past.geometry.setDrawRange(0, Math.max(n, 1));
+    }
+  }
+
+  recolor() {
+    for (const { whole, past, dot, color } of this.lines.values())
+      for (const line of [whole, past, dot]) line.material.color.set(color());
+  }
+}

@@ -1,0 +1,126 @@
+// World: everything that is drawn in space, at one instant.
+import { Group, Vector3 } from 'three';
+import { Arrows } from './arrows.js';
+import { Bodies, attachments } from './bodies.js';
+import { frameOf, instants } from './frame.js';
+import { Joints } from './joints.js';
+import { Stretched } from './stretched.js';
+import { Trails } from './trails.js';
+
+function setPose(object, at) {
+  object.position.set(at[0], at[1], at[2]);
+  object.quaternion.set(at[4], at[5], at[6], at[3]);
+}
+
+// The size of symbols: a part of the mechanism, less where its parts are small.
+function unitOf(data, frame) {
+  const lengths = [];
+  data.mechanism.bodies.forEach((body, index) => {
+    const points = attachments(index, data, frame.size);
+    for (let i = 1; i < points.length; ++i) lengths.push(points[i].distanceTo(points[i - 1]));
+  });
+  lengths.sort((a, b) => a - b);
+  const typical = lengths.length > 2 ? lengths[lengths.length >> 1] : frame.size;
+  return Math.max(0.005 * frame.size, Math.min(0.024 * frame.size, 0.13 * typical));
+}
+
+export class World {
+  constructor(data, motion) {
+    this.data = data;
+    this.motion = motion;
+    this.root = new Group();
+    this.bodies = new Bodies(data, this.root);
+    this.markers = data.mechanism.markers.map((marker) => {
+      const object = new Group();
+      setPose(object, marker.at);
+      this.bodies.groups[marker.body].add(object);
+      return object;
+    });
+    this.movedMarkers = data.mechanism.moved_markers.map((m) => {
+      this.root.attach(this.markers[m]);
+      return this.markers[m];
+    });
+    this.frame = frameOf(data, motion, this);
+    this.unit = unitOf(data, this.frame);
+    this.bodies.dress(this.frame, this.unit);
+    this.joints = new Joints(data, this, this.frame, this.unit, instants(motion, 60));
+    this.stretched = new Stretched(data, this, this.unit);
+    this.arrows = new Arrows(data, motion, this, this.frame, this.unit);
+    this.trails = new Trails(data, motion, this);
+    this.addTrails();
+    this.active = null;
+    this.seek(motion.start);
+  }
+
+  // Of the markers that the scene itself names on bodies that move; of few bodies also their mass centres.
+  addTrails() {
+    const { bodies, markers, links, forces } = this.data.mechanism;
+    const used = new Set([...links.flatMap((l) => l.pairs.flat()), ...forces.flatMap((f) => f.markers)]);
+    let n = 0;
+    markers.forEach((marker, m) => {
+      if (used.has(m) || bodies[marker.body].fixed || n > 7) return;
+      this.trails.add(`marker ${m}`, this.markers[m], new Vector3(), () => this.colorOf(marker.body));
+      ++n;
+    });
+    if (n === 0 && this.data.mechanism.moving.length <= 4)
+      for (const body of this.data.mechanism.moving) this.addBodyTrail(body);
+  }
+
+  addBodyTrail(body) {
+    const center = new Vector3(...this.data.mechanism.bodies[body].center);
+    this.trails.add(`body ${body}`, this.bodies.groups[body], center, () => this.colorOf(body));
+  }
+
+  colorOf(body) {
+    return this.bodies.tintOf(this.bodies.looks[body]);
+  }
+
+  keyPoints() {
+    return this.bodies.keyPoints();
+  }
+
+  // Poses alone.
+  pose(t) {
+    this.motion.seek(t);
+    this.bodies.seek(this.motion);
+    this.movedMarkers.forEach((object, i) => {
+      const m = this.motion.markers,
+        k = 7 * i;
+      object.position.set(m[k], m[k + 1], m[k + 2]);
+      object.quaternion.set(m[k + 3], m[k + 4], m[k + 5], m[k + 6]);
+    });
+    this.root.updateMatrixWorld(true);
+  }
+
+  seek(t) {
+    this.pose(t);
+    if (!this.trails) return;
+    this.stretched.seek();
+    this.arrows.seek(this.motion);
+    this.trails.seek(t);
+    this.showActive(t);
+  }
+
+  // Which links are in force at t.
+  activeAt(t) {
+    const active = [...this.data.switches.at_start];
+    for (const s of this.data.switches.later) if (s.t <= t) active[s.link] = s.active;
+    return active;
+  }
+
+  showActive(t) {
+    const active = this.activeAt(t),
+      key = active.join();
+    if (key === this.active) return;
+    this.active = key;
+    this.data.mechanism.links.forEach((link, i) => {
+      if (link.merged || link.one_sided) return;
+      this.joints.show(i, active[i]);
+      this.stretched.show(i, active[i]);
+    });
+  }
+
+  recolor() {
+    for (const part of [this.bodies, this.joints, this.stretched, this.arrows, this.trails]) part.recolor();
+  }
+}

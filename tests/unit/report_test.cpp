@@ -1,0 +1,372 @@
+// Reports: what the page holds, against the run itself.
+#include <lockstep/report.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include <lockstep/error.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include <lockstep/sweep.h>
+#include "framework/tools/report/numbers.h"
+#include "framework/tools/report/page.h"
+#include "framework/tools/report/points.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/paths.h"
+
+namespace report_test {
+
+using namespace lockstep;
+using lockstep::testing::check_words, lockstep::testing::message_of;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+// What a script reads: from the page's text alone.
+std::string element(const std::string& page, const std::string& id) {
+  const std::size_t at = page.find(" id=\"" + id + "\">");
+  REQUIRE(at != std::string::npos);
+  const std::size_t begin = page.find('>', at) + 1;
+  return page.substr(begin, page.find("</script>", begin) - begin);
+}
+
+std::vector<unsigned char> bytes_of(const std::string& base64) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes;
+  unsigned group = 0, bits = 0;
+  for (const char c : base64) {
+    if (c == '=') break;
+    group = (group << 6) | static_cast<unsigned>(digits.find(c));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<unsigned char>(group >> bits));
+  }
+  return bytes;
+}
+
+template <class T>
+std::vector<double> array_of(const std::vector<unsigned char>& bytes, const Json& place) {
+  std::vector<T> values(place["n"].get<std::size_t>());
+  REQUIRE(place["at"].get<std::size_t>() + values.size() * sizeof(T) <= bytes.size());
+  std::memcpy(values.data(), bytes.data() + place["at"].get<std::size_t>(), values.size() * sizeof(T));
+  std::vector<double> all(values.begin(), values.end());
+  for (double& v : all) v += place.value("base", 0.0);
+  return all;
+}
+
+std::vector<double> read(const std::vector<unsigned char>& bytes, const Json& place) {
+  return place["bits"] == 64 ? array_of<double>(bytes, place) : array_of<float>(bytes, place);
+}
+
+struct Page {
+  explicit Page(std::string all)
+      : text(std::move(all)), data(Json::parse(element(text, "data"))), bytes(bytes_of(element(text, "numbers"))) {}
+  std::vector<double> column(const std::string& name) const {
+    for (const Json& c : data["table"]["columns"])
+      if (c["name"] == name) return read(bytes, c["values"]);
+    FAIL("no column " + name);
+    return {};
+  }
+  std::string text;
+  Json data;
+  std::vector<unsigned char> bytes;
+};
+
+// A pendulum on a spring, with a stop that it hits.
+struct Pendulum {
+  System system{{.gravity = {0, -9.81, 0}}};
+  Body& rod = system.add_body("rod", shapes::rod(2, {0, 0, 0}, {1, 0, 0}));
+  Lock& hinge = system.add<Revolute>("A", rod, system.ground(), pose_at({0, 0, 0}));
+  Marker& tip = system.add_marker_at("tip", rod, pose_at({1, 0, 0}));
+  Marker& post = system.add_marker_at("post", system.ground(), pose_at({1, 1, 0}));
+  Force& spring = system.add<SpringDamper>("spring", tip, post, {.stiffness = 30, .free_length = 0.5});
+};
+
+}  // namespace
+
+TEST_CASE("a column in single precision keeps what it changes by", "[report]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::vector<double>& values : std::vector<std::vector<double>>{
+           {1e6 + 1e-3, 1e6 + 2e-3, 1e6 - 5e-4}, {-3.25, 0.1, 7e-9, 4.5}, {1e-300, 2e-300}, {0, nan, 1e38}, {5}, {}}) {
+    report::Numbers numbers;
+    const std::vector<float> before{1.0F};  // what follows begins at a multiple of 8
+    numbers.add(std::span<const float>(before));
+    const Json place = numbers.add_column(values);
+    CHECK(place["at"].get<std::size_t>() == 8);
+    const std::vector<double> back = read(bytes_of(numbers.base64()), place);
+    REQUIRE(back.size() == values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      INFO(values[i]);
+      if (std::isnan(values[i]))
+        CHECK(std::isnan(back[i]));
+      else
+        CHECK(std::abs(back[i] - values[i]) <= 1e-7 * std::min(std::abs(values[i]), 1e3));
+    }
+  }
+}
+
+TEST_CASE("base64 is that of RFC 4648", "[report]") {
+  for (const auto& [plain, text] : std::vector<std::pair<std::string, std::string>>{
+           {"light wor", "bGlnaHQgd29y"}, {"light wo", "bGlnaHQgd28="}, {"light w", "bGlnaHQgdw=="}}) {
+    report::Numbers numbers;
+    std::vector<double> eight(1);
+    std::memcpy(eight.data(), plain.data(), std::min<std::size_t>(8, plain.size()));
+    numbers.add(std::span<const double>(eight));
+    const std::string base64 = numbers.base64();
+    CHECK(base64.substr(0, 8) == text.substr(0, 8));
+    CHECK(bytes_of(base64).size() == 8);
+  }
+}
+
+TEST_CASE("a report holds columns, poses and loads of its run", "[report]") {
+  Pendulum p;
+  Simulation run(p.system, {.output = 0.02});
+  const Table& table =
+      run.record({"rod.x", "rod.y", "rod.qw", "A.force_on_p_world_y", "spring.force", "tip.x", "tip.y"});
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(1);
+  const Page page(report.page({.title = "a pendulum"}));
+
+  for (const Column& column : table.columns()) {
+    const std::vector<double> shown = page.column(column.name);
+    REQUIRE(shown.size() == column.values.size());
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      CHECK(std::abs(shown[i] - column.values[i]) <= 1e-7 * std::abs(column.values[i]));
+  }
+
+  const Json& frames = page.data["frames"];
+  const std::vector<double> times = read(page.bytes, frames["times"]), rows = read(page.bytes, frames["rows"]);
+  const std::size_t width = frames["width"];
+  REQUIRE(rows.size() == times.size() * width);
+  CHECK(width == 13 + 2 * 6);  // one body; the hinge and the spring
+  const Json& loads = page.data["mechanism"]["loads"];
+  REQUIRE(loads.size() == 2);
+  CHECK(loads[0]["name"] == "A");
+  CHECK(loads[1]["name"] == "spring");
+  std::size_t found = 0;
+  for (std::size_t row = 0; row < table.n_rows(); ++row)
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      if (times[k] != table["t"][row]) continue;
+      ++found;
+      const double* frame = rows.data() + k * width;
+      CHECK(frame[0] == Approx(table["rod.x"][row]).margin(1e-7));
+      CHECK(frame[1] == Approx(table["rod.y"][row]).margin(1e-7));
+      CHECK(frame[3] == Approx(table["rod.qw"][row]).margin(1e-7));
+      CHECK(frame[14] == Approx(table["A.force_on_p_world_y"][row]).margin(1e-5));
+      // The spring pulls the tip towards the post.
+      const Vec3 pull(1 - table["tip.x"][row], 1 - table["tip.y"][row], 0);
+      const Vec3 force = table["spring.force"][row] * pull.normalized();
+      CHECK((Vec3(frame[19], frame[20], frame[21]) - force).norm() < 1e-5);
+      CHECK(Vec3(frame[22], frame[23], frame[24]).norm() < 1e-5);
+    }
+  CHECK(found == table.n_rows());
+}
+
+TEST_CASE("a report changes nothing of its run", "[report]") {
+  const auto columns = [](bool with_report) {
+    Pendulum p;
+    Simulation run(p.system, {.integrator = "dop853", .output = 0.05});
+    run.record({"rod.angle_z", "A.force_on_p_world_x", "energy.total"});
+    Report report(run.recorder());
+    if (with_report) run.add_observer(report);
+    run.run_until(1);
+    return run.table().columns();
+  };
+  const std::vector<Column> without = columns(false), with = columns(true);
+  for (std::size_t c = 0; c < without.size(); ++c) CHECK(without[c].values == with[c].values);
+}
+
+TEST_CASE("what acts in a run is marked, with frames before and after", "[report]") {
+  Pendulum p;
+  Simulation run(p.system, {.output = 0.1});
+  run.record({"rod.x"});
+  run.add_event({.name = "cut", .at = 0.33, .deactivate = {"A"}});
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(0.5);
+  const Page page(report.page());
+  REQUIRE(page.data["marks"].size() == 1);
+  CHECK(page.data["marks"][0]["what"] == "event 'cut'");
+  CHECK(page.data["marks"][0]["t"].get<double>() == 0.33);
+  REQUIRE(page.data["switches"]["later"].size() == 1);
+  CHECK(page.data["switches"]["at_start"] == Json::array({true}));
+  CHECK(page.data["switches"]["later"][0] == Json{{"t", 0.33}, {"link", 0}, {"active", false}});
+  const std::vector<double> times = read(page.bytes, page.data["frames"]["times"]);
+  REQUIRE(page.data["frames"]["jumps"].size() == 1);
+  CHECK(times[page.data["frames"]["jumps"][0].get<std::size_t>()] == 0.33);
+  CHECK(std::is_sorted(times.begin(), times.end()));
+  CHECK(times.back() == 0.5);
+}
+
+TEST_CASE("few outputs leave frames where bodies moved far", "[report]") {
+  Pendulum p;
+  p.rod.start.w = {0, 0, 20};
+  Simulation run(p.system, {.output = 1});
+  run.record({"rod.x"});
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(1);
+  CHECK(run.table().n_rows() == 2);
+  const Page page(report.page());
+  CHECK(read(page.bytes, page.data["frames"]["times"]).size() > 10);
+}
+
+TEST_CASE("hostile names stay text", "[report]") {
+  const std::string worst = "</script><script>alert(1)</script><!-- \" ' \\ \x01 \xff @lockstep-numbers@ ";
+  const std::string name = worst + std::string(10'000, 'x');
+  System system;
+  Body& body = system.add_body(name, shapes::box(1, {1, 1, 1}), {});
+  body.start.v = {1, 0, 0};
+  Simulation run(system, {.output = 0.1});
+  run.record({{name, "energy.kinetic"}});
+  Report report(run.recorder(), {{name, Solid::Kind::box, {1, 1, 1}}});
+  run.add_observer(report);
+  run.run_until(0.2);
+  const std::string all = report.page({.title = name, .scene = worst, .command = worst, .warnings = {worst}});
+  const Page page(all);
+  std::string shown = name;
+  shown.replace(shown.find('\xff'), 1, "\xef\xbf\xbd");  // no UTF-8: the sign for that
+  CHECK(page.data["mechanism"]["bodies"][1]["name"] == shown);
+  CHECK(page.data["text"]["title"] == shown);
+  CHECK(page.column("t").back() == 0.2);
+  // The page has the elements of any other, and no more.
+  const std::string plain = report::page_with("", "{}", "");
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+  };
+  for (const char* tag : {"<script", "</script", "<!--", "</title"}) CHECK(count(all, tag) == count(plain, tag));
+}
+
+TEST_CASE("a page of many runs holds their table as it is", "[report]") {
+  const std::string csv = "run,mass [kg],x final [m],status\n1,0.5,</script>,\"failed: \"\"a\"\", b\"\n";
+  const std::string page = report::points_page(
+      {.text = {.title = "<masses>"}, .csv = csv, .x = "mass [kg]", .y = "x final [m]", .log = true});
+  const Json data = Json::parse(element(page, "data"));
+  CHECK(data["kind"] == "points");
+  CHECK(data["csv"] == csv);
+  CHECK(data["text"]["title"] == "<masses>");
+  CHECK(data["x"] == "mass [kg]");
+  CHECK(data["log"] == true);
+  CHECK(page.find("<title>&lt;masses>") != std::string::npos);
+}
+
+TEST_CASE("a report needs a run and a file that can be written", "[report]") {
+  Pendulum p;
+  Simulation run(p.system, {.output = 0.1});
+  run.record({"rod.x"});
+  Report report(run.recorder());
+  check_words(message_of<ModelError>([&] { report.write("/nowhere.html"); }), {"before the run", "add_observer"});
+  run.add_observer(report);
+  run.run_until(0.1);
+  check_words(message_of<FileError>([&] { report.write("/nowhere/at/all/x.html"); }), {"/nowhere/at/all/x.html"});
+  const fs::path file = fs::temp_directory_path() / "lockstep_report_test.html";
+  report.write(file.string());
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  CHECK(text.str() == report.page());
+  CHECK(!fs::exists(file.string() + ".partial"));
+  fs::remove(file);
+}
+
+TEST_CASE("every scene of the samples gives a report", "[report]") {
+  const Registry registry = builtin_registry();
+  std::size_t most = 0;
+  for (const auto& entry : fs::directory_iterator(paths::kScenes)) {
+    if (entry.path().extension() != ".json" || entry.path().stem() == "nfourbar_40") continue;
+    INFO(entry.path().string());
+    const Scene scene = read_scene(entry.path().string());
+    if (!scene.plugins.empty()) continue;
+    Mechanism m = build_mechanism(scene, registry);
+    const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    Report report(*recorder, m.solids, m.looks);
+    Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+    State start = m.system.start();
+    if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
+    StepLoop loop(dynamics, make_integrator(m.run, registry),
+                  {.step = m.run.step, .tolerance = m.run.tolerance, .output = m.run.output});
+    loop.add_observer(*recorder);
+    loop.add_observer(report);
+    loop.set_state(std::move(start));
+    loop.run_until(std::min(m.run.until, 0.05));
+    const Page page(report.page({.title = scene.title}));
+    const Json& mechanism = page.data["mechanism"];
+    CHECK(mechanism["bodies"].size() == m.system.bodies().size());
+    CHECK(mechanism["links"].size() == m.system.links().size());
+    const std::vector<double> rows = read(page.bytes, page.data["frames"]["rows"]);
+    const auto width = page.data["frames"]["width"].get<std::size_t>();
+    REQUIRE(rows.size() >= width);
+    for (std::size_t i = 0; i < 13 * mechanism["moving"].size(); ++i) CHECK(std::isfinite(rows[i]));
+    std::size_t n_solids = 0;
+    for (const Json& body : mechanism["bodies"]) n_solids += body["solids"].size();
+    CHECK(n_solids == m.solids.size());
+    most = std::max(most, page.text.size());
+  }
+  CHECK(report::page_with("", "{}", "").size() < 1'000'000);  // without data
+  CHECK(most < 2'000'000);
+}
+
+TEST_CASE("a scene says what its bodies look like", "[report]") {
+  const auto scene_with = [](const std::string& visual) {
+    return scene_from_text(
+        R"({"lockstep": 1, "bodies": [{"name": "ball", "sphere": {"mass": 1, "radius": 0.5}, "visual": )" + visual +
+            "}]}",
+        "ball.json");
+  };
+  const Registry registry = builtin_registry();
+  const Mechanism m = build_mechanism(scene_with(R"({"color": "#00Ff80", "opacity": 0.25})"), registry);
+  REQUIRE(m.looks.size() == 1);
+  CHECK(m.looks[0].body == "ball");
+  CHECK(m.looks[0].color == "#00Ff80");
+  CHECK(m.looks[0].opacity == 0.25);
+  CHECK(build_mechanism(scene_with("{}"), registry).looks[0].opacity == 1);
+  for (const auto& [visual, word] :
+       std::vector<std::pair<std::string, std::string>>{{R"({"color": "red"})", "#0072b2"},
+                                                        {R"({"color": "#12345g"})", "#0072b2"},
+                                                        {R"({"opacity": 1.5})", "0 to 1"},
+                                                        {R"({"colour": "#000000"})", "color"}})
+    check_words(message_of<SceneError>([&] { build_mechanism(scene_with(visual), registry); }),
+                {"body 'ball', visual", word});
+}
+
+TEST_CASE("solids stand where the mass says", "[report]") {
+  const Scene scene = scene_from_text(R"({"lockstep": 1, "bodies": [
+    {"name": "hammer", "position": [5, 0, 0], "compound": [
+      {"rod": {"mass": 1, "from": [0, 0, 0], "to": [0, 0, 2], "radius": 0.1}},
+      {"box": {"mass": 3, "size": [0.4, 0.2, 0.6]}, "position": [0, 1, 2], "orientation": {"axis": "x", "angle": "90 deg"}}]},
+    {"name": "ball", "sphere": {"density": 1000, "radius": 0.5}},
+    {"name": "drum", "fixed": true, "cylinder": {"mass": 1, "radius": 2, "length": 3}}]})",
+                                      "hammer.json");
+  const Mechanism m = build_mechanism(scene, builtin_registry());
+  REQUIRE(m.solids.size() == 4);
+  // Mass and inertia from the solids alone, against those of the scene.
+  const auto mass_of = [](const Solid& s, double mass) {
+    const Vec3 e = s.size;
+    const MassProperties own = s.kind == Solid::Kind::box      ? shapes::box(mass, e)
+                               : s.kind == Solid::Kind::sphere ? shapes::sphere(mass, e[0] / 2)
+                                                               : shapes::cylinder(mass, e[0] / 2, e[2]);
+    return shapes::moved(own, s.at);
+  };
+  const std::vector<MassProperties> parts{mass_of(m.solids[0], 1), mass_of(m.solids[1], 3)};
+  const MassProperties hammer = shapes::compound(parts), &given = m.system.body("hammer").mass;
+  CHECK((hammer.center - given.center).norm() < 1e-12);
+  CHECK((hammer.J - given.J).norm() < 1e-12);
+  CHECK(m.solids[2].body == "ball");
+  CHECK((mass_of(m.solids[2], m.system.body("ball").mass.mass).J - m.system.body("ball").mass.J).norm() < 1e-9);
+  CHECK(m.solids[3].body == "drum");
+  CHECK(m.solids[3].size == Vec3(4, 4, 3));
+}
+
+}  // namespace report_test
