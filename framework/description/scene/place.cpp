@@ -210,9 +210,7 @@ void add_leaves(const Value& v, const std::string& path, std::vector<std::string
 }
 
 std::string closest_number(const Value& root, const std::string& path) {
-  std::vector<std::string> leaves;
-  add_leaves(root, "", leaves);
-  return text::closest_name(path, leaves);
+  return text::closest_name(path, numbers_in(root));
 }
 
 // The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
@@ -239,6 +237,12 @@ std::string known(std::vector<std::string> names) {
 }
 
 }  // namespace
+
+std::vector<std::string> numbers_in(const Value& root) {
+  std::vector<std::string> leaves;
+  add_leaves(root, "", leaves);
+  return leaves;
+}
 
 ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
   Walk walk(root, steps_of(path), registry);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <lockstep/params.h>
 #include <lockstep/registry.h>
@@ -20,5 +21,8 @@ struct ScenePlace {
 /// the scene leaves out is inserted, empty. Throws ModelError with the nearest valid path if there is no such value, or
 /// if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);
+
+/// Paths to the numbers of a scene, texts with units too; at most some 20 000.
+LOCKSTEP_API std::vector<std::string> numbers_in(const Value& root);
 
 }  // namespace lockstep

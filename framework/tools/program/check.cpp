@@ -196,6 +196,57 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
   return all;
 }
 
+std::string value_text(const Value& v) {
+  if (v.list() == nullptr) return plain_text(v);
+  std::string text;
+  for (const Value& each : *v.list()) text += (text.empty() ? "" : ", ") + value_text(each);
+  return "[" + text + "]";
+}
+
+/// A computed value in six digits: "0.15 m", "[0.1, 0.2, 0] m".
+std::string brief_text(const Value& v) {
+  const auto split = [](const Value& one) {
+    const std::string text = plain_text(one);
+    const std::size_t blank = std::min(text.find(' '), text.size());
+    return std::pair(fmt::format("{:.6g}", std::stod(text.substr(0, blank))), text.substr(blank));
+  };
+  if (v.list() == nullptr) return split(v).first + split(v).second;
+  std::string numbers, unit;
+  for (const Value& each : *v.list()) {
+    const auto [number, its] = split(each);
+    numbers += (numbers.empty() ? "" : ", ") + number, unit = its;
+  }
+  return "[" + numbers + "]" + unit;
+}
+
+nlohmann::ordered_json parameters_json(const Scene& scene) {
+  auto all = nlohmann::ordered_json::array();
+  for (const SceneParameter& p : scene.parameters)
+    all.push_back({{"name", p.name},
+                   {"kind", p.is_point ? "point" : "parameter"},
+                   {"value", value_text(p.value)},
+                   {"written", value_text(p.written)}});
+  return all;
+}
+
+/// Parameters and points with their values, and the formula behind them.
+void list_parameters(const Scene& scene) {
+  std::size_t name = 0, value = 0;
+  for (const SceneParameter& p : scene.parameters)
+    name = std::max(name, p.name.size()), value = std::max(value, brief_text(p.value).size());
+  for (const bool points : {false, true}) {
+    bool first = true;
+    for (const SceneParameter& p : scene.parameters) {
+      if (p.is_point != points) continue;
+      if (first) fmt::print("{}:\n", points ? "points" : "parameters (--set NAME=VALUE gives another value)");
+      first = false;
+      const std::string written = value_text(p.written), now = value_text(p.value);
+      fmt::print("  {:<{}}  {:<{}}  {}\n", p.name, name, now, written == now ? 0 : value,
+                 written == now ? "" : written);
+    }
+  }
+}
+
 }  // namespace
 
 int check_command(const Arguments& args) {
@@ -240,6 +291,7 @@ int check_command(const Arguments& args) {
                                 {"left_out", nlohmann::ordered_json::array()}};
     for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
     j["proposals"] = more;
+    j["parameters"] = parameters_json(loaded.scene);
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
@@ -251,6 +303,7 @@ int check_command(const Arguments& args) {
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));
+  list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
   if (!more.empty()) fmt::print("could be left out too:\n");
