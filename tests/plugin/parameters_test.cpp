@@ -36,7 +36,7 @@ TEST_CASE("check lists parameters and points with their values", "[runner]") {
   INFO(text.text);
   CHECK(text.exit == 0);
   check_words(text.text,
-              {"parameters", "crank", "0.12 m", "120", "beta", "=atan2(BD.y, BD.x)", "points:", "=A + [base, 0, 0]"});
+              {"parameters", "crank", "0.12 m", "beta", "=atan2(BD.y, BD.x)", "points:", "=A + [base, 0, 0]"});
   const Called json = call("check " + scene_path("four_bar") + " --json");
   check_words(json.text, {"\"parameters\"", "\"name\": \"coupler\"", "\"value\": \"0.3 m\"", "\"kind\": \"point\""});
   CHECK_FALSE(contains(call("check " + scene_path("screw")).text, "parameters"));

@@ -62,58 +62,56 @@ TEST_CASE("laws by formula pass check_law", "[unit][law]") {
 }
 
 TEST_CASE("links by formula pass check_lock", "[unit][link]") {
-  for (const char* link : {R"({"phi": "=z - (x^2 + y^2)/(2*R)", "parameters" : {"R" : "500 mm"}})
-    ",
-    R"({"phi": "=hypot(x, y, z) - 1 - 0.1*sin(3*t)"
-})", R"({"phi": "=e1*e2 + 0.2*x*e0*e3"})",
-        R"({"phi": "=z - 0.05*rz + (t > 1 ? 0.3*(t - 1)^3 : 0)", "mask": "x y e1 e2"
-})",
-        R"({"phi": ["=x - 0.1*t", "=y*z + e1*e0"]})", R"({"phi": ["=x + y", "=y + z^2", "=z - sin(x)"]
-})",
-        R"({"phi": ["=rz", "=x*y", "=e1*e0 - 0.1*z"]})"
-}) {
-  CAPTURE(link);
-  const CheckReport report = check_lock(registry(), "function", params(link), {.seed = 4});
-  INFO(report.text());
-  CHECK(report.ok());
-}
+  const char* const links[] = {R"~({"phi": "=z - (x^2 + y^2)/(2*R)", "parameters": {"R": "500 mm"}})~",
+                               R"~({"phi": "=hypot(x, y, z) - 1 - 0.1*sin(3*t)"})~",
+                               R"~({"phi": "=e1*e2 + 0.2*x*e0*e3"})~",
+                               R"~({"phi": "=z - 0.05*rz + (t > 1 ? 0.3*(t - 1)^3 : 0)", "mask": "x y e1 e2"})~",
+                               R"~({"phi": ["=x - 0.1*t", "=y*z + e1*e0"]})~",
+                               R"~({"phi": ["=x + y", "=y + z^2", "=z - sin(x)"]})~",
+                               R"~({"phi": ["=rz", "=x*y", "=e1*e0 - 0.1*z"]})~"};
+  for (const char* link : links) {
+    CAPTURE(link);
+    const CheckReport report = check_lock(registry(), "function", params(link), {.seed = 4});
+    INFO(report.text());
+    CHECK(report.ok());
+  }
 }
 
 TEST_CASE("forces by formula pass check_force", "[unit][force]") {
-  for (const char* force : {R"({"force": "=-800*q - 20*qd + 5*sin(t)"})
-    ",
-    R"({"force": "=-k*max(0, q - 0.1)^1.5", "coordinate": "x", "parameters": {"k": 300}})",
-        R"({"torque": "=-3*sin(q) - 0.1*qd^3"})", R"({"torque": "=t > 0.4 && t < 1 ? 2 : -q", "coordinate": "ry"})"
-}) {
-  CAPTURE(force);
-  const CheckReport report = check_force(registry(), "function_force", params(force), {.seed = 5});
-  INFO(report.text());
-  CHECK(report.ok());
-}
+  const char* const forces[] = {
+      R"~({"force": "=-800*q - 20*qd + 5*sin(t)"})~",
+      R"~({"force": "=-k*max(0, q - 0.1)^1.5", "coordinate": "x", "parameters": {"k": 300}})~",
+      R"~({"torque": "=-3*sin(q) - 0.1*qd^3"})~", R"~({"torque": "=t > 0.4 && t < 1 ? 2 : -q", "coordinate": "ry"})~"};
+  for (const char* force : forces) {
+    CAPTURE(force);
+    const CheckReport report = check_force(registry(), "function_force", params(force), {.seed = 5});
+    INFO(report.text());
+    CHECK(report.ok());
+  }
 }
 
 TEST_CASE("a bead circles in a paraboloid at any height with one speed", "[unit][link]") {
   // at radius r and w^2 = g/R the pull to the axis is met: x = r cos(w t), z stays
   const double R = 0.5, r = 0.3, w = std::sqrt(9.81 / R);
-  const Table table = run(R"("gravity": [0, 0, -9.81], "parameters": {"R": "0.5 m", "r": "0.3 m", "g": "9.81 m/s^2"},
+  const Table table = run(R"~("gravity": [0, 0, -9.81], "parameters": {"R": "0.5 m", "r": "0.3 m", "g": "9.81 m/s^2"},
     "bodies": [{"name": "bead", "particle": 2, "position": ["=r", 0, "=r^2/(2*R)"], "velocity": [0, "=r*sqrt(g/R)", 0]
 }],
     "links": [{"name": "bowl", "type": "function", "p": "bead", "s": "ground", "at_s": [0, 0, 0],
                "phi": "=z - (x^2+y^2)/(2*R)"}],
-    "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 3, "output": 0.05, "record": ["bead.x", "bead.z"]})");
+    "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 3, "output": 0.05, "record": ["bead.x", "bead.z"]})~");
   CHECK(worst(table, "bead.x", [&](double t) {
   return r * std::cos(w * t); }) < 1e-8);
 CHECK(worst(table, "bead.z", [&](double) { return r * r / (2 * R); }) < 1e-9);
 }
 
 TEST_CASE("a law by formula drives, and the run lands on its jump", "[unit][law]") {
-  const Table table = run(R"("parameters": {"a": "100 mm", "T": "530 ms"}, "bodies": [{"name": "b", "particle": 2}],
+  const Table table = run(R"~("parameters": {"a": "100 mm", "T": "530 ms"}, "bodies": [{"name": "b", "particle": 2}],
     "links": [{"name": "A", "type": "lock", "mask": "y z", "p": "b", "s": "ground",
                "drive": {"axis": "x", "law": {"type": "formula", "y": "=a*sin(3*t) + (t > T ? 2*(t-T)^2 : 0)"
 }
 }
 }],
-    "run": {"until": 2, "output": 0.01, "record": ["b.x", "b.ax", {"F": "A.drive.force_on_p_link_x"}]})");
+    "run": {"until": 2, "output": 0.01, "record": ["b.x", "b.ax", {"F": "A.drive.force_on_p_link_x"}]})~");
   const double T = 0.53;
 CHECK(worst(table, "b.x", [&](double t) { return 0.1 * std::sin(3 * t) + (t > T ? 2 * (t - T) * (t - T) : 0); }) <
       1e-9);
@@ -141,9 +139,9 @@ TEST_CASE("a force by formula gives the damped oscillation in closed form", "[un
 
 TEST_CASE("a torque by formula is the torsion spring of the same numbers", "[unit][force]") {
   const auto scene = [](const std::string& force) {
-    return R"("gravity": [0, -9.81, 0], "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]},
-                 "omega_body": [0, 0, 12]}],
-      "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}],
+    return R"("gravity": [0, -9.81, 0], "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+      "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
+                 "start": {"velocity": {"rz": 12}}}],
       "forces": [{"name": "F", )" +
            force + R"(}], "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 2, "output": 0.05,
       "record": ["A.angle_z", {"T": "F.torque"}]})";
@@ -174,8 +172,8 @@ TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
     return refused(R"("links": [{"name": "A", "type": "function", "p": "b", "s": "ground", "at_s": [0, 0, 0], )" +
                    keys + "}]");
   };
-  check_words(link(R"("phi": "=z - x^")"), {"s.json:1:", "link 'A', phi", "column 9"});
-  check_words(link(R"("phi": "=z - w")"), {"unknown name \"w\"", "known: x, y, z, t"});
+  check_words(link(R"("phi": "=z - x^")"), {"s.json:1:", "link 'A', phi", "column 8"});
+  check_words(link(R"("phi": "=z - www")"), {"unknown name \"www\"", "known: x, y, z, t"});
   check_words(link(R"("phi": "=t")"), {"reads no coordinate"});
   check_words(link(R"("phi": 3)"), {"link 'A', phi", "expected a text"});
   check_words(link(R"("phi": [])"), {"0 formulas", "give 1, 2 or 3"});

@@ -39,6 +39,7 @@ TEST_CASE("the schema takes every sample scene, and none that is misspelt", "[un
     scene["gravitie"] = 1;
     CHECK_FALSE(schema.takes(scene));
     scene.erase("gravitie");
+    if (!scene.contains("bodies")) continue;  // repeated
     scene["bodies"][0].erase("name");
     CHECK_FALSE(schema.takes(scene));
     ++n;

@@ -22,7 +22,13 @@ struct ScenePlace {
 /// if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);
 
-/// Paths to the numbers of a scene, texts with units too; at most some 20 000.
-LOCKSTEP_API std::vector<std::string> numbers_in(const Value& root);
+/// A number of a scene, or a text with a unit.
+struct NumberAt {
+  std::string path;    ///< as in ScenePlace
+  const Value* value;  ///< in the scene
+};
+
+/// The numbers of a scene; at most some 20 000.
+LOCKSTEP_API std::vector<NumberAt> numbers_in(const Value& root);
 
 }  // namespace lockstep

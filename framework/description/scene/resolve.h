@@ -1,6 +1,10 @@
 // Parameters, points and formulas of a scene.
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 
 namespace lockstep {
@@ -8,7 +12,8 @@ namespace lockstep {
 /// Puts the values of parameters, points and formulas into their places: "=2*crank" becomes "0.2 m", "at": "A" the
 /// numbers of point A. Notes them in the scene; without any, the scene stays as it is. Formulas of time and coordinates
 /// stay texts and are given the parameters. Throws SceneError with place, key, formula and column.
-void resolve_formulas(Scene&);
+/// `files`: those that include this one, itself last; "repeat" and "include" are expanded.
+void resolve_formulas(Scene&, const std::vector<std::string>& files);
 
 /// Calls f(); a SceneError at the place of a formula gets the formula behind its sentence.
 template <class F>
@@ -18,7 +23,8 @@ decltype(auto) with_formulas(const Scene& scene, F&& f) {
     return std::forward<F>(f)();
   } catch (const SceneError& error) {
     for (const auto& [where, text] : scene.formulas)
-      if (where.line != 0 && where.line == error.line && where.column == error.column)
+      if (where.line != 0 && where.line == error.line && where.column == error.column &&
+          (where.file ? *where.file : std::string()) == error.file)
         throw SceneError(std::string(error.what()) + "; it is the value of the formula \"" + text + "\"",
                          static_cast<const ErrorData&>(error));
     throw;

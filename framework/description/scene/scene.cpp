@@ -24,7 +24,7 @@ Scene scene_from(Value root, std::string file) {
   if (scene.root.object() == nullptr)
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
   rename_old_keys(scene.root);
-  resolve_formulas(scene);
+  resolve_formulas(scene, {scene.file});
   const Params p = params_of(scene.root, "scene", "scene", nullptr);
   if (p.integer("lockstep") != kFormat)
     p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) +

@@ -44,6 +44,8 @@ SceneTable scene() {
          "\"auto\": bodies joined by a fixed link without a law move as one; links that are recorded, or that "
          "events name, stay",
          {"off", "auto"}},
+        any("include", "other scenes as parts of this one"),
+        any("repeat", "parts of the scene several times, with an index"),
         any("bodies", "the bodies; \"ground\" always exists"),
         any("markers", "frames on bodies that links and forces name"),
         any("links", "what holds the bodies together"),
@@ -53,12 +55,41 @@ SceneTable scene() {
       {{"parameters", Holds::quantities},
        {"points", Holds::named_points},
        {"requires", Holds::texts},
+       {"include", Holds::objects, "include"},
+       {"repeat", Holds::objects, "repeat"},
        {"bodies", Holds::objects, "body"},
        {"markers", Holds::objects, "marker"},
        {"links", Holds::objects, "link"},
        {"forces", Holds::objects, "force"},
        {"events", Holds::objects, "event"},
        {"run", Holds::object, "run"}}};
+}
+
+SceneTable include() {
+  return {{"include",
+           "another scene as a part of this one: its points, bodies, markers, links, forces and events",
+           {{"scene", Form::text, Unit::none, kRequired, "its file, from the folder of this scene"},
+            {"prefix", Form::text, Unit::none, "", "put before its names, as in \"left_\""},
+            any("parameters", "other values of its parameters; formulas are of this scene's")}},
+          {{"parameters", Holds::quantities}}};
+}
+
+SceneTable repeat() {
+  return {{"repeat",
+           "parts of a scene, several times; \"{i}\" and \"{i+1}\" in texts become whole numbers, i in formulas is one",
+           {{"times", Form::integer, Unit::none, kRequired, "how many times"},
+            {"index", Form::text, Unit::none, "i", "name of the index"},
+            {"from", Form::integer, Unit::none, 0, "its first value"},
+            any("points", "added to those of the scene"),
+            any("bodies", "likewise"),
+            any("markers", "likewise"),
+            any("links", "likewise, behind those of the scene"),
+            any("forces", "likewise")}},
+          {{"points", Holds::named_points},
+           {"bodies", Holds::objects, "body"},
+           {"markers", Holds::objects, "marker"},
+           {"links", Holds::objects, "link"},
+           {"forces", Holds::objects, "force"}}};
 }
 
 // The keys that give mass, the same for a body and for a part of a compound.
@@ -324,7 +355,8 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), marker(), link(), pair(), force()};
+  std::vector<SceneTable> all = {scene(),   include(), repeat(), body(), part(),
+                                 inertia(), marker(),  link(),   pair(), force()};
   for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check_type_info(table.info);

@@ -256,20 +256,23 @@ Scene set_in_scene(const Scene& scene, const std::string& text, const Registry& 
 
 std::vector<std::string> left_behind(const Variable& v, const Scene& scene, const Registry& registry) {
   Value root = written_root(scene);
-  const auto length_at = [&](const std::string& path) -> std::optional<double> {
-    const ScenePlace place = find_place(root, path, registry);
-    if (place.key.unit != Unit::length || place.value->is_null()) return std::nullopt;
-    if (place.value->number() != nullptr) return *place.value->number();
-    const Measured read = read_quantity(*place.value->text(), Unit::length);
+  const auto is_length = [&](const std::string& path) {
+    return find_place(root, path, registry).key.unit == Unit::length;
+  };
+  const auto in_metres = [](const Value& value) -> std::optional<double> {
+    if (value.number() != nullptr) return *value.number();
+    const Measured read = read_quantity(value.text() != nullptr ? *value.text() : "", Unit::length);
     return read.problem.empty() ? std::optional(read.value) : std::nullopt;
   };
   std::vector<std::string> same;
-  const std::optional<double> own = length_at(v.place);
+  if (!is_length(v.place)) return same;
+  const std::optional<double> own = in_metres(*find_place(root, v.place, registry).value);
   if (!own || *own == 0) return same;
-  for (const std::string& path : numbers_in(root)) {
-    if (path == v.place || path.starts_with("run.")) continue;
-    const std::optional<double> other = length_at(path);
-    if (other && std::abs(*other - *own) <= 1e-12 * std::abs(*own)) same.push_back(path);
+  for (const NumberAt& number : numbers_in(root)) {
+    if (number.path == v.place || number.path.starts_with("run.")) continue;
+    const std::optional<double> other = in_metres(*number.value);
+    if (other && std::abs(*other - *own) <= 1e-12 * std::abs(*own) && is_length(number.path))
+      same.push_back(number.path);
   }
   return same;
 }

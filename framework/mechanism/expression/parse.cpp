@@ -308,6 +308,8 @@ class ExpressionParser {
     if (!si.problem.empty()) fail(node.at, si.problem);
     node.value = si.value, node.dimension = *dimension_of(unit), node.measured = true;
     at_ += length;
+    if (next() == '^')
+      fail(at_, "the power of a unit stands directly behind it, as in \"m/s^2\"; a power of the whole needs a bracket");
   }
 
   Expression& e_;

@@ -39,8 +39,7 @@ bool is_angle(const Amount& q) { return q.dimension == Exponents{0, 0, 0, 1}; }
 
 class Evaluation {
  public:
-  Evaluation(const Expression& e, const Names& names, const std::vector<std::string>& known)
-      : e_(e), names_(names), known_(known) {}
+  Evaluation(const Expression& e, const Names& names, const Known& known) : e_(e), names_(names), known_(known) {}
 
   Amount of(int i) const {
     const Node& n = e_.node(i);
@@ -109,7 +108,7 @@ class Evaluation {
   Amount named(const Node& n) const {
     if (n.name == "pi") return Amount::number(kPi);
     if (const Amount* q = names_(n.name)) return *q;
-    std::vector<std::string> known = known_;
+    std::vector<std::string> known = known_ ? known_() : std::vector<std::string>{};
     known.emplace_back("pi");
     refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
   }
@@ -308,12 +307,12 @@ class Evaluation {
 
   const Expression& e_;
   const Names& names_;
-  const std::vector<std::string>& known_;
+  const Known& known_;
 };
 
 }  // namespace
 
-Amount evaluate(const Expression& e, const Names& names, const std::vector<std::string>& known) {
+Amount evaluate(const Expression& e, const Names& names, const Known& known) {
   Amount q = Evaluation(e, names, known).of(e.root());
   q.dimension = settled(q.dimension);
   if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a broken or a high power)");

@@ -34,10 +34,13 @@ struct Amount {
 /// The quantity of a name. Throws ModelError; nullptr for a name that is not known.
 using Names = std::function<const Amount*(const std::string&)>;
 
+/// All names that are known.
+using Known = std::function<std::vector<std::string>()>;
+
 /// The value of a formula. Lengths and masses are not added, sines are of angles or pure numbers, a product of an angle
 /// and a length is an arc, a length. `known`: names for "did you mean". Throws ModelError with formula, column and what
 /// is wrong.
-LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const std::vector<std::string>& known = {});
+LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const Known& known = {});
 
 /// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.
 /// Throws ModelError for a dimension that has no unit, and for what is not finite.

@@ -229,6 +229,8 @@ nlohmann::ordered_json parameters_json(const Scene& scene) {
   return all;
 }
 
+constexpr int kMostListed = 40;  // of parameters, and of points
+
 /// Parameters and points with their values, and the formula behind them.
 void list_parameters(const Scene& scene) {
   std::size_t name = 0, value = 0;
@@ -236,8 +238,11 @@ void list_parameters(const Scene& scene) {
     name = std::max(name, p.name.size()), value = std::max(value, brief_text(p.value).size());
   for (const bool points : {false, true}) {
     bool first = true;
+    int left = kMostListed;
     for (const SceneParameter& p : scene.parameters) {
       if (p.is_point != points) continue;
+      if (left-- == 0) fmt::print("  ...\n");
+      if (left < 0) continue;
       if (first) fmt::print("{}:\n", points ? "points" : "parameters (--set NAME=VALUE gives another value)");
       first = false;
       const std::string written = value_text(p.written), now = value_text(p.value);
