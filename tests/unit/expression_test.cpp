@@ -374,7 +374,7 @@ TEST_CASE("many breakpoints are all found", "[unit][expression]") {
 }
 
 TEST_CASE("constants of functions are SI; unknown names name the nearest", "[unit][expression]") {
-  Constant R{"R", {0.5, 0, 0}, false}, A{"A", {1, 2, 3}, true};
+  expression::Constant R{"R", {0.5, 0, 0}, false}, A{"A", {1, 2, 3}, true};
   const std::array<Time, 2> v = {Time(2), Time(3, 1, 0)};
   const FormulaFunction f("=x^2/(2*R) + A.y*t + 30 deg*0 + 100 mm", {"x", "t"}, {R, A});
   CHECK_THAT(f(std::span<const Time>(v)).v, Catch::Matchers::WithinULP(4.0 + 6.0 + 0.1, 2));
