@@ -1,9 +1,10 @@
 #include "motionlaws/register.h"
 
-#include <lockstep/registry.h>
-#include <lockstep/laws.h>
-#include <lockstep/splines.h>
 #include <lockstep/frame_laws.h>
+#include <lockstep/laws.h>
+#include <lockstep/registry.h>
+#include <lockstep/splines.h>
+#include "motionlaws/formula.h"
 
 namespace lockstep {
 
@@ -25,6 +26,7 @@ void register_motion_laws(Registry& registry) {
   laws.add<ProductLaw>();
   laws.add<ScaledLaw>();
   laws.add<ShiftedLaw>();
+  laws.add<FormulaLaw>();
 
   auto& translations = registry.translation_laws;
   translations.add<ConstantTranslation>();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 
 namespace lockstep::testing {
@@ -27,6 +28,9 @@ class JsonSchema {
     for (const auto& [word, rule] : schema.items()) {
       if (word == "$ref" && !takes(v, root_.at(Json::json_pointer(rule.get<std::string>().substr(1))))) return false;
       if (word == "type" && !is_of(v, rule)) return false;
+      if (word == "pattern" && v.is_string() &&
+          !std::regex_search(v.get<std::string>(), std::regex(rule.get<std::string>())))
+        return false;
       if (word == "const" && v != rule) return false;
       if (word == "enum" && std::find(rule.begin(), rule.end(), v) == rule.end()) return false;
       if (word == "anyOf" && std::none_of(rule.begin(), rule.end(), [&](const Json& other) { return takes(v, other); }))

@@ -65,6 +65,16 @@ struct TemporaryFile {
 
 }  // namespace
 
+TEST_CASE("comments are read over, and places count them", "[unit][scene]") {
+  const Value v = read_json(
+      "// a \"scene\"\n{\"a\": /* , : } */ 1, // one\n /* two\n lines */ \"b\": [2, /**/ 3.5 //\n]} // end", "a.json");
+  CHECK(*v.find("a")->number() == 1);
+  CHECK(v.find("a")->where.text() == "a.json:2:19");
+  CHECK(v.object()->at(1).where.text() == "a.json:4:11");
+  CHECK(v.find("b")->list()->at(1).where.text() == "a.json:4:25");
+  CHECK(*read_json("{\"a\": \"// no comment\"}", "a.json").find("a")->text() == "// no comment");
+}
+
 TEST_CASE("a scene is read with all its values", "[unit][scene]") {
   const Value scene = read_json(kScene, "a.json");
   const Value& crank = scene.find("bodies")->list()->at(0);
@@ -136,8 +146,11 @@ TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]
       {"{a: 1}", {"a.json:1:2: "}},
       {"{1: 2}", {"a.json:1:2: ", "key in double quotes"}},
       {"{'a': 1}", {"a.json:1:2: ", "double quotes"}},
-      {"// words\n{}", {"a.json:1:1: ", "comments are not allowed"}},
-      {"{} # words", {"a.json:1:4: ", "comments are not allowed"}},
+      {"# words\n{}", {"a.json:1:1: ", "a comment is \"// ...\""}},
+      {"{} # words", {"a.json:1:4: ", "a comment is \"// ...\""}},
+      {"{} /* words", {"a.json:1:4: "}},
+      {"{\"a\": 1 /* , */ \"b\": 2}", {"a.json:1:19: "}},
+      {"{} / {}", {"a.json:1:4: "}},
       {"{\"a\": [1, 2", {"a.json:1:12: ", "ends inside the list", "a.json:1:7", "] is missing"}},
       {"{\"a\": 1", {"ends inside the object", "a.json:1:1", "} is missing"}},
       {"{} {}", {"a.json:1:4: ", "after the end"}},

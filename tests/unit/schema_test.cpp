@@ -39,6 +39,7 @@ TEST_CASE("the schema takes every sample scene, and none that is misspelt", "[un
     scene["gravitie"] = 1;
     CHECK_FALSE(schema.takes(scene));
     scene.erase("gravitie");
+    if (!scene.contains("bodies")) continue;  // repeated
     scene["bodies"][0].erase("name");
     CHECK_FALSE(schema.takes(scene));
     ++n;
@@ -53,7 +54,28 @@ TEST_CASE("the schema takes every sample scene, and none that is misspelt", "[un
   CHECK_FALSE(takes(hinge + R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slop": 3}}})"));
   CHECK_FALSE(takes(hinge + R"(, "drive": {"axis": "rw", "law": 1}})"));
   CHECK_FALSE(takes(hinge + R"(, "at_p": [0, 0]})"));
+  const std::string place = R"({"name": "A", "type": "revolute", "p": "a", "s": "ground", )";
+  CHECK(takes(place + R"("at": "B", "axis": "=B - A"})"));
+  CHECK(takes(place + R"("at": ["=2*L", 0, "1 mm"], "axis": ["=n", 0, 0]})"));
+  CHECK_FALSE(takes(place + R"("axis": "B"})"));
+  CHECK(takes(place + R"("drive": {"axis": "rz", "law": "=2*pi"}})"));
   CHECK_FALSE(takes(R"({"name": "A", "type": "revolut", "p": "a", "s": "ground"})"));
+}
+
+TEST_CASE("the schema knows parameters, points and formulas", "[unit][scene]") {
+  const lockstep::testing::JsonSchema schema(nlohmann::json::parse(scene_schema(builtin_registry())));
+  const auto takes = [&](const std::string& members) {
+    return schema.takes(nlohmann::json::parse("{\"lockstep\": 1, " + members + "}"));
+  };
+  CHECK(takes(R"("$schema": "scene.schema.json", "parameters": {"L": "1 m", "n": 2, "d": "=L/n", "v": [1, 2, 3]})"));
+  CHECK_FALSE(takes(R"("parameters": {"L": true})"));
+  CHECK_FALSE(takes(R"("parameters": [1])"));
+  CHECK(takes(R"("points": {"A": [0, "=L", "1 mm"], "B": "=A"})"));
+  CHECK_FALSE(takes(R"("points": {"A": [0, 1]})"));
+  CHECK_FALSE(takes(R"("points": {"A": 3})"));
+  CHECK(takes(R"("gravity": "=g*[0, -1, 0]", "run": {"max_steps": "=10*n", "tolerance": "=1e-6/n"})"));
+  CHECK_FALSE(takes(R"("gravity": "down")"));
+  CHECK_FALSE(takes(R"("run": {"tolerance": "1e-6"})"));
 }
 
 TEST_CASE("every reference of the schema leads somewhere", "[unit][scene]") {

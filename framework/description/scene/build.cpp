@@ -5,6 +5,7 @@
 #include <lockstep/integrator.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/resolve.h"
 
 namespace lockstep {
 
@@ -171,13 +172,15 @@ void Builder::set_up(const Params& root) {
 }
 
 Scene in_space(Scene scene) {
-  if (scene.root.find("planar") == nullptr) scene.root.object()->push_back({"planar", Value("off"), scene.root.where});
+  change_root(scene, [](Value& root) {
+    if (root.find("planar") == nullptr) root.object()->push_back({"planar", Value("off"), root.where});
+  });
   return scene;
 }
 
 Mechanism build_mechanism(const Scene& scene, const Registry& registry) {
   Mechanism mechanism;
-  Builder(scene, registry, mechanism).build();
+  with_formulas(scene, [&] { Builder(scene, registry, mechanism).build(); });
   return mechanism;
 }
 

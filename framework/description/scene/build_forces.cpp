@@ -12,19 +12,29 @@ void Builder::forces(const Params& root) {
   for (std::size_t i = 0; i < items.size(); ++i) force(items[i], owner_of("force", items[i], "forces", i));
 }
 
+// The markers of the link on whose coordinate a force acts.
+std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& link, const Attachment& given) {
+  if (!given.pairs.empty()) p.refuse("link", "\"p\" and \"s\" are given as well; name either a link or two markers");
+  const auto its = link.pairs();
+  if (its.empty()) p.refuse("link", "link '" + link.name() + "' has no markers; name \"p\" and \"s\"");
+  return {&out_.system.marker(its.front().first->name), &out_.system.marker(its.front().second->name)};
+}
+
 void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
   const std::string name = claim(parts.common, "force");
   Attachment where = attachment(parts.common, name, false);
+  const auto* entry = registry_.forces.find(parts.type);
+  const bool on_coordinate = entry->origin == "built in" && parts.type == "function_force";
   if (parts.common.has("link")) {
     const std::string link = parts.common.text("link");
     if (!is_taken("link", link))
       parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names("link")));
     where.link = &out_.system.link(link);
-    const auto* entry = registry_.forces.find(parts.type);
-    if (entry->origin == "built in" && parts.type != "joint_friction")
+    if (entry->origin == "built in" && parts.type != "joint_friction" && !on_coordinate)
       parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
+    if (on_coordinate) where.pairs = {markers_of(parts.common, *where.link, where)};
   }
   placed(object.where, [&] { out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own)); });
 }

@@ -67,6 +67,7 @@ class Builder {
   void start_speeds(const Params& common, const Lock& link);
   void forces(const Params& root);
   void force(const Value& object, const std::string& owner);
+  std::pair<Marker*, Marker*> markers_of(const Params& force, const Lock& link, const Attachment& given);
   void events(const Params& root);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> links_named(const Params& event, const std::string& key) const;

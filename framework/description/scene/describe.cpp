@@ -62,6 +62,10 @@ std::string part_words(const Key& key, const Part& part) {
       return "[x, y, z], 3 rows of 3, or object" + there;
     case Holds::vector_or_word:
       return "[x, y, z] or " + choice_words(key);
+    case Holds::quantities:
+      return "object of quantities";
+    case Holds::named_points:
+      return "object of points";
   }
   return name_of(key.form);
 }

@@ -53,7 +53,8 @@ class TreeBuilder {
 
   bool parse() {
     const char* begin = text_.data();
-    return nlohmann::json::sax_parse(Counting{begin, &read_}, Counting{begin + text_.size(), &read_}, this);
+    return nlohmann::json::sax_parse(Counting{begin, &read_}, Counting{begin + text_.size(), &read_}, this,
+                                     nlohmann::json::input_format_t::json, true, true);
   }
 
   bool null() { return put(Value(), here()); }
@@ -110,8 +111,8 @@ class TreeBuilder {
     return {file_, line_, column_};
   }
   std::size_t begin() const {
-    std::size_t byte = end_;
-    while (byte < text_.size() && (is_space(text_[byte]) || text_[byte] == ',' || text_[byte] == ':')) ++byte;
+    std::size_t byte = behind_spaces(end_);
+    while (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
     return byte;
   }
   Where here() { return at(begin()); }
@@ -159,8 +160,14 @@ class TreeBuilder {
   }
 
   std::size_t behind_spaces(std::size_t byte) const {
-    while (byte < text_.size() && is_space(text_[byte])) ++byte;
-    return byte;
+    for (;;) {
+      while (byte < text_.size() && is_space(text_[byte])) ++byte;
+      const std::string_view rest = std::string_view(text_).substr(byte);
+      const bool line = rest.starts_with("//");
+      if (!line && !rest.starts_with("/*")) return byte;
+      const std::size_t end = rest.find(line ? "\n" : "*/", 2);
+      byte = end == std::string_view::npos ? text_.size() : byte + end + (line ? 1 : 2);
+    }
   }
   // Describes what the parser found at `byte`, after the last good token.
   std::string syntax_problem(std::size_t byte, const ParseError&) const;
@@ -189,7 +196,7 @@ std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& erro
   }
   if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
     return "NaN and infinity are not JSON numbers, and no quantity here may be one; write a finite number";
-  if (rest.front() == '/' || rest.front() == '#') return "comments are not allowed in JSON; remove it";
+  if (rest.front() == '/' || rest.front() == '#') return "a comment is \"// ...\" or \"/* ... */\"";
   if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
   if (rest.front() == '+' || rest.front() == '.')
     return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";

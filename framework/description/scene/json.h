@@ -12,7 +12,7 @@ namespace lockstep {
 inline constexpr std::size_t kMostDepth = 64;                 ///< nesting of objects and lists
 inline constexpr std::size_t kMostBytes = 64u * 1024 * 1024;  ///< size of a text
 
-/// The value of `text` (plain JSON, UTF-8, no comments); `file_name` appears in messages and in every Where.
+/// The value of `text` (JSON, UTF-8, with comments // and /* */); `file_name` appears in messages and in every Where.
 /// Columns count characters. Throws SceneError with the place: syntax errors, a key twice in one object (with both
 /// places), NaN and infinity, numbers beyond 1e308, depth beyond kMostDepth, size beyond kMostBytes.
 LOCKSTEP_API Value read_json(const std::string& text, const std::string& file_name);

@@ -198,7 +198,7 @@ class Walk {
 };
 
 // Paths to all numbers of the scene.
-void add_leaves(const Value& v, const std::string& path, std::vector<std::string>& leaves) {
+void add_leaves(const Value& v, const std::string& path, std::vector<NumberAt>& leaves) {
   if (leaves.size() >= kMostLeaves) return;
   const std::string before = path.empty() ? "" : path + ".";
   if (const Value::List* items = v.list())
@@ -206,13 +206,13 @@ void add_leaves(const Value& v, const std::string& path, std::vector<std::string
   if (const Value::Object* members = v.object())
     for (const Value::Member& member : *members) add_leaves(member.value, before + member.key, leaves);
   const bool quantity = v.text() != nullptr && read_quantity(*v.text(), Unit::any).problem.empty();
-  if (v.number() != nullptr || quantity) leaves.push_back(path);
+  if (v.number() != nullptr || quantity) leaves.push_back({path, &v});
 }
 
 std::string closest_number(const Value& root, const std::string& path) {
-  std::vector<std::string> leaves;
-  add_leaves(root, "", leaves);
-  return text::closest_name(path, leaves);
+  std::vector<std::string> paths;
+  for (NumberAt& number : numbers_in(root)) paths.push_back(std::move(number.path));
+  return text::closest_name(path, paths);
 }
 
 // The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
@@ -239,6 +239,12 @@ std::string known(std::vector<std::string> names) {
 }
 
 }  // namespace
+
+std::vector<NumberAt> numbers_in(const Value& root) {
+  std::vector<NumberAt> leaves;
+  add_leaves(root, "", leaves);
+  return leaves;
+}
 
 ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
   Walk walk(root, steps_of(path), registry);

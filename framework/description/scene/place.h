@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <lockstep/params.h>
 #include <lockstep/registry.h>
@@ -20,5 +21,14 @@ struct ScenePlace {
 /// the scene leaves out is inserted, empty. Throws ModelError with the nearest valid path if there is no such value, or
 /// if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);
+
+/// A number of a scene, or a text with a unit.
+struct NumberAt {
+  std::string path;    ///< as in ScenePlace
+  const Value* value;  ///< in the scene
+};
+
+/// The numbers of a scene; at most some 20 000.
+LOCKSTEP_API std::vector<NumberAt> numbers_in(const Value& root);
 
 }  // namespace lockstep

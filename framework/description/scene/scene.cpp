@@ -7,6 +7,7 @@
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
+#include "framework/description/scene/resolve.h"
 #include "framework/description/scene/run_settings.h"
 
 namespace lockstep {
@@ -23,6 +24,7 @@ Scene scene_from(Value root, std::string file) {
   if (scene.root.object() == nullptr)
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
   rename_old_keys(scene.root);
+  resolve_formulas(scene, {scene.file});
   const Params p = params_of(scene.root, "scene", "scene", nullptr);
   if (p.integer("lockstep") != kFormat)
     p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) +
@@ -40,7 +42,7 @@ Scene scene_from(Value root, std::string file) {
     }
     scene.plugins.push_back(name);
   }
-  scene.run = read_run(p.value("run"));
+  scene.run = with_formulas(scene, [&] { return read_run(p.value("run")); });
   return scene;
 }
 

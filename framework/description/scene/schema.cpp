@@ -17,10 +17,10 @@ Json reference(const std::string& name) { return {{"$ref", "#/$defs/" + name}}; 
 Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 Json any_of(std::initializer_list<Json> forms) { return {{"anyOf", Json(forms)}}; }
 
-// A number, or a text with a unit where the number has a dimension.
+// A number, a text with a unit where the number has a dimension, or a formula.
 Json number_schema(Unit unit) {
   const Json number = {{"type", "number"}};
-  if (unit == Unit::none) return number;
+  if (unit == Unit::none) return any_of({number, reference("formula")});
   return any_of({number, {{"type", "string"}, {"examples", {example_of(unit)}}}});
 }
 
@@ -31,7 +31,7 @@ Json form_schema(const Key& key) {
     case Form::number:
       return number_schema(key.unit);
     case Form::integer:
-      return {{"type", "integer"}};
+      return any_of({{{"type", "integer"}}, reference("formula")});
     case Form::boolean:
       return {{"type", "boolean"}};
     case Form::text:
@@ -39,7 +39,8 @@ Json form_schema(const Key& key) {
     case Form::choice:
       return {{"enum", key.choices}};
     case Form::vector3:
-      return exactly(number_schema(key.unit), 3);
+      return any_of({exactly(number_schema(key.unit), 3),
+                     key.unit == Unit::length ? Json{{"type", "string"}} : reference("formula")});  // or a point's name
     case Form::axis:
       return reference("axis");
     case Form::orientation:
@@ -64,7 +65,7 @@ Json form_schema(const Key& key) {
 
 // What a key of Form::any holds.
 Json part_schema(const Key& key, const Part& part) {
-  const Json text = {{"type", "string"}};
+  const Json text = {{"type", "string"}}, vector = exactly(number_schema(Unit::any), 3);
   switch (part.holds) {
     case Holds::object:
       return reference(part.table);
@@ -85,10 +86,14 @@ Json part_schema(const Key& key, const Part& part) {
     case Holds::typed:
       return reference(part.table);
     case Holds::vector_or_object:
-      return any_of({exactly(number_schema(Unit::any), 3), exactly(exactly(number_schema(Unit::any), 3), 3),
-                     reference(part.table)});
+      return any_of({exactly(number_schema(Unit::any), 3), reference("formula"),
+                     exactly(exactly(number_schema(Unit::any), 3), 3), reference(part.table)});
     case Holds::vector_or_word:
-      return any_of({exactly(number_schema(Unit::any), 3), {{"enum", key.choices}}});
+      return any_of({exactly(number_schema(Unit::any), 3), reference("formula"), {{"enum", key.choices}}});
+    case Holds::quantities:
+      return {{"type", "object"}, {"additionalProperties", any_of({number_schema(Unit::any), vector})}};
+    case Holds::named_points:
+      return {{"type", "object"}, {"additionalProperties", any_of({vector, reference("formula")})}};
   }
   return Json::object();
 }
@@ -163,10 +168,10 @@ Json orientation_schema() {
 }
 
 Json axis_schema() {
-  return {
-      {"description", "a direction, not zero"},
-      {"anyOf",
-       {Json{{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}}, exactly(number_schema(Unit::none), 3)}}};
+  return {{"description", "a direction, not zero"},
+          {"anyOf",
+           {Json{{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}}, exactly(number_schema(Unit::any), 3),
+            reference("formula")}}};
 }
 
 Json definitions(const Registry& registry) {
@@ -180,6 +185,8 @@ Json definitions(const Registry& registry) {
     else
       defs[table.info.name] = object_schema(table.info, table.parts);
   }
+  defs["formula"] = {
+      {"description", "a formula of parameters and points, as in \"=2*crank\""}, {"type", "string"}, {"pattern", "^="}};
   defs["axis"] = axis_schema();
   defs["orientation"] = orientation_schema();
   defs["law"] = law_schema(registry.laws);

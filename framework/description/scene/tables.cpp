@@ -19,8 +19,15 @@ SceneTable scene() {
       {"scene",
        "a mechanism, how it starts, how it runs and what is recorded",
        {{"lockstep", Form::integer, Unit::none, kRequired, "version of this format: 1"},
+        {"$schema", Form::text, Unit::none, kOptional, "the JSON schema, for editors"},
         {"title", Form::text, Unit::none, kOptional, "one line that says what moves"},
         {"description", Form::text, Unit::none, kOptional, "more about it"},
+        any("parameters",
+            "numbers and quantities by name: {\"crank\": \"100 mm\", \"ratio\": 2.5}; \"=crank*cos(30 deg)\" stands "
+            "wherever a number does, here too"),
+        any("points",
+            "points by name, world: {\"A\": [0, 0, 0], \"B\": \"=A + [crank, 0, 0]\"}; \"at\", \"from\", \"to\", "
+            "\"position\" of bodies, markers and links take a name"),
         any("requires", "plugins that must be loaded, by bare name; no path"),
         {"gravity", Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "gravity, world axes"},
         {"planar",
@@ -37,19 +44,52 @@ SceneTable scene() {
          "\"auto\": bodies joined by a fixed link without a law move as one; links that are recorded, or that "
          "events name, stay",
          {"off", "auto"}},
+        any("include", "other scenes as parts of this one"),
+        any("repeat", "parts of the scene several times, with an index"),
         any("bodies", "the bodies; \"ground\" always exists"),
         any("markers", "frames on bodies that links and forces name"),
         any("links", "what holds the bodies together"),
         any("forces", "the forces applied to them"),
         any("events", "changes of the links in force during the run"),
         any("run", "integrator, duration, output")}},
-      {{"requires", Holds::texts},
+      {{"parameters", Holds::quantities},
+       {"points", Holds::named_points},
+       {"requires", Holds::texts},
+       {"include", Holds::objects, "include"},
+       {"repeat", Holds::objects, "repeat"},
        {"bodies", Holds::objects, "body"},
        {"markers", Holds::objects, "marker"},
        {"links", Holds::objects, "link"},
        {"forces", Holds::objects, "force"},
        {"events", Holds::objects, "event"},
        {"run", Holds::object, "run"}}};
+}
+
+SceneTable include() {
+  return {{"include",
+           "another scene as a part of this one: its points, bodies, markers, links, forces and events",
+           {{"scene", Form::text, Unit::none, kRequired, "its file, from the folder of this scene"},
+            {"prefix", Form::text, Unit::none, "", "put before its names, as in \"left_\""},
+            any("parameters", "other values of its parameters; formulas are of this scene's")}},
+          {{"parameters", Holds::quantities}}};
+}
+
+SceneTable repeat() {
+  return {{"repeat",
+           "parts of a scene, several times; \"{i}\" and \"{i+1}\" in texts become whole numbers, i in formulas is one",
+           {{"times", Form::integer, Unit::none, kRequired, "how many times"},
+            {"index", Form::text, Unit::none, "i", "name of the index"},
+            {"from", Form::integer, Unit::none, 0, "its first value"},
+            any("points", "added to those of the scene"),
+            any("bodies", "likewise"),
+            any("markers", "likewise"),
+            any("links", "likewise, behind those of the scene"),
+            any("forces", "likewise")}},
+          {{"points", Holds::named_points},
+           {"bodies", Holds::objects, "body"},
+           {"markers", Holds::objects, "marker"},
+           {"links", Holds::objects, "link"},
+           {"forces", Holds::objects, "force"}}};
 }
 
 // The keys that give mass, the same for a body and for a part of a compound.
@@ -324,7 +364,8 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(), body(), part(), inertia(), visual(), marker(), link(), pair(), force()};
+  std::vector<SceneTable> all = {scene(),   include(), repeat(), body(), part(),
+                                 inertia(), visual(),  marker(), link(), pair(), force()};
   for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check_type_info(table.info);

@@ -21,7 +21,9 @@ enum class Holds {
   channels,          ///< a list of channel names and of objects {"own name": "channel name"}
   typed,             ///< a name on the shelf `table`, or {"type": name, and its keys}
   vector_or_object,  ///< [x, y, z], an object of `table`, or three rows of three
-  vector_or_word     ///< [x, y, z], or one of the key's choices
+  vector_or_word,    ///< [x, y, z], or one of the key's choices
+  quantities,        ///< an object of numbers, texts with units, vectors and formulas by name
+  named_points       ///< an object of vectors and formulas by name
 };
 
 struct Part {

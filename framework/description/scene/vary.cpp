@@ -40,10 +40,53 @@ std::optional<Unit> unit_of(const std::string& text) {
   return {};
 }
 
+// The SI unit of a parameter; "" for a pure number.
+std::string symbol_of(const SceneParameter& p) {
+  if (p.value.text() == nullptr) return {};
+  const std::string unit = p.value.text()->substr(std::min(p.value.text()->find(' ') + 1, p.value.text()->size()));
+  return unit == "1" ? "" : unit;
+}
+
+const Value& written_root(const Scene& scene) { return scene.written.is_null() ? scene.root : scene.written; }
+
+// The path of a parameter that is asked for by its name alone.
+std::string full_path(const std::string& path, const Scene& scene) {
+  if (written_root(scene).find(path) == nullptr)
+    for (const SceneParameter& p : scene.parameters)
+      if (p.name == path) return (p.is_point ? "points." : "parameters.") + path;
+  return path;
+}
+
+const SceneParameter* parameter_at(const std::string& place, const Scene& scene) {
+  for (const SceneParameter& p : scene.parameters)
+    if (!p.is_point && place == "parameters." + p.name) return &p;
+  return nullptr;
+}
+
+// find_place(), where a name that is unknown may be a parameter's.
+ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
+  try {
+    return find_place(root, full_path(path, scene), registry);
+  } catch (const ModelError&) {
+    std::vector<std::string> names;
+    for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
+    const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
+    if (near.empty()) throw;
+    throw ModelError("\"" + path + "\" is no parameter of the scene; did you mean \"" + near + "\"?");
+  }
+}
+
 /// Reads words into the values that a place may hold.
 class Reader {
  public:
-  Reader(const ScenePlace& place, std::string path) : key_(place.key), path_(std::move(path)) {
+  Reader(const ScenePlace& place, const SceneParameter* parameter, std::string path)
+      : key_(place.key), path_(std::move(path)) {
+    if (parameter != nullptr) {
+      if (parameter->value.list() != nullptr)
+        throw ModelError("\"" + path_ + "\" is a vector; name one of its numbers, or write it of parameters");
+      numeric_ = true, key_.unit = Unit::any, symbol_ = symbol_of(*parameter);
+      return;
+    }
     const Form form = key_.form;
     numeric_ = form == Form::number || form == Form::vector3 || form == Form::axis || form == Form::orientation ||
                form == Form::numbers || form == Form::points || form == Form::law || form == Form::laws ||
@@ -62,6 +105,9 @@ class Reader {
     if (word.empty()) throw ModelError("\"" + path_ + "\": a value is missing; write NAME=v1,v2,... or NAME=a:b:n");
     const Value v = value_of(word);
     if (numeric_) {
+      if (symbol_ && v.text() != nullptr)
+        if (const std::string problem = misfit(word, *symbol_); !problem.empty())
+          throw ModelError("\"" + path_ + "\": " + problem);
       if (v.text() != nullptr) note_unit(word);
       return Value(read_number(v, key_.unit, path_));
     }
@@ -74,6 +120,7 @@ class Reader {
   // SI symbol of the numbers: the key's, else that of the units given.
   std::string unit() const {
     if (!numeric_) return {};
+    if (symbol_) return *symbol_;
     return key_.unit != Unit::any ? si_unit(key_.unit) : given_ ? si_unit(*given_) : "";
   }
 
@@ -91,6 +138,7 @@ class Reader {
   std::string path_;
   bool numeric_ = false;
   std::optional<Unit> given_;
+  std::optional<std::string> symbol_;  // of a parameter; "": without a unit
 };
 
 // a:b:n. Both ends are met exactly.
@@ -135,10 +183,13 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
   refuse_columns(v.path);
   rename_old_keys(v.path);
-  Value root = scene.root;
-  const ScenePlace place = find_place(root, v.path, registry);
+  Value root = written_root(scene);
+  ScenePlace place = place_of(root, v.path, scene, registry);
   v.place = place.path, v.near = place.near;
-  Reader reader(place, v.path);
+  if (v.place.starts_with("points.")) place.key.form = Form::number, place.key.unit = Unit::length;
+  const SceneParameter* parameter = parameter_at(v.place, scene);
+  if (parameter != nullptr) v.given_unit = symbol_of(*parameter);
+  Reader reader(place, parameter, v.path);
   const std::string values = text.substr(equals + 1);
   const std::vector<std::string> range = split_at(':', values);
   if (range.size() > 1)
@@ -166,14 +217,64 @@ std::vector<Variable> read_variables(const std::vector<std::string>& texts, cons
 
 Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
                  const Registry& registry) {
-  Value root = scene.root;
+  Value root = written_root(scene);
   for (std::size_t k = 0; k < variables.size(); ++k) {
-    Value& value = *find_place(root, variables[k].path, registry).value;
+    Value& value = *find_place(root, variables[k].place, registry).value;
     const Where where = value.where;
     value = variables[k].values[choice[k]];
+    if (!variables[k].given_unit.empty() && value.number() != nullptr)
+      value = Value(text::number(*value.number()) + " " + variables[k].given_unit);
     value.where = where;
   }
   return scene_from(std::move(root), scene.file);
+}
+
+Scene set_in_scene(const Scene& scene, const std::string& text, const Registry& registry) {
+  const std::size_t equals = text.find('=');
+  std::string path(text::trimmed(text.substr(0, equals)));
+  const std::string word =
+      equals == std::string::npos ? "" : std::string(text::trimmed(std::string_view(text).substr(equals + 1)));
+  if (path.empty() || word.empty())
+    throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
+  rename_old_keys(path);
+  Value root = written_root(scene);
+  const ScenePlace place = place_of(root, path, scene, registry);
+  if (place.path.starts_with("requires"))
+    throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
+  const SceneParameter* parameter = parameter_at(place.path, scene);
+  Value v = value_of(word);
+  if (parameter != nullptr && !word.starts_with('=')) {
+    Reader reader(place, parameter, path);
+    v = reader.read(word);
+    if (const std::string unit = symbol_of(*parameter); !unit.empty())
+      v = Value(text::number(*v.number()) + " " + unit);
+  }
+  v.where = place.value->where;
+  *place.value = std::move(v);
+  return scene_from(std::move(root), scene.file);
+}
+
+std::vector<std::string> left_behind(const Variable& v, const Scene& scene, const Registry& registry) {
+  Value root = written_root(scene);
+  const auto is_length = [&](const std::string& path) {
+    return find_place(root, path, registry).key.unit == Unit::length;
+  };
+  const auto in_metres = [](const Value& value) -> std::optional<double> {
+    if (value.number() != nullptr) return *value.number();
+    const Measured read = read_quantity(value.text() != nullptr ? *value.text() : "", Unit::length);
+    return read.problem.empty() ? std::optional(read.value) : std::nullopt;
+  };
+  std::vector<std::string> same;
+  if (!is_length(v.place)) return same;
+  const std::optional<double> own = in_metres(*find_place(root, v.place, registry).value);
+  if (!own || *own == 0) return same;
+  for (const NumberAt& number : numbers_in(root)) {
+    if (number.path == v.place || number.path.starts_with("run.")) continue;
+    const std::optional<double> other = in_metres(*number.value);
+    if (other && std::abs(*other - *own) <= 1e-12 * std::abs(*own) && is_length(number.path))
+      same.push_back(number.path);
+  }
+  return same;
 }
 
 std::string setting_text(const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {

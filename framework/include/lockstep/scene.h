@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/assembly.h>
@@ -43,15 +44,34 @@ struct RunSettings {
   Where where{};  ///< place of the object in the file
 };
 
+/// A parameter of a scene, or one of its points.
+struct SceneParameter {
+  std::string name;       ///< as formulas read it
+  bool is_point = false;  ///< whether it is one of "points"
+  Value value;            ///< a number, or a text with its SI unit; of a vector or a point a list of three
+  Value written;          ///< as the scene gives it
+};
+
 /// A mechanism as data.
 struct Scene {
-  Value root;                          ///< the whole object
+  Value root;                          ///< the whole object, with the values of formulas and points in their places
+  Value written;                       ///< the same with formulas and names as written; null where there are none
   std::string file;                    ///< as it was asked for; "" when given in C++
   std::string title,                   ///< "title", or ""
       description;                     ///< "description", or ""
   std::vector<std::string> plugins{};  ///< names of the plugins that it "requires"
   RunSettings run;                     ///< "run"; may be changed before build_mechanism()
+  std::vector<SceneParameter> parameters{};  ///< "parameters", then "points", in their order
+  /// Places of formulas in the file with their texts, for messages.
+  std::vector<std::pair<Where, std::string>> formulas{};
 };
+
+/// Does the same to the scene as written and to that with the values of its formulas: `change` is called with each.
+template <class Change>
+void change_root(Scene& scene, Change&& change) {
+  change(scene.root);
+  if (!scene.written.is_null()) change(scene.written);
+}
 
 /// Reads a scene from a JSON file. Throws FileError, and SceneError with file, line, column, owner, value and next
 /// move.
@@ -101,11 +121,12 @@ struct Variable {
   std::string place;          ///< the same in one spelling: things of a list by their names where they have one
   std::string unit;           ///< SI unit of the numbers, "kg"; "" when they have none or it is not known
   std::vector<Value> values;  ///< numbers in SI, words, true or false; at least one
+  std::string given_unit{};   ///< what is written behind the numbers in the scene; "" for SI numbers
   std::string near{};         ///< the closest path of a number that the scene gives, where it does not give this value
 };
 
 /// Reads a variable: "NAME=a:b:n" are n numbers evenly from a to b, "NAME=v1,v2,..." these values. NAME is the path of
-/// a plain value in the scene, as in "bodies.rod.mass"; numbers are SI, or carry units as in scenes. Throws ModelError
+/// a plain value in the scene, as in "bodies.rod.mass", or the name of a parameter; numbers are SI, or carry units as in scenes. Throws ModelError
 /// or SceneError with the path: no such value (with the nearest), values that cannot be there, or what determines the
 /// columns, which are the same in all runs.
 LOCKSTEP_API Variable read_variable(const std::string& text, const Scene&, const Registry&);
@@ -117,6 +138,14 @@ LOCKSTEP_API std::vector<Variable> read_variables(const std::vector<std::string>
 /// wrong settings; the rest is checked by build_mechanism().
 LOCKSTEP_API Scene vary_scene(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                               const Registry&);
+
+/// The scene with one value changed: "NAME=VALUE", NAME a parameter or the path of a plain value, VALUE a number, a
+/// quantity, a word or a formula. Throws as read_variable() and vary_scene() do.
+LOCKSTEP_API Scene set_in_scene(const Scene&, const std::string& text, const Registry&);
+
+/// Of a length that varies: the places of numbers of the same length that do not follow it, because it is written there
+/// again; empty for anything else.
+LOCKSTEP_API std::vector<std::string> left_behind(const Variable&, const Scene&, const Registry&);
 
 /// A choice of values in words: "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
 LOCKSTEP_API std::string setting_text(const std::vector<Variable>&, const std::vector<std::size_t>& choice);

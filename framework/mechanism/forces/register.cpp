@@ -1,7 +1,8 @@
 #include "framework/mechanism/forces/register.h"
 
-#include <lockstep/registry.h>
 #include <lockstep/forces.h>
+#include <lockstep/registry.h>
+#include "framework/mechanism/forces/formula_force.h"
 
 namespace lockstep {
 
@@ -15,6 +16,7 @@ void register_forces(Registry& registry) {
   shelf.add<TorqueMotor>();
   shelf.add<Bushing>();
   shelf.add<JointFriction>();
+  shelf.add<CoordinateForce>();
 }
 
 }  // namespace lockstep

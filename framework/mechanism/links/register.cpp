@@ -3,6 +3,7 @@
 #include <lockstep/couplings.h>
 #include <lockstep/joints.h>
 #include <lockstep/registry.h>
+#include "framework/mechanism/links/formula_joint.h"
 
 namespace lockstep {
 
@@ -33,6 +34,7 @@ void register_links(Registry& registry) {
   shelf.add<PathFollower>();
   shelf.add<Stop>();
   shelf.add<GenericLock>();
+  shelf.add<FormulaJoint>();
 }
 
 }  // namespace lockstep

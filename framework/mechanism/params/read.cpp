@@ -1,5 +1,6 @@
 #include "framework/mechanism/params/read.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -138,7 +139,8 @@ double read_number(const Value& v, Unit unit, const std::string& context) {
 }
 
 int read_integer(const Value& v, const std::string& context) {
-  const double* x = v.number();
+  const Measured pure = v.text() != nullptr ? read_quantity(*v.text(), Unit::none) : Measured{0, "none"};  // "3 1"
+  const double* x = pure.problem.empty() ? &pure.value : v.number();
   if (x == nullptr || !(std::floor(*x) == *x)) refuse_form(v, context, "a whole number");
   if (std::abs(*x) > std::numeric_limits<int>::max())
     refuse(v.where, context,
@@ -211,8 +213,9 @@ Vec3 read_axis(const Value& v, const std::string& context) {
     if (letter != "x" && letter != "y" && letter != "z") refuse_form(v, context, expected);
     return (text->front() == '-' ? -1.0 : 1.0) * Vec3::Unit(letter[0] - 'x');
   }
-  read_list(v, 3, context, expected);
-  const Vec3 n = read_vector3(v, Unit::none, context);
+  const Value::List& items = read_list(v, 3, context, expected);
+  const bool measured = std::all_of(items.begin(), items.end(), [](const Value& x) { return x.text() != nullptr; });
+  const Vec3 n = read_vector3(v, measured ? Unit::any : Unit::none, context);  // a length has a direction too
   const double most = n.cwiseAbs().maxCoeff();
   if (most == 0) refuse(v.where, context, "the axis [0, 0, 0] has no direction; give one that is not zero");
   return (n / most).normalized();

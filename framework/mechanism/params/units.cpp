@@ -10,12 +10,6 @@
 namespace lockstep {
 namespace {
 
-// Exponents of metre, kilogram, second and radian. The radian counts: a torque is not a torsional stiffness.
-struct Dimension {
-  int m = 0, kg = 0, s = 0, rad = 0;
-  bool operator==(const Dimension&) const = default;
-};
-
 struct UnitWords {
   Unit unit;
   const char *name, *article, *si, *example;
@@ -197,6 +191,12 @@ Split split(std::string_view text) {
   return s;
 }
 
+// Whether it is a number with the unit "1".
+bool is_pure(std::string_view text) {
+  const Split s = split(text);
+  return s.error == std::errc() && s.unit == "1";
+}
+
 }  // namespace
 
 std::string name_of(Unit unit) { return words_of(unit).name; }
@@ -222,7 +222,7 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   if (per_second == 1 && unit == Unit::angle) return read_quantity(text, Unit::angular_speed);
   if (per_second == 2 && unit == Unit::angle) return read_quantity(text, Unit::angular_acceleration);
   const std::string quoted = "\"" + std::string(text.substr(0, 60)) + "\"";
-  if (unit == Unit::none)
+  if (unit == Unit::none && !is_pure(text))
     return {0, "expected a number without a unit, got a text (" + quoted + "); write the number without quotes"};
 
   const auto [x, error, rest] = split(text);
@@ -257,6 +257,34 @@ Measured in_si(double x, std::string_view unit) {
   if (result.problem.empty() && !std::isfinite(result.value))
     result.problem = text::number(x) + " " + std::string(unit) + " is beyond the range of numbers (1e308)";
   return result;
+}
+
+std::optional<Dimension> dimension_of(std::string_view unit) {
+  std::string problem;
+  const UnitFactor factor = unit_factor(unit, problem);
+  return unit.empty() || !problem.empty() ? std::nullopt : std::optional(factor.dimension);
+}
+
+std::string article_name_of(const Dimension& d) {
+  if (d == Dimension{}) return "a pure number";
+  for (const UnitWords& w : kWords)
+    if (w.unit != Unit::any && w.dimension == d) return article_name_of(w.unit);
+  return "a quantity in " + si_unit(d);
+}
+
+std::string si_unit(const Dimension& d) {
+  if (d == Dimension{}) return "1";
+  for (const UnitWords& w : kWords)
+    if (w.unit != Unit::any && w.dimension == d) return w.si;
+  std::string product, divisors;
+  for (const auto& [name, power] : {std::pair{"kg", d.kg}, {"m", d.m}, {"s", d.s}, {"rad", d.rad}}) {
+    if (power == 0) continue;
+    std::string& side = power > 0 ? product : divisors;
+    if (power < 0 || !product.empty()) side += power < 0 ? '/' : ' ';
+    side += name;
+    if (std::abs(power) > 1) side.append("^").append(std::to_string(std::abs(power)));
+  }
+  return (product.empty() ? "1" : product) + divisors;
 }
 
 }  // namespace lockstep

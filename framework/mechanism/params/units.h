@@ -2,6 +2,7 @@
 // text.)
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,10 +35,25 @@ struct Measured {
 /// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
 /// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm J W Hz rad with n u m c d k M before them; deg,
 /// rev, turn, rpm, min, h, t, in, ft. Independent of the locale. With `per_second`, of that dimension per second, to
-/// this power.
+/// this power. Of Unit::none is a number with the unit "1", as formulas give it.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit, int per_second = 0);
 
 /// x of this unit, in SI.
 LOCKSTEP_API Measured in_si(double x, std::string_view unit);
+
+/// Exponents of metre, kilogram, second and radian. The radian counts: a torque is not a torsional stiffness.
+struct Dimension {
+  int m = 0, kg = 0, s = 0, rad = 0;
+  bool operator==(const Dimension&) const = default;
+};
+
+/// The dimension of a unit such as "N/mm"; nothing if `unit` is none.
+LOCKSTEP_API std::optional<Dimension> dimension_of(std::string_view unit);
+
+/// "a length", "a quantity in m^2"; "a pure number" without exponents.
+LOCKSTEP_API std::string article_name_of(const Dimension&);
+
+/// The SI unit, as read_quantity() reads it: "m", "N/m", "kg m^4"; "1" without exponents.
+LOCKSTEP_API std::string si_unit(const Dimension&);
 
 }  // namespace lockstep

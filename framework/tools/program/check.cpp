@@ -14,6 +14,7 @@
 #include <lockstep/error.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -198,34 +199,60 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
   return all;
 }
 
-constexpr std::size_t kMostNames = 24;  // in one line
-
-// "A, B and C", or "A, B, C and 7 more"
-std::string first_of(const std::vector<std::string>& names) {
-  if (names.size() <= kMostNames) return text::join(names);
-  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMostNames, ", "),
-                     names.size() - kMostNames);
+std::string value_text(const Value& v) {
+  if (v.list() == nullptr) return plain_text(v);
+  std::string text;
+  for (const Value& each : *v.list()) text += (text.empty() ? "" : ", ") + value_text(each);
+  return "[" + text + "]";
 }
 
-// "A.z, B.z and C.z: 1 too many"
-std::string words_of(const Dependency& d) {
-  const std::string names = first_of(d.rows);
-  std::string out;
-  if (d.too_many > 0) out += fmt::format("    {}: {} too many\n", names, d.too_many);
-  if (d.nearly > 0)
-    out += fmt::format(
-        "    {}: {} nearly too many (pivot {:.2g}): a run holds {} by forces that may be very large; make the rows "
-        "agree "
-        "exactly, or leave one out\n",
-        names, d.nearly, d.pivot, d.nearly == 1 ? "it" : "them");
-  return out;
+/// A computed value in six digits: "0.15 m", "[0.1, 0.2, 0] m".
+std::string brief_text(const Value& v) {
+  const auto split = [](const Value& one) {
+    const std::string text = plain_text(one);
+    const std::size_t blank = std::min(text.find(' '), text.size());
+    return std::pair(fmt::format("{:.6g}", std::stod(text.substr(0, blank))), text.substr(blank));
+  };
+  if (v.list() == nullptr) return split(v).first + split(v).second;
+  std::string numbers, unit;
+  for (const Value& each : *v.list()) {
+    const auto [number, its] = split(each);
+    numbers += (numbers.empty() ? "" : ", ") + number, unit = its;
+  }
+  return "[" + numbers + "]" + unit;
 }
 
-nlohmann::ordered_json dependencies_json(const MobilityReport& r) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const Dependency& d : r.dependencies)
-    all.push_back({{"rows", d.rows}, {"too_many", d.too_many}, {"nearly", d.nearly}, {"pivot", d.pivot}});
+nlohmann::ordered_json parameters_json(const Scene& scene) {
+  auto all = nlohmann::ordered_json::array();
+  for (const SceneParameter& p : scene.parameters)
+    all.push_back({{"name", p.name},
+                   {"kind", p.is_point ? "point" : "parameter"},
+                   {"value", value_text(p.value)},
+                   {"written", value_text(p.written)}});
   return all;
+}
+
+constexpr int kMostListed = 40;  // of parameters, and of points
+
+/// Parameters and points with their values, and the formula behind them.
+void list_parameters(const Scene& scene) {
+  std::size_t name = 0, value = 0;
+  for (const SceneParameter& p : scene.parameters)
+    name = std::max(name, p.name.size()), value = std::max(value, brief_text(p.value).size());
+  for (const bool points : {false, true}) {
+    bool first = true;
+    int left = kMostListed;
+    for (const SceneParameter& p : scene.parameters) {
+      if (p.is_point != points) continue;
+      if (left-- == 0) fmt::print("  ...\n");
+      if (left < 0) continue;
+      if (first) fmt::print("{}:\n", points ? "points" : "parameters (--set NAME=VALUE gives another value)");
+      first = false;
+      const std::string written = value_text(p.written), now = value_text(p.value);
+      fmt::print("  {:<{}}  {:<{}}  {}\n", p.name, name, now, written == now ? 0 : value,
+                 written == now ? "" : written);
+    }
+  }
 }
 
 // Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
@@ -285,6 +312,7 @@ int check_command(const Arguments& args) {
                                 {"left_out", nlohmann::ordered_json::array()}};
     for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
     j["proposals"] = more;
+    j["parameters"] = parameters_json(loaded.scene);
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
@@ -297,6 +325,7 @@ int check_command(const Arguments& args) {
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));
+  list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
   if (!more.empty()) fmt::print("could be left out too:\n");

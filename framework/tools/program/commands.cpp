@@ -41,6 +41,11 @@ void add_scene(CLI::App& verb, Arguments& a) {
   add_plugins(verb, a);
   add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
       {"off", "auto", "x", "y", "z"});
+  verb.add_option("--set", a.set,
+                  "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep "
+                  "--help`; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
   verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
 }
 
@@ -80,7 +85,7 @@ void add_report(CLI::App& verb, Arguments& a) {
 }
 
 constexpr const char* kSweepFooter =
-    R"(NAME is a path into the scene: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
+    R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
 list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
 Several --vary make the full grid. Each run is one row: its number, the values, final, min and max of each recorded
 column, steps, CPU seconds, status. A run that fails is a row with its reason, and the exit code is 1. Ctrl-C keeps the

@@ -41,6 +41,7 @@ struct Arguments {
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
+  std::vector<std::string> set;   ///< NAME=VALUE
   std::string shard, histories;   ///< "2/8"; a folder
   std::string report;             ///< the HTML file
   bool open = false;              ///< show it in the browser

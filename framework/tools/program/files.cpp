@@ -72,9 +72,10 @@ void check_overwrites(const std::string& csv, const Scene& scene) {
                          "', from which the scene is read; name another file (--record results.csv)");
   };
   refuse_if_output(scene.file);
-  for_each_text(scene.root, [&](const std::string& text) {
-    if (!text.empty() && text.size() < 4096) refuse_if_output(fs::path(scene.file).parent_path() / text);
-  });
+  for (const Value* root : {&scene.root, &scene.written})
+    for_each_text(*root, [&](const std::string& text) {
+      if (!text.empty() && text.size() < 4096) refuse_if_output(fs::path(scene.file).parent_path() / text);
+    });
 }
 
 namespace {

@@ -61,15 +61,30 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
 }
 
+Scene set_value(const Scene& scene, const std::string& text, const Registry& registry) {
+  try {
+    return set_in_scene(scene, text, registry);
+  } catch (const ModelError& error) {
+    throw UsageError("--set: " + std::string(error.what()));
+  } catch (const SceneError& error) {
+    if (error.line != 0) throw;  // the value can be read, and the scene refuses it
+    throw UsageError("--set: " + std::string(error.what()));
+  }
+}
+
 // Planar motion and merged bodies.
 void put_shortcuts(Scene& scene, const Arguments& args) {
   if (args.full) {
-    scene.root = scene.root.without({"planar", "merge"});
-    scene.root.object()->push_back({"planar", Value("off"), scene.root.where});
+    change_root(scene, [](Value& root) {
+      root = root.without({"planar", "merge"});
+      root.object()->push_back({"planar", Value("off"), root.where});
+    });
   }
   if (args.planar.empty()) return;
-  scene.root = scene.root.without({"planar"});
-  scene.root.object()->push_back({"planar", Value(args.planar), scene.root.where});
+  change_root(scene, [&](Value& root) {
+    root = root.without({"planar"});
+    root.object()->push_back({"planar", Value(args.planar), root.where});
+  });
 }
 
 }  // namespace
@@ -91,6 +106,7 @@ Loaded read_with_plugins(const Arguments& args) {
   refuse_picture(args.record);
   Scene scene = read_scene(args.scene);
   Registry registry = make_registry(args.plugins, scene.plugins);
+  for (const std::string& value : args.set) scene = set_value(scene, value, registry);
   put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};
 }

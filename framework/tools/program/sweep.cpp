@@ -1,6 +1,7 @@
 // The verb sweep: a scene run many times with other values, one row a run.
 #include <lockstep/log.h>
 #include <lockstep/sweep.h>
+#include <lockstep/text.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -101,12 +102,31 @@ Table columns_of(const Plan& plan) {
   throw *first;
 }
 
+// A length that is written in several places is one length to whoever varies it.
+void warn_left_behind(const std::vector<Variable>& variables, const Loaded& loaded) {
+  constexpr std::size_t kMostPlaces = 6;
+  for (const Variable& v : variables) {
+    std::vector<std::string> places = left_behind(v, loaded.scene, loaded.registry);
+    std::erase_if(places, [&](const std::string& place) {  // it varies too
+      return std::any_of(variables.begin(), variables.end(), [&](const Variable& o) { return o.place == place; });
+    });
+    if (places.empty()) continue;
+    const std::size_t n = places.size();
+    if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
+    log_warning(fmt::format(
+        "--vary: the length at {} is also written at {}, which {} not vary with it; make it one of \"parameters\" and "
+        "write \"=name\" in these places, or give a point a name",
+        v.path, text::join(places), n == 1 ? "does" : "do"));
+  }
+}
+
 Plan make_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);
   const Shard shard = args.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(args.shard); });
   std::vector<Variable> variables =
       usage("--vary", [&] { return read_variables(args.vary, loaded.scene, loaded.registry); });
   refuse_varied_options(args, variables);
+  warn_left_behind(variables, loaded);
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   Grid grid = usage("--vary", [&] { return Grid(sizes); });

@@ -1,0 +1,52 @@
+// The parameters and points of a scene, by name.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lockstep/scene.h>
+#include "framework/mechanism/expression/quantity.h"
+
+namespace lockstep {
+
+/// Whether it is a text that begins with "=".
+inline bool is_formula(const Value& v) { return v.text() != nullptr && v.text()->starts_with('='); }
+
+/// "parameters" and "points" of a scene, each computed when it is first read, and formulas of them.
+class Definitions {
+ public:
+  /// Of this root, which outlives the object. Throws SceneError for names that cannot be.
+  explicit Definitions(const Value& root);
+
+  /// The value of a name; nullptr where it is none. Throws SceneError: a faulty formula, a circle.
+  const expression::Amount* find(const std::string& name);
+  bool is_point(const std::string& name) const;
+  std::vector<std::string> names(bool points_only) const;
+  /// All with their values.
+  std::vector<SceneParameter> all();
+
+  /// The value of a formula, which stands under `context`. Throws SceneError.
+  expression::Amount evaluate(const Value& formula, const std::string& context);
+
+  /// As a scene holds it, at this place of the file.
+  static Value placed_value(const expression::Amount&, const Where&);
+
+ private:
+  struct Entry {
+    std::string name;
+    bool point;
+    const Value* given;
+    std::optional<expression::Amount> value{};
+  };
+  void take(const Value& root, const char* key, bool points);
+  const expression::Amount& value(Entry&);
+  expression::Amount given(const Value&, const std::string& context, bool point);
+
+  std::vector<Entry> entries_;
+  std::map<std::string, std::size_t> index_;
+  std::vector<const Entry*> open_;  // those that are being computed
+};
+
+}  // namespace lockstep

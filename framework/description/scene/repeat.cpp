@@ -1,0 +1,142 @@
+#include "framework/description/scene/repeat.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/definitions.h"
+#include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+constexpr int kMostCopies = 100'000;
+
+bool in_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c < 0; }
+
+// The formula with the index as a number. Behind a number stands a unit, whatever its name.
+std::string with_index(const std::string& formula, const std::string& index, const std::string& number) {
+  std::string out;
+  for (std::size_t i = 0; i < formula.size();) {
+    std::size_t end = i;
+    while (end < formula.size() && in_name(formula[end])) ++end;
+    if (end == i) {
+      out += formula[i++];
+      continue;
+    }
+    const std::size_t before = out.find_last_not_of(" \t");
+    const bool behind =
+        before != std::string::npos && (out[before] == '.' || (out[before] >= '0' && out[before] <= '9'));
+    out += !behind && formula.compare(i, end - i, index) == 0 ? number : formula.substr(i, end - i);
+    i = end;
+  }
+  return out;
+}
+
+/// One copy of a repeated part.
+class Copy {
+ public:
+  Copy(Definitions& definitions, std::string index, int k)
+      : definitions_(definitions), index_(std::move(index)), number_(std::to_string(k)) {}
+
+  void fill(Value& v, const std::string& context) const {
+    if (const std::string* text = v.text()) {
+      const Where where = v.where;
+      std::string now = filled(*text, where, context);
+      if (is_formula(v)) now = with_index(now, index_, number_);
+      v = Value(std::move(now));
+      v.where = where;
+    } else if (Value::List* items = v.list()) {
+      for (Value& each : *items) fill(each, context);
+    } else if (Value::Object* members = v.object()) {
+      for (Value::Member& m : *members) m.key = filled(m.key, m.where, context), fill(m.value, context);
+    }
+  }
+
+ private:
+  // The text with "{i+1}" replaced.
+  std::string filled(const std::string& text, const Where& where, const std::string& context) const {
+    std::string out;
+    for (std::size_t i = 0;;) {
+      const std::size_t open = text.find('{', i), close = text.find('}', open);
+      out += text.substr(i, open == std::string::npos ? open : open - i);
+      if (open == std::string::npos) return out;
+      if (close == std::string::npos) refuse(where, context, "\"" + text + "\": a \"{\" without \"}\"");
+      Value formula("=" + with_index(text.substr(open + 1, close - open - 1), index_, number_));
+      formula.where = where;
+      const expression::Amount q = definitions_.evaluate(formula, context);
+      if (q.is_vector || q.measured || q.v[0] != std::round(q.v[0]) || std::abs(q.v[0]) > 1e9)
+        refuse(where, context,
+               "\"" + text + "\": what stands in braces is " + words_of(q) + "; a whole number is expected");
+      out += std::to_string(static_cast<long>(q.v[0]));
+      i = close + 1;
+    }
+  }
+
+  Definitions& definitions_;
+  std::string index_, number_;
+};
+
+// The list or object of the scene under this key, made where there is none.
+Value& part_of_scene(Value& root, const std::string& key, const Value& like) {
+  for (Value::Member& m : *root.object())
+    if (m.key == key) return m.value;
+  Value fresh = like.list() != nullptr ? Value(Value::List{}) : Value(Value::Object{});
+  fresh.where = like.where;
+  root.object()->push_back({key, std::move(fresh), like.where});
+  return root.object()->back().value;
+}
+
+void append(Value& root, const Value::Member& part, const Copy& copy, const std::string& owner) {
+  Value more = part.value;
+  const std::string context = part_of(owner, part.key);
+  const bool points = part.key == "points";
+  if (points ? more.object() == nullptr : more.list() == nullptr)
+    refuse(more.where, context,
+           std::string("expected ") + (points ? "an object of points" : "a list of objects") + ", got " + shown(more));
+  copy.fill(more, context);
+  Value& all = part_of_scene(root, part.key, more);
+  if (points && all.object() != nullptr)
+    std::move(more.object()->begin(), more.object()->end(), std::back_inserter(*all.object()));
+  else if (!points && all.list() != nullptr)
+    std::move(more.list()->begin(), more.list()->end(), std::back_inserter(*all.list()));
+}
+
+void expand(Value& root, const Value& object, const std::string& owner, Definitions& definitions) {
+  Value settled = object;
+  if (settled.object() != nullptr)
+    for (Value::Member& m : *settled.object())
+      if ((m.key == "times" || m.key == "from") && is_formula(m.value))
+        m.value = Definitions::placed_value(definitions.evaluate(m.value, part_of(owner, m.key)), m.value.where);
+  const Params p = params_of(settled, "repeat", owner, nullptr);
+  const std::string index = p.text("index");
+  std::string problem;
+  if (!expression::is_name(index, problem)) p.refuse("index", "\"" + index + "\" is no name: " + problem);
+  if (definitions.find(index) != nullptr)
+    p.refuse("index", "\"" + index + "\" is a parameter or point already; choose another name");
+  const int times = p.integer("times"), from = p.integer("from");
+  if (times < 0 || times > kMostCopies)
+    p.refuse("times",
+             "it is " + std::to_string(times) + "; from 0 to " + std::to_string(kMostCopies) + " are possible");
+  for (int k = 0; k < times; ++k)
+    for (const Value::Member& m : *object.object())
+      if (m.key != "times" && m.key != "from" && m.key != "index")
+        append(root, m, Copy(definitions, index, from + k), owner);
+}
+
+}  // namespace
+
+void expand_repeats(Value& root) {
+  const Value source = root;
+  Definitions definitions(source);
+  root = root.without({"repeat"});
+  const Value& repeats = *source.find("repeat");
+  if (repeats.list() == nullptr)
+    refuse(repeats.where, "scene.repeat", "expected a list of objects, got " + shown(repeats));
+  for (std::size_t i = 0; i < repeats.list()->size(); ++i)
+    expand(root, (*repeats.list())[i], item("repeat", i), definitions);
+}
+
+}  // namespace lockstep

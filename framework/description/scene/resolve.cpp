@@ -1,0 +1,195 @@
+#include "framework/description/scene/resolve.h"
+
+#include <algorithm>
+#include <map>
+
+#include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/definitions.h"
+#include "framework/description/scene/include.h"
+#include "framework/description/scene/repeat.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+bool holds_formula(const Value& v) {
+  if (is_formula(v)) return true;
+  if (const Value::List* items = v.list()) return std::any_of(items->begin(), items->end(), holds_formula);
+  const Value::Object* members = v.object();
+  return members != nullptr &&
+         std::any_of(members->begin(), members->end(), [](const auto& m) { return holds_formula(m.value); });
+}
+
+/// What the tables say of the texts of a type: keys that hold texts, not numbers, and whether it is given the parameters.
+struct Texts {
+  std::vector<std::string> keys{};
+  bool takes_parameters = false;
+};
+
+void add_texts(const TypeInfo& info, Texts& texts) {
+  const bool takes =
+      std::any_of(info.keys.begin(), info.keys.end(), [](const Key& k) { return k.name == "parameters"; });
+  texts.takes_parameters = texts.takes_parameters || takes;
+  for (const Key& key : info.keys)
+    if (key.form == Form::text || key.form == Form::choice || (takes && key.form == Form::any))
+      texts.keys.push_back(key.name);
+}
+
+Texts texts_of_type(const std::string& type) {
+  static const Registry kBuiltIn = builtin_registry();
+  Texts texts;
+  const auto look = [&](const auto& shelf) {
+    if (const auto* entry = shelf.find(type)) add_texts(entry->info, texts);
+  };
+  look(kBuiltIn.laws), look(kBuiltIn.translation_laws), look(kBuiltIn.rotation_laws);
+  look(kBuiltIn.links), look(kBuiltIn.forces);
+  return texts;
+}
+
+class Resolver {
+ public:
+  /// `source`: the scene with its formulas.
+  Resolver(Scene& scene, const Value& source) : scene_(scene), definitions_(source) {}
+
+  void resolve() {
+    Value::Object& root = *scene_.root.object();
+    scene_.parameters = definitions_.all();
+    for (Value::Member& m : root) {
+      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires"};
+      if (std::find(kTexts.begin(), kTexts.end(), m.key) != kTexts.end()) continue;
+      if (m.key == "parameters" || m.key == "points")
+        settle(m);
+      else
+        list(m);
+    }
+  }
+
+ private:
+  // "parameters" and "points" as they are computed.
+  void settle(Value::Member& m) {
+    for (Value::Member& each : *m.value.object())
+      for (const SceneParameter& p : scene_.parameters)
+        if (p.name == each.key) note(each.value), each.value = p.value;
+  }
+
+  void list(Value::Member& m) {
+    static const std::map<std::string, std::string> kKinds = {
+        {"bodies", "body"}, {"markers", "marker"}, {"links", "link"}, {"forces", "force"}, {"events", "event"}};
+    const auto kind = kKinds.find(m.key);
+    if (kind == kKinds.end() || m.value.list() == nullptr)
+      return walk(m.value, m.key == "run" ? "run" : part_of("scene", m.key));
+    for (std::size_t i = 0; i < m.value.list()->size(); ++i) {
+      Value& object = (*m.value.list())[i];
+      const std::string owner = owner_of(kind->second, object, m.key, i);
+      if (object.object() != nullptr) named_points(kind->second, object, owner);
+      walk(object, owner);
+    }
+  }
+
+  // -- names of points
+  void named_points(const std::string& kind, Value& object, const std::string& owner) {
+    if (kind == "body") {
+      for (Value::Member& m : *object.object()) {
+        if (m.key == "position") point(m.value, part_of(owner, m.key));
+        if (m.key == "rod" && m.value.object() != nullptr)
+          for (Value::Member& end : *m.value.object())
+            if (end.key == "from" || end.key == "to") point(end.value, part_of(part_of(owner, "rod"), end.key));
+      }
+    } else if (kind == "marker") {
+      for (Value::Member& m : *object.object())
+        if (m.key == "world_at" || m.key == "at")
+          if (point(m.value, part_of(owner, m.key))) m.key = "world_at";
+    } else if (kind == "link" || kind == "force") {
+      places(object, owner);
+      for (Value::Member& m : *object.object())
+        if (m.key == "pairs" && m.value.list() != nullptr)
+          for (std::size_t i = 0; i < m.value.list()->size(); ++i)
+            places((*m.value.list())[i], item(part_of(owner, "pairs"), i));
+    }
+  }
+  void places(Value& object, const std::string& owner) {
+    if (object.object() == nullptr) return;
+    for (Value::Member& m : *object.object())
+      if (m.key == "at" || m.key == "at_p" || m.key == "at_s") point(m.value, part_of(owner, m.key));
+  }
+  // The numbers of the point that is named; false where none is named.
+  bool point(Value& v, const std::string& context) {
+    if (v.text() == nullptr || is_formula(v)) return false;
+    const std::string name = *v.text();
+    if (!definitions_.is_point(name)) {
+      const std::vector<std::string> points = definitions_.names(true);
+      if (points.empty()) return false;  // the reader of the key says what it expects
+      refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
+    }
+    v = Definitions::placed_value(*definitions_.find(name), v.where);
+    return true;
+  }
+
+  // -- formulas
+  void note(const Value& v) {
+    if (is_formula(v)) scene_.formulas.emplace_back(v.where, *v.text());
+  }
+
+  void walk(Value& v, const std::string& context) {
+    if (is_formula(v)) {
+      note(v);
+      v = Definitions::placed_value(definitions_.evaluate(v, context), v.where);
+    } else if (Value::List* items = v.list()) {
+      for (std::size_t i = 0; i < items->size(); ++i)
+        if (needs_walk((*items)[i])) walk((*items)[i], item(context, i));
+    } else if (v.object() != nullptr) {
+      object(v, context);
+    }
+  }
+  // Numbers do not; a context is a text to be made.
+  static bool needs_walk(const Value& v) { return v.text() != nullptr || v.list() != nullptr || v.object() != nullptr; }
+
+  void object(Value& v, const std::string& context) {
+    const Value* type = v.find("type");
+    const Texts texts = type != nullptr && type->text() != nullptr ? texts_of_type(*type->text()) : Texts{};
+    const auto is_text = [&](const std::string& key) {
+      return key == "name" || key == "type" || key == "record" || key == "draw" ||
+             std::find(texts.keys.begin(), texts.keys.end(), key) != texts.keys.end();
+    };
+    for (Value::Member& m : *v.object())
+      if (needs_walk(m.value) && (m.key == "parameters" || !is_text(m.key))) walk(m.value, part_of(context, m.key));
+    if (texts.takes_parameters) give_parameters(v);
+  }
+
+  // The scene's parameters, but for those that the object names itself.
+  void give_parameters(Value& v) {
+    if (scene_.parameters.empty()) return;
+    auto own =
+        std::find_if(v.object()->begin(), v.object()->end(), [](const auto& m) { return m.key == "parameters"; });
+    if (own == v.object()->end()) {
+      v.object()->push_back({"parameters", Value(Value::Object{}), v.where});
+      v.object()->back().value.where = v.where;
+      own = std::prev(v.object()->end());
+    }
+    if (own->value.object() == nullptr) return;  // refused by its reader
+    for (const SceneParameter& p : scene_.parameters)
+      if (own->value.find(p.name) == nullptr) own->value.object()->push_back({p.name, p.value, p.value.where});
+  }
+
+  Scene& scene_;
+  Definitions definitions_;
+};
+
+}  // namespace
+
+void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
+  Value& root = scene.root;
+  const auto has = [&](const char* key) { return root.find(key) != nullptr; };
+  if (!has("parameters") && !has("points") && !has("repeat") && !has("include") && !holds_formula(root)) return;
+  scene.written = root;
+  if (!has("include") && !has("repeat")) return Resolver(scene, scene.written).resolve();
+  if (has("include")) expand_includes(root, files);
+  if (has("repeat")) expand_repeats(root);
+  const Value source = root;
+  Resolver(scene, source).resolve();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,34 @@
+// Parameters, points and formulas of a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/error.h>
+#include <lockstep/scene.h>
+
+namespace lockstep {
+
+/// Puts the values of parameters, points and formulas into their places: "=2*crank" becomes "0.2 m", "at": "A" the
+/// numbers of point A. Notes them in the scene; without any, the scene stays as it is. Formulas of time and coordinates
+/// stay texts and are given the parameters. Throws SceneError with place, key, formula and column.
+/// `files`: those that include this one, itself last; "repeat" and "include" are expanded.
+void resolve_formulas(Scene&, const std::vector<std::string>& files);
+
+/// Calls f(); a SceneError at the place of a formula gets the formula behind its sentence.
+template <class F>
+decltype(auto) with_formulas(const Scene& scene, F&& f) {
+  if (scene.formulas.empty()) return std::forward<F>(f)();
+  try {
+    return std::forward<F>(f)();
+  } catch (const SceneError& error) {
+    for (const auto& [where, text] : scene.formulas)
+      if (where.line != 0 && where.line == error.line && where.column == error.column &&
+          (where.file ? *where.file : std::string()) == error.file)
+        throw SceneError(std::string(error.what()) + "; it is the value of the formula \"" + text + "\"",
+                         static_cast<const ErrorData&>(error));
+    throw;
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,120 @@
+// Formulas as text to trees: "=A + crank*[cos(phi), sin(phi), 0]".
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <lockstep/export.h>
+#include "framework/mechanism/params/units.h"
+
+namespace lockstep::expression {
+
+inline constexpr int kMostNesting = 64;               ///< brackets, signs and choices within one another
+inline constexpr std::size_t kMostNodes = 400;        ///< numbers, names and operations of a formula
+inline constexpr std::size_t kMostCharacters = 4000;  ///< of a formula
+
+/// What a node of a formula is.
+enum class Operation {
+  number,
+  name,
+  negate,
+  negation,  ///< !a
+  add,
+  subtract,
+  multiply,
+  divide,
+  power,
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  equal,
+  unequal,
+  conjunction,  ///< a && b
+  disjunction,  ///< a || b
+  choose,       ///< a ? b : c
+  call,
+  vector,    ///< [a, b, c]
+  component  ///< a.x, number 0, 1 or 2 in `index`
+};
+
+/// The functions of formulas.
+enum class Function {
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan,
+  atan2,
+  sinh,
+  cosh,
+  tanh,
+  sqrt,
+  exp,
+  log,
+  abs,
+  sign,
+  floor,
+  ceil,
+  round,
+  mod,
+  min,
+  max,
+  hypot,
+  norm,
+  dot,
+  cross
+};
+
+/// A node of a formula; `children` are numbers of nodes before it.
+struct Node {
+  Operation operation = Operation::number;
+  std::size_t at = 0;     ///< where it begins in the text
+  double value = 0;       ///< of a number, SI
+  Dimension dimension{};  ///< of a number
+  bool measured = false;  ///< whether a number has a unit
+  std::string name{};
+  Function function{};
+  int index = 0;
+  std::vector<int> children{};
+};
+
+/// A formula. Precedence, from the loosest: ? :, ||, &&, one comparison, + -, * /, signs and !, ^ (from the right),
+/// components .x .y .z. Directly behind a number stands its unit, as far as symbols of units go: "9.81 m/s^2".
+class LOCKSTEP_API Expression {
+ public:
+  /// Reads a formula, with or without "=" before it. `variables`: names that stand for no unit, so that "2 t" is no two
+  /// tonnes. Throws ModelError with the formula, the column and what was expected.
+  explicit Expression(std::string text, std::span<const std::string> variables = {});
+
+  const std::string& text() const { return text_; }
+  const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  int root() const { return static_cast<int>(nodes_.size()) - 1; }
+  const std::vector<Node>& nodes() const { return nodes_; }
+
+  /// Throws ModelError: problem at this place of the formula.
+  [[noreturn]] void refuse(std::size_t at, const std::string& problem) const;
+  [[noreturn]] void refuse(const Node& node, const std::string& problem) const { refuse(node.at, problem); }
+
+ private:
+  friend class ExpressionParser;
+  std::string text_;
+  std::vector<Node> nodes_;
+};
+
+/// Whether it may name a parameter: a letter or '_', then letters, digits and '_'; no function or constant.
+/// Otherwise `problem` says why not.
+LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);
+
+/// "sin", "cos", ..., then "pi": for messages.
+LOCKSTEP_API std::vector<std::string> names_of_functions();
+/// As written in formulas.
+LOCKSTEP_API std::string_view name_of(Function);
+/// How a message speaks of an operation: "+".
+LOCKSTEP_API std::string_view sign_of(Operation);
+
+}  // namespace lockstep::expression

@@ -1,0 +1,94 @@
+// A formula of variables, such as the time, evaluated on numbers, on jets and on intervals.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/jet.h>
+#include <lockstep/params.h>
+#include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/expression/interval.h"
+
+namespace lockstep::expression {
+
+/// A step of a formula: an operation on the results of steps before it.
+struct Term {
+  enum class Kind {
+    constant,
+    variable,
+    add,
+    subtract,
+    multiply,
+    divide,
+    negate,
+    power,        ///< a^value
+    raise,        ///< a^b
+    less,         ///< a < b
+    less_equal,   ///< a <= b
+    equal,        ///< a == b
+    negation,     ///< !a
+    conjunction,  ///< a && b
+    disjunction,  ///< a || b
+    choose,       ///< a ? b : c
+    call          ///< function of a, or of a and b
+  };
+  Kind kind = Kind::constant;
+  Function function{};
+  double value = 0;  ///< of a constant, or an exponent
+  int a = 0, b = 0, c = 0;
+};
+
+/// A number of a formula of functions, by name: SI.
+struct Constant {
+  std::string name;
+  double value[3] = {0, 0, 0};
+  bool is_vector = false;  ///< read as A.x, A.y, A.z
+};
+
+/// A formula compiled once. All numbers are SI. Evaluation allocates nothing and never throws; what has no value is NaN.
+/// At an instant at which a comparison meets equality, it holds as it does just afterwards: jets with equal values are
+/// compared by their rates.
+class LOCKSTEP_API FormulaFunction {
+ public:
+  FormulaFunction() = default;
+  /// `variables` in the order of operator(). Throws ModelError with formula, column and problem.
+  FormulaFunction(const std::string& text, const std::vector<std::string>& variables,
+                  const std::vector<Constant>& constants = {});
+
+  const std::string& text() const { return text_; }
+  /// Whether it reads this variable.
+  bool reads(int variable) const;
+  bool is_constant() const;
+
+  /// The value; T: double, Time, a jet.
+  template <class T>
+  T operator()(std::span<const T> variables) const;
+
+  /// Whether a comparison, |a|, min, max, sign, floor, ceil, round or mod is in it.
+  bool has_switches() const { return has_switches_; }
+  /// Appends the instants in (t0, t1) at which one of these switches, of a formula whose only variable that counts is
+  /// number `time`; those that depend on others switch where they will.
+  void breakpoints(int time, double t0, double t1, std::vector<double>& out) const;
+
+ private:
+  friend class FormulaCompiler;
+  std::string text_;
+  std::vector<Term> terms_;
+  int n_variables_ = 0;
+  bool has_switches_ = false;
+};
+
+extern template LOCKSTEP_API double FormulaFunction::operator()(std::span<const double>) const;
+extern template LOCKSTEP_API Time FormulaFunction::operator()(std::span<const Time>) const;
+extern template LOCKSTEP_API Jet<4> FormulaFunction::operator()(std::span<const Jet<4>>) const;
+extern template LOCKSTEP_API Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
+
+/// The constants that an object gives as "parameters": {"R": "20 mm", "A": [0, 0, 1], ...}. Throws SceneError.
+LOCKSTEP_API std::vector<Constant> read_constants(const Params&, const std::string& key);
+
+/// The key "parameters" of a type with formulas.
+LOCKSTEP_API Key constants_key();
+
+}  // namespace lockstep::expression

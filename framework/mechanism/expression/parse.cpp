@@ -1,0 +1,374 @@
+#include "framework/mechanism/expression/expression.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+
+namespace lockstep::expression {
+namespace {
+
+struct Signature {
+  std::string_view name;
+  Function function;
+  std::size_t least, most;  // arguments
+};
+constexpr std::size_t kAny = 16;
+constexpr std::array<Signature, 25> kFunctions{
+    {{"sin", Function::sin, 1, 1},        {"cos", Function::cos, 1, 1},    {"tan", Function::tan, 1, 1},
+     {"asin", Function::asin, 1, 1},      {"acos", Function::acos, 1, 1},  {"atan", Function::atan, 1, 1},
+     {"atan2", Function::atan2, 2, 2},    {"sinh", Function::sinh, 1, 1},  {"cosh", Function::cosh, 1, 1},
+     {"tanh", Function::tanh, 1, 1},      {"sqrt", Function::sqrt, 1, 1},  {"exp", Function::exp, 1, 1},
+     {"log", Function::log, 1, 1},        {"abs", Function::abs, 1, 1},    {"sign", Function::sign, 1, 1},
+     {"floor", Function::floor, 1, 1},    {"ceil", Function::ceil, 1, 1},  {"round", Function::round, 1, 1},
+     {"mod", Function::mod, 2, 2},        {"min", Function::min, 2, kAny}, {"max", Function::max, 2, kAny},
+     {"hypot", Function::hypot, 2, kAny}, {"norm", Function::norm, 1, 1},  {"dot", Function::dot, 2, 2},
+     {"cross", Function::cross, 2, 2}}};
+
+const Signature* signature(std::string_view name) {
+  for (const Signature& s : kFunctions)
+    if (s.name == name) return &s;
+  return nullptr;
+}
+
+struct Binary {
+  std::string_view sign;
+  Operation operation;
+  int level;  // 1 binds loosest
+};
+// Longer signs first: "<=" before "<".
+constexpr std::array<Binary, 12> kBinary{{{"||", Operation::disjunction, 1},
+                                          {"&&", Operation::conjunction, 2},
+                                          {"<=", Operation::less_equal, 3},
+                                          {">=", Operation::greater_equal, 3},
+                                          {"==", Operation::equal, 3},
+                                          {"!=", Operation::unequal, 3},
+                                          {"<", Operation::less, 3},
+                                          {">", Operation::greater, 3},
+                                          {"+", Operation::add, 4},
+                                          {"-", Operation::subtract, 4},
+                                          {"*", Operation::multiply, 5},
+                                          {"/", Operation::divide, 5}}};
+constexpr int kComparison = 3, kSigns = 6;
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool begins_name(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
+}
+
+}  // namespace
+
+// Recursive descent; every descent counts against kMostNesting.
+class ExpressionParser {
+ public:
+  ExpressionParser(Expression& e, std::span<const std::string> variables)
+      : e_(e), text_(e.text_), variables_(variables) {
+    if (text_.size() > kMostCharacters)
+      fail(0, "it has " + std::to_string(text_.size()) + " characters, the limit is " +
+                  std::to_string(kMostCharacters) + "; name parts of it as parameters");
+    skip_blanks();
+    if (at_ < text_.size() && text_[at_] == '=') ++at_;
+  }
+
+  void parse() {
+    choice();
+    skip_blanks();
+    if (at_ == text_.size()) return;
+    if (text_[at_] == ')' || text_[at_] == ']') fail(at_, "nothing is open that this closes; remove it");
+    if (text_[at_] == ',') fail(at_, "a comma stands between arguments only; the decimal separator is a point");
+    fail(at_, "expected an operator or the end of the formula");
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t at, const std::string& problem) const { e_.refuse(at, problem); }
+  void skip_blanks() {
+    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  }
+  char next() {
+    skip_blanks();
+    return at_ < text_.size() ? text_[at_] : '\0';
+  }
+  bool take(std::string_view sign) {
+    skip_blanks();
+    if (!std::string_view(text_).substr(at_).starts_with(sign)) return false;
+    at_ += sign.size();
+    return true;
+  }
+  void expect(std::string_view sign, std::size_t opened, const char* what) {
+    if (take(sign)) return;
+    fail(at_, "expected \"" + std::string(sign) + "\" for the " + what + " at column " + std::to_string(opened + 1));
+  }
+
+  struct Descent {
+    ExpressionParser& p;
+    explicit Descent(ExpressionParser& parser) : p(parser) {
+      if (++p.depth_ > kMostNesting)
+        p.fail(p.at_, "it is nested deeper than " + std::to_string(kMostNesting) + "; name parts of it as parameters");
+    }
+    ~Descent() { --p.depth_; }
+    Descent(const Descent&) = delete;
+    Descent& operator=(const Descent&) = delete;
+  };
+
+  int put(Operation operation, std::size_t at, std::vector<int> children = {}) {
+    if (e_.nodes_.size() == kMostNodes)
+      fail(at, "it has more than " + std::to_string(kMostNodes) + " parts; name parts of it as parameters");
+    Node node;
+    node.operation = operation, node.at = at, node.children = std::move(children);
+    e_.nodes_.push_back(std::move(node));
+    return e_.root();
+  }
+  Node& last() { return e_.nodes_.back(); }
+
+  int choice() {
+    const Descent descent(*this);
+    const int condition = binary(1);
+    skip_blanks();
+    const std::size_t at = at_;
+    if (!take("?")) return condition;
+    const int yes = choice();
+    expect(":", at, "\"?\"");
+    const int no = choice();
+    return put(Operation::choose, at, {condition, yes, no});
+  }
+
+  const Binary* sign_at(int level) {
+    skip_blanks();
+    for (const Binary& b : kBinary)
+      if (std::string_view(text_).substr(at_).starts_with(b.sign)) return b.level == level ? &b : nullptr;
+    return nullptr;
+  }
+
+  int binary(int level) {
+    if (level == kSigns) return signs();
+    int left = binary(level + 1);
+    for (const Binary* b = sign_at(level); b != nullptr; b = sign_at(level)) {
+      const std::size_t at = at_;
+      at_ += b->sign.size();
+      const int right = binary(level + 1);
+      left = put(b->operation, at, {left, right});
+      if (level == kComparison && sign_at(level) != nullptr)
+        fail(at_, "one comparison follows another; write \"a < b && b < c\"");
+    }
+    return left;
+  }
+
+  int signs() {
+    const std::size_t at = (skip_blanks(), at_);
+    const bool no = next() == '!', minus = next() == '-';
+    if (!no && !minus && next() != '+') return power();
+    const Descent descent(*this);
+    ++at_;
+    const int of = signs();
+    return no ? put(Operation::negation, at, {of}) : minus ? put(Operation::negate, at, {of}) : of;
+  }
+
+  int power() {
+    const int base = components();
+    skip_blanks();
+    const std::size_t at = at_;
+    if (!take("^")) return base;
+    if (next() == '*' || next() == '^') fail(at_, "expected an exponent");
+    const Descent descent(*this);
+    const int exponent = signs();
+    return put(Operation::power, at, {base, exponent});
+  }
+
+  int components() {
+    int of = primary();
+    while (at_ + 1 < text_.size() && text_[at_] == '.') {
+      const std::size_t at = at_;
+      const std::size_t k = std::string_view("xyz").find(text_[at_ + 1]);
+      const bool longer = at_ + 2 < text_.size() && (begins_name(text_[at_ + 2]) || is_digit(text_[at_ + 2]));
+      if (k == std::string_view::npos || longer) fail(at, "expected \".x\", \".y\" or \".z\", a component of a point");
+      at_ += 2;
+      of = put(Operation::component, at, {of});
+      last().index = static_cast<int>(k);
+    }
+    return of;
+  }
+
+  int primary() {
+    const char c = next();
+    const std::size_t at = at_;
+    if (is_digit(c) || (c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]))) return number();
+    if (begins_name(c)) return name();
+    if (take("(")) {
+      const int inside = choice();
+      expect(")", at, "bracket");
+      return inside;
+    }
+    if (take("[")) return vector(at);
+    if (c == '\0') fail(at, "it ends where a number, a name or a bracket is expected");
+    fail(at, "expected a number, a name or a bracket");
+  }
+
+  int vector(std::size_t at) {
+    std::vector<int> items = list("]", at, "list");
+    if (items.size() != 3) fail(at, "a list of " + std::to_string(items.size()) + "; a vector has 3 components");
+    return put(Operation::vector, at, std::move(items));
+  }
+
+  std::vector<int> list(std::string_view end, std::size_t opened, const char* what) {
+    std::vector<int> items;
+    if (take(end)) return items;
+    do {
+      items.push_back(choice());
+    } while (take(","));
+    expect(end, opened, what);
+    return items;
+  }
+
+  std::string_view word() {
+    std::size_t end = at_;
+    while (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) ++end;
+    return std::string_view(text_).substr(at_, end - at_);
+  }
+
+  int name() {
+    const std::size_t at = at_;
+    const std::string called(word());
+    at_ += called.size();
+    if (next() != '(') {
+      put(Operation::name, at);
+      last().name = called;
+      return e_.root();
+    }
+    const Signature* s = signature(called);
+    if (s == nullptr) fail(at, "unknown function \"" + called + "\"" + text::suggestion(called, names_of_functions()));
+    const std::size_t open = at_++;
+    std::vector<int> arguments = list(")", open, "bracket");
+    if (arguments.size() < s->least || arguments.size() > s->most)
+      fail(at, called + " takes " + std::to_string(s->least) + (s->most > s->least ? " or more" : "") +
+                   (s->most == 1 ? " argument" : " arguments") + ", and " + std::to_string(arguments.size()) +
+                   (arguments.size() == 1 ? " is given" : " are given"));
+    put(Operation::call, at, std::move(arguments));
+    last().function = s->function;
+    return e_.root();
+  }
+
+  // Length of the unit that begins at `from`: its symbol, power, and what follows by blanks or "/"; 0 where none does.
+  std::size_t unit_length(std::size_t from) const {
+    const std::string_view rest = std::string_view(text_).substr(from);
+    std::size_t whole = 0, end = 0;
+    for (bool first = true;; first = false) {
+      std::size_t begin = whole;
+      while (begin < rest.size() && is_blank(rest[begin])) ++begin;
+      if (!first && begin < rest.size() && rest[begin] == '/') {
+        ++begin;
+        while (begin < rest.size() && is_blank(rest[begin])) ++begin;
+      } else if (!first && begin == whole) {
+        break;
+      }
+      if (begin == rest.size() || !begins_name(rest[begin])) break;
+      end = begin;
+      while (end < rest.size() && (begins_name(rest[end]) || is_digit(rest[end]))) ++end;
+      const bool power =
+          end + 1 < rest.size() && rest[end] == '^' &&
+          (is_digit(rest[end + 1]) || (rest[end + 1] == '-' && end + 2 < rest.size() && is_digit(rest[end + 2])));
+      if (power)
+        for (end += 2; end < rest.size() && is_digit(rest[end]);) ++end;
+      if (!dimension_of(rest.substr(0, end))) break;
+      whole = end;
+    }
+    return whole;
+  }
+
+  int number() {
+    const std::size_t at = at_;
+    double x = 0;
+    const char* begin = text_.data() + at_;
+    const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), x);
+    if (error == std::errc::result_out_of_range)
+      fail(at, "the number is beyond the range of numbers (1e-308 to 1e308)");
+    at_ += static_cast<std::size_t>(end - begin);
+    put(Operation::number, at);
+    const std::size_t node = static_cast<std::size_t>(e_.root()), behind = at_;
+    last().value = x;
+    if (!begins_name(next())) return at_ = behind, e_.root();
+    unit(node);
+    return e_.root();
+  }
+
+  void unit(std::size_t of) {
+    const std::string first(word());
+    const bool variable = std::find(variables_.begin(), variables_.end(), first) != variables_.end();
+    const std::size_t length = variable ? 0 : unit_length(at_);
+    if (length == 0)
+      fail(at_, variable ? "\"" + first + "\" stands behind a number; write a product with \"*\""
+                         : "unknown unit \"" + first + "\"; a product is written with \"*\"");
+    Node& node = e_.nodes_[of];
+    const std::string unit = text_.substr(at_, length);
+    const Measured si = in_si(node.value, unit);
+    if (!si.problem.empty()) fail(node.at, si.problem);
+    node.value = si.value, node.dimension = *dimension_of(unit), node.measured = true;
+    at_ += length;
+    if (next() == '^')
+      fail(at_, "the power of a unit stands directly behind it, as in \"m/s^2\"; a power of the whole needs a bracket");
+  }
+
+  Expression& e_;
+  const std::string& text_;
+  std::span<const std::string> variables_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+};
+
+Expression::Expression(std::string text, std::span<const std::string> variables) : text_(std::move(text)) {
+  ExpressionParser(*this, variables).parse();
+}
+
+void Expression::refuse(std::size_t at, const std::string& problem) const {
+  constexpr std::size_t kMost = 60, kRest = 24;
+  const auto plain = [](std::string part) {
+    for (char& c : part)
+      if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    return part;
+  };
+  const auto cut = [](std::string_view s, std::size_t most) {  // not inside of a character
+    if (s.size() <= most) return std::string(s);
+    while (most > 0 && (static_cast<unsigned char>(s[most]) & 0xC0) == 0x80) --most;
+    return std::string(s.substr(0, most)) + "...";
+  };
+  std::size_t column = 1;
+  for (std::size_t i = 0; i < std::min(at, text_.size()); ++i)
+    column += (static_cast<unsigned char>(text_[i]) & 0xC0) != 0x80 ? 1 : 0;
+  const std::string rest = at < text_.size() ? cut(std::string_view(text_).substr(at), kRest) : "";
+  throw ModelError("formula \"" + plain(cut(text_, kMost)) + "\", column " + std::to_string(column) +
+                   (rest.empty() || at == 0 ? "" : " (\"" + plain(rest) + "\")") + ": " + problem);
+}
+
+bool is_name(std::string_view word, std::string& problem) {
+  problem.clear();
+  const bool plain = !word.empty() && begins_name(word.front()) &&
+                     std::all_of(word.begin(), word.end(), [](char c) { return begins_name(c) || is_digit(c); });
+  if (!plain) problem = "a name is made of letters, digits and '_', and begins with no digit";
+  if (signature(word) != nullptr || word == "pi") problem = "it is a function or constant of formulas";
+  return problem.empty();
+}
+
+std::vector<std::string> names_of_functions() {
+  std::vector<std::string> names;
+  for (const Signature& s : kFunctions) names.emplace_back(s.name);
+  names.emplace_back("pi");
+  return names;
+}
+
+std::string_view name_of(Function f) {
+  for (const Signature& s : kFunctions)
+    if (s.function == f) return s.name;
+  return "";
+}
+
+std::string_view sign_of(Operation o) {
+  for (const Binary& b : kBinary)
+    if (b.operation == o) return b.sign;
+  return o == Operation::choose ? "?" : o == Operation::power ? "^" : o == Operation::negate ? "-" : "";
+}
+
+}  // namespace lockstep::expression

@@ -1,0 +1,341 @@
+#include "framework/mechanism/expression/quantity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <lockstep/error.h>
+#include <lockstep/math.h>
+#include <lockstep/text.h>
+
+namespace lockstep::expression {
+namespace {
+
+Exponents exponents_of(const Dimension& d) { return {double(d.m), double(d.kg), double(d.s), double(d.rad)}; }
+Exponents scaled(const Exponents& e, double p) { return {p * e.m, p * e.kg, p * e.s, p * e.rad}; }
+Exponents product(const Exponents& a, const Exponents& b, double sign) {
+  return {a.m + sign * b.m, a.kg + sign * b.kg, a.s + sign * b.s, a.rad + sign * b.rad};
+}
+
+// An angle times a length is an arc: the radian goes.
+Exponents settled(Exponents e) {
+  if (e.m != 0 && e.rad > 0) e.rad = 0;
+  return e;
+}
+
+std::optional<Dimension> whole(const Exponents& e) {
+  const auto fits = [](double p) { return p == std::round(p) && std::abs(p) <= 6; };
+  if (!fits(e.m) || !fits(e.kg) || !fits(e.s) || !fits(e.rad)) return std::nullopt;
+  return Dimension{int(e.m), int(e.kg), int(e.s), int(e.rad)};
+}
+
+std::string article_name(const Exponents& e) {
+  const std::optional<Dimension> d = whole(settled(e));
+  return d ? lockstep::article_name_of(*d) : "a quantity of broken dimension";
+}
+
+bool is_pure(const Amount& q) { return q.dimension == Exponents{}; }
+bool is_angle(const Amount& q) { return q.dimension == Exponents{0, 0, 0, 1}; }
+
+class Evaluation {
+ public:
+  Evaluation(const Expression& e, const Names& names, const Known& known) : e_(e), names_(names), known_(known) {}
+
+  Amount of(int i) const {
+    const Node& n = e_.node(i);
+    const Amount q = made(n);
+    for (const double x : q.v)
+      if (!std::isfinite(x)) refuse(n, "its value is not finite" + operands(n));
+    return q;
+  }
+
+ private:
+  [[noreturn]] void refuse(const Node& n, const std::string& problem) const { e_.refuse(n, problem); }
+  Amount child(const Node& n, std::size_t k) const { return of(n.children[k]); }
+
+  std::string operands(const Node& n) const {
+    std::string words;
+    for (const int k : n.children) words += (words.empty() ? "; it is of " : " and ") + words_of(of(k));
+    return words;
+  }
+
+  Amount made(const Node& n) const {
+    switch (n.operation) {
+      case Operation::number: {
+        Amount q = Amount::number(n.value);
+        q.dimension = exponents_of(n.dimension), q.measured = n.measured, q.is_zero = n.value == 0 && !n.measured;
+        return q;
+      }
+      case Operation::name:
+        return named(n);
+      case Operation::negate: {
+        Amount q = child(n, 0);
+        for (double& x : q.v) x = -x;
+        return q;
+      }
+      case Operation::negation:
+        return Amount::number(truth(n, 0) ? 0 : 1);
+      case Operation::add:
+      case Operation::subtract:
+        return sum(n);
+      case Operation::multiply:
+        return times(n, child(n, 0), child(n, 1));
+      case Operation::divide:
+        return quotient(n);
+      case Operation::power:
+        return power(n);
+      case Operation::conjunction:
+        return Amount::number(truth(n, 0) && truth(n, 1) ? 1 : 0);
+      case Operation::disjunction:
+        return Amount::number(truth(n, 0) || truth(n, 1) ? 1 : 0);
+      case Operation::choose:
+        return truth(n, 0) ? child(n, 1) : child(n, 2);
+      case Operation::vector:
+        return vector(n);
+      case Operation::component: {
+        Amount q = child(n, 0);
+        if (!q.is_vector) refuse(n, "only a point or a vector has components, and this is " + article_name_of(q));
+        q.v[0] = q.v[n.index], q.v[1] = q.v[2] = 0, q.is_vector = false;
+        return q;
+      }
+      case Operation::call:
+        return call(n);
+      default:
+        return compared(n);
+    }
+  }
+
+  Amount named(const Node& n) const {
+    if (n.name == "pi") return Amount::number(kPi);
+    if (const Amount* q = names_(n.name)) return *q;
+    std::vector<std::string> known = known_ ? known_() : std::vector<std::string>{};
+    known.emplace_back("pi");
+    refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
+  }
+
+  // Gives both the dimension of the one that has it; refuses two that differ. What of `a` and `b` is written as 0 fits.
+  void unite(const Node& n, Amount& a, Amount& b, const char* how) const {
+    if (a.is_zero) a.dimension = b.dimension, a.measured = b.measured;
+    if (b.is_zero) b.dimension = a.dimension, b.measured = a.measured;
+    const Exponents to = settled(a.dimension);
+    if (!(to == settled(b.dimension)))
+      refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how +
+                    (a.measured != b.measured ? "; give the number a unit, as in \"0.1 m\"" : ""));
+    if (a.is_vector != b.is_vector) refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how);
+    a.dimension = b.dimension = to;
+  }
+
+  Amount sum(const Node& n) const {
+    Amount a = child(n, 0), b = child(n, 1);
+    const double sign = n.operation == Operation::add ? 1 : -1;
+    unite(n, a, b, sign > 0 ? "added" : "subtracted");
+    for (int k = 0; k < 3; ++k) a.v[k] += sign * b.v[k];
+    a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
+    return a;
+  }
+
+  Amount times(const Node& n, const Amount& a, const Amount& b) const {
+    if (a.is_vector && b.is_vector) refuse(n, "a product of two vectors; write dot(a, b) or cross(a, b)");
+    Amount q = a.is_vector ? a : b;
+    const double factor = (a.is_vector ? b : a).v[0];
+    for (double& x : q.v) x *= factor;
+    q.dimension = product(a.dimension, b.dimension, 1);
+    q.measured = a.measured || b.measured, q.is_zero = false;
+    return q;
+  }
+
+  Amount quotient(const Node& n) const {
+    Amount a = child(n, 0);
+    const Amount b = child(n, 1);
+    if (b.is_vector) refuse(n, "a division by a vector; write a / norm(b)");
+    if (b.v[0] == 0) refuse(n, "a division by zero");
+    for (double& x : a.v) x /= b.v[0];
+    a.dimension = product(a.dimension, b.dimension, -1), a.measured = a.measured || b.measured, a.is_zero = false;
+    return a;
+  }
+
+  Amount power(const Node& n) const {
+    Amount a = child(n, 0);
+    const Amount p = child(n, 1);
+    if (a.is_vector) refuse(n, "a power of a vector; write dot(a, a)");
+    if (p.is_vector || !is_pure(p)) refuse(n, "the exponent is " + article_name_of(p) + "; a pure number is expected");
+    if (a.v[0] < 0 && p.v[0] != std::round(p.v[0])) refuse(n, text::brief(a.v[0]) + " to a power that is not whole");
+    if (a.v[0] == 0 && p.v[0] < 0) refuse(n, "a division by zero: a negative power of 0");
+    a.v[0] = std::pow(a.v[0], p.v[0]), a.dimension = scaled(a.dimension, p.v[0]), a.is_zero = false;
+    a.measured = a.measured || p.measured;
+    return a;
+  }
+
+  bool truth(const Node& n, std::size_t k) const {
+    const Amount q = child(n, k);
+    if (q.is_vector || !is_pure(q))
+      e_.refuse(e_.node(n.children[k]), "a condition is expected, as in \"a > b\", and this is " + article_name_of(q));
+    return q.v[0] != 0;
+  }
+
+  Amount compared(const Node& n) const {
+    Amount a = child(n, 0), b = child(n, 1);
+    unite(n, a, b, "compared");
+    if (a.is_vector) refuse(n, "two vectors are compared; compare norm(a)");
+    const double x = a.v[0], y = b.v[0];
+    const Operation o = n.operation;
+    const bool holds = o == Operation::less            ? x < y
+                       : o == Operation::less_equal    ? x <= y
+                       : o == Operation::greater       ? x > y
+                       : o == Operation::greater_equal ? x >= y
+                       : o == Operation::equal         ? x == y
+                                                       : x != y;
+    return Amount::number(holds ? 1 : 0);
+  }
+
+  Amount vector(const Node& n) const {
+    Amount parts[3] = {child(n, 0), child(n, 1), child(n, 2)};
+    Amount like = parts[0];
+    for (const Amount& p : parts) {
+      if (p.is_vector) refuse(n, "a component of a vector is a vector; write numbers");
+      if (like.is_zero && !p.is_zero) like = p;
+    }
+    Amount q;
+    q.is_vector = true, q.dimension = settled(like.dimension);
+    for (int k = 0; k < 3; ++k) {
+      Amount with = like;
+      unite(n, with, parts[k], "components of one vector");
+      q.v[k] = parts[k].v[0], q.measured = q.measured || parts[k].measured;
+    }
+    q.is_zero = like.is_zero;
+    return q;
+  }
+
+  // -- functions
+  std::vector<Amount> arguments(const Node& n) const {
+    std::vector<Amount> all;
+    for (const int k : n.children) all.push_back(of(k));
+    return all;
+  }
+  [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const std::string& expected) const {
+    refuse(n, std::string(name_of(n.function)) + " of " + article_name_of(q) + "; " + expected + " is expected");
+  }
+
+  Amount call(const Node& n) const {
+    std::vector<Amount> a = arguments(n);
+    const bool of_vectors =
+        n.function == Function::norm || n.function == Function::dot || n.function == Function::cross;
+    for (const Amount& q : a)
+      if (q.is_vector != of_vectors) refuse_argument(n, q, of_vectors ? "a vector" : "a number");
+    Amount q = Amount::number(0);
+    for (const Amount& x : a) q.measured = q.measured || x.measured;
+    double& y = q.v[0];
+    const double x = a[0].v[0];
+    const auto pure = [&](bool angle) {
+      if (!is_pure(a[0]) && !(angle && is_angle(a[0])))
+        refuse_argument(n, a[0], angle ? "an angle or a pure number" : "a pure number");
+    };
+    const auto like = [&] {  // of the dimension of the arguments, which are of one
+      for (std::size_t k = 1; k < a.size(); ++k) unite(n, a[0], a[k], "arguments of one function");
+      q.dimension = a[0].dimension;
+    };
+    const auto angle = [&] { q.dimension = {0, 0, 0, 1}, q.measured = true; };
+    const auto within = [&](bool inside, const char* range) {
+      if (!inside) refuse(n, std::string(name_of(n.function)) + " of " + text::brief(x) + "; it must be " + range);
+    };
+    switch (n.function) {
+      case Function::sin:
+        return pure(true), y = std::sin(x), q;
+      case Function::cos:
+        return pure(true), y = std::cos(x), q;
+      case Function::tan:
+        return pure(true), y = std::tan(x), q;
+      case Function::asin:
+        return pure(false), within(std::abs(x) <= 1, "from -1 to 1"), angle(), y = std::asin(x), q;
+      case Function::acos:
+        return pure(false), within(std::abs(x) <= 1, "from -1 to 1"), angle(), y = std::acos(x), q;
+      case Function::atan:
+        return pure(false), angle(), y = std::atan(x), q;
+      case Function::atan2:
+        return like(), angle(), y = std::atan2(x, a[1].v[0]), q;
+      case Function::sinh:
+        return pure(false), y = std::sinh(x), q;
+      case Function::cosh:
+        return pure(false), y = std::cosh(x), q;
+      case Function::tanh:
+        return pure(false), y = std::tanh(x), q;
+      case Function::sqrt:
+        return within(x >= 0, "0 or more"), q.dimension = scaled(a[0].dimension, 0.5), y = std::sqrt(x), q;
+      case Function::exp:
+        return pure(false), y = std::exp(x), q;
+      case Function::log:
+        return pure(false), within(x > 0, "more than 0"), y = std::log(x), q;
+      case Function::abs:
+        return like(), y = std::abs(x), q;
+      case Function::sign:
+        return q.measured = false, y = double(x > 0) - double(x < 0), q;
+      case Function::floor:
+        return pure(false), y = std::floor(x), q;
+      case Function::ceil:
+        return pure(false), y = std::ceil(x), q;
+      case Function::round:
+        return pure(false), y = std::round(x), q;
+      case Function::mod:
+        like();
+        if (a[1].v[0] == 0) refuse(n, "mod by zero");
+        return y = x - a[1].v[0] * std::floor(x / a[1].v[0]), q;
+      case Function::min:
+      case Function::max:
+        like(), y = x;
+        for (const Amount& b : a) y = n.function == Function::min ? std::min(y, b.v[0]) : std::max(y, b.v[0]);
+        return q;
+      case Function::hypot:
+        like(), y = 0;
+        for (const Amount& b : a) y = std::hypot(y, b.v[0]);
+        return q;
+      case Function::norm:
+        return like(), y = std::hypot(a[0].v[0], a[0].v[1], a[0].v[2]), q;
+      case Function::dot:
+        q.dimension = product(a[0].dimension, a[1].dimension, 1);
+        for (int k = 0; k < 3; ++k) y += a[0].v[k] * a[1].v[k];
+        return q;
+      case Function::cross:
+        q.dimension = product(a[0].dimension, a[1].dimension, 1), q.is_vector = true;
+        for (int k = 0; k < 3; ++k) {
+          const int i = (k + 1) % 3, j = (k + 2) % 3;
+          q.v[k] = a[0].v[i] * a[1].v[j] - a[0].v[j] * a[1].v[i];
+        }
+        return q;
+    }
+    return q;
+  }
+
+  const Expression& e_;
+  const Names& names_;
+  const Known& known_;
+};
+
+}  // namespace
+
+Amount evaluate(const Expression& e, const Names& names, const Known& known) {
+  Amount q = Evaluation(e, names, known).of(e.root());
+  q.dimension = settled(q.dimension);
+  if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a broken or a high power)");
+  return q;
+}
+
+Value value_of(const Amount& q) {
+  const std::string unit = si_unit(whole(q.dimension).value_or(Dimension{}));
+  const auto one = [&](double x) { return q.measured ? Value(text::number(x) + " " + unit) : Value(x); };
+  if (!q.is_vector) return one(q.v[0]);
+  return Value(Value::List{one(q.v[0]), one(q.v[1]), one(q.v[2])});
+}
+
+std::string words_of(const Amount& q) {
+  const std::optional<Dimension> d = whole(settled(q.dimension));
+  const std::string unit = d && *d != Dimension{} ? " " + si_unit(*d) : "";
+  if (!q.is_vector) return text::brief(q.v[0]) + unit;
+  return "[" + text::brief(q.v[0]) + ", " + text::brief(q.v[1]) + ", " + text::brief(q.v[2]) + "]" + unit;
+}
+
+std::string article_name_of(const Amount& q) {
+  const std::string one = article_name(q.dimension);
+  return q.is_vector ? "a vector (" + one + ")" : one;
+}
+
+}  // namespace lockstep::expression

@@ -1,0 +1,54 @@
+// Formulas of numbers with units: what stands in a scene in place of a number or a vector.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <lockstep/export.h>
+#include <lockstep/params.h>
+#include "framework/mechanism/expression/expression.h"
+
+namespace lockstep::expression {
+
+/// Exponents of metre, kilogram, second and radian; a root may leave halves.
+struct Exponents {
+  double m = 0, kg = 0, s = 0, rad = 0;
+  bool operator==(const Exponents&) const = default;
+};
+
+/// A number or a vector with its dimension.
+struct Amount {
+  double v[3] = {0, 0, 0};  ///< SI
+  bool is_vector = false;
+  Exponents dimension{};
+  bool measured = false;  ///< whether units took part; numbers without any are those of their place, in SI
+  bool is_zero = false;   ///< a written 0, which is of every dimension
+
+  static Amount number(double x) {
+    Amount q;
+    q.v[0] = x;
+    return q;
+  }
+};
+
+/// The quantity of a name. Throws ModelError; nullptr for a name that is not known.
+using Names = std::function<const Amount*(const std::string&)>;
+
+/// All names that are known.
+using Known = std::function<std::vector<std::string>()>;
+
+/// The value of a formula. Lengths and masses are not added, sines are of angles or pure numbers, a product of an angle
+/// and a length is an arc, a length. `known`: names for "did you mean". Throws ModelError with formula, column and what
+/// is wrong.
+LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const Known& known = {});
+
+/// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.
+/// Throws ModelError for a dimension that has no unit, and for what is not finite.
+LOCKSTEP_API Value value_of(const Amount&);
+
+/// "0.12 m", "[0, 1, 0] m"; for messages and lists.
+LOCKSTEP_API std::string words_of(const Amount&);
+/// "a length", "a pure number", "a vector of lengths", ...
+LOCKSTEP_API std::string article_name_of(const Amount&);
+
+}  // namespace lockstep::expression

@@ -1,0 +1,104 @@
+#include "framework/mechanism/forces/formula_force.h"
+
+#include <array>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include "framework/mechanism/expression/evaluate.h"
+
+namespace lockstep {
+
+CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Axis axis, expression::FormulaFunction f)
+    : FormulaForce(std::move(name), p, &s), axis_(axis), f_(std::move(f)) {}
+
+const TypeInfo& CoordinateForce::info() {
+  static const TypeInfo info{
+      "function_force",
+      "force or torque by a formula of one coordinate q of P seen from S, its rate qd and the time t",
+      {{"force", Form::text, Unit::none, kOptional,
+        "on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI"},
+       {"torque", Form::text, Unit::none, kOptional, "or on P about an axis of S, N m; q in rad, turns counted"},
+       {"coordinate",
+        Form::choice,
+        Unit::none,
+        kOptional,
+        "of P seen from S; default: z of a force, rz of a torque",
+        {"x", "y", "z", "rx", "ry", "rz"}},
+       expression::constants_key()}};
+  return info;
+}
+
+std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const Params& k) {
+  const std::vector<expression::Constant> constants = expression::read_constants(k, "parameters");
+  if (k.has("force") == k.has("torque"))
+    k.refuse(k.has("force") ? "torque" : "coordinate",
+             k.has("force") ? "\"force\" is given as well; remove one of the two" : "give \"force\" or \"torque\"");
+  const bool torque = k.has("torque");
+  const char* key = torque ? "torque" : "force";
+  const Axis axis = k.has("coordinate") ? axis_from(k.text("coordinate")) : torque ? Axis::rz : Axis::z;
+  if (is_rotation(axis) != torque)
+    k.refuse("coordinate", torque ? "a torque is about rx, ry or rz" : "a force is along x, y or z");
+  expression::FormulaFunction f;
+  try {
+    f = expression::FormulaFunction(k.text(key), {"q", "qd", "t"}, constants);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const ModelError& error) {
+    k.refuse(key, error.what());
+  }
+  return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), axis,
+                                           std::move(f));
+}
+
+void CoordinateForce::setup() {
+  if (is_rotation(axis_)) require_turning(p(), "turns");
+  require_turning(*s(), is_rotation(axis_) ? "turns" : "puts a force with a lever arm on");
+  MarkerForce::setup();
+}
+
+void CoordinateForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  MarkerForce::breakpoints(t0, t1, out);
+  f_.breakpoints(2, t0, t1, out);
+}
+
+std::vector<Quantity> CoordinateForce::quantities() const {
+  const bool turn = is_rotation(axis_);
+  return {{"coordinate", turn ? "rad" : "m"},
+          {"rate", turn ? "rad/s" : "m/s"},
+          {turn ? "torque" : "force", turn ? "N m" : "N"},
+          {"power", "W"}};
+}
+
+template <class T, class Load>
+void CoordinateForce::act(const Ends<T>& at, Load& load) const {
+  using std::atan2;
+  const int k = axis_index(axis_) % 3;
+  const Vec3T<T> a_S = at.S.axis(k);
+  const auto effort = [&](const T& q, const T& rate) {
+    const std::array<T, 3> v = {q, rate, T(at.t)};
+    return f_(std::span<const T>(v));
+  };
+  if (!is_rotation(axis_)) {
+    const T q = a_S.dot(Vec3T<T>(at.P.x() - at.S.x())), rate = a_S.dot(rate_from_s(Effort::force, at)),
+            f = effort(q, rate);
+    load.force(Vec3T<T>(f * a_S), at.P.x());
+    load.supplies(f * rate);
+    load.shows(q, rate, f);
+    return;
+  }
+  const QuatT<T> e = conjugate(at.S.q()) * at.P.q();
+  T q = 2.0 * atan2(k == 0 ? e.x : k == 1 ? e.y : e.z, e.w);
+  q += kTwoPi * std::round((at.z[static_cast<std::size_t>(first_memory())] - value_of(q)) / kTwoPi);
+  const Vec3T<T> a_P = at.P.axis(k);
+  const T sum = 1.0 + a_P.dot(a_S);
+  const bool has_angle = value_of(sum) != 0;
+  const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (a_P + a_S)) : Vec3T<T>(Vec3T<T>::Zero());
+  const T rate = g.dot(at.P.w() - at.S.w()), f = has_angle ? effort(q, rate) : T(0);
+  load.torque(Vec3T<T>(f * g));
+  load.supplies(f * rate);
+  load.shows(q, rate, f);
+}
+
+template class FormulaForce<CoordinateForce>;
+
+}  // namespace lockstep

@@ -1,0 +1,131 @@
+#include "framework/mechanism/links/formula_joint.h"
+
+#include <algorithm>
+#include <array>
+
+#include <lockstep/error.h>
+#include "framework/mechanism/expression/evaluate.h"
+#include "framework/mechanism/expression/function.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+using expression::FormulaFunction;
+
+// The variables of the formulas, in the order of FormulaRows::on(); those after kTime read the rotation, the last one
+// counts turns.
+const std::vector<std::string> kVariables = {"x", "y", "z", "t", "e0", "e1", "e2", "e3", "rz"};
+constexpr int kTime = 3, kRotation = 4, kTurn = 8;
+
+/// phi = formulas of the relative coordinates and the time.
+template <int n, Reads reads, bool counts>
+struct FormulaRows {
+  std::array<FormulaFunction, std::size_t(n)> formulas;
+  static constexpr int kRows = n;
+  static constexpr Reads kReads = reads;
+  static constexpr bool kCountsTurns = counts;
+
+  template <class T>
+  auto operator()(const LockCoords<T>& y) const -> std::conditional_t<n == 1, T, std::array<T, std::size_t(n)>> {
+    std::array<T, 9> v;
+    v[0] = y.x, v[1] = y.y, v[2] = y.z, v[3] = y.t;
+    if constexpr (reads == Reads::both) v[4] = y.e0, v[5] = y.e1, v[6] = y.e2, v[7] = y.e3;
+    if constexpr (counts) v[8] = y.angle_z();
+    const std::span<const T> all(v);
+    if constexpr (n == 1) {
+      return formulas[0](all);
+    } else {
+      std::array<T, std::size_t(n)> rows;
+      for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = formulas[k](all);
+      return rows;
+    }
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const {
+    for (const FormulaFunction& f : formulas) f.breakpoints(kTime, t0, t1, out);
+  }
+};
+
+template <class Phi>
+class FormulaLink final : public PhiLock<Phi> {
+ public:
+  using PhiLock<Phi>::PhiLock;
+  std::string_view type() const override { return "function"; }
+};
+
+template <int n, Reads reads, bool counts>
+std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<FormulaFunction>& formulas) {
+  FormulaRows<n, reads, counts> phi;
+  std::copy_n(formulas.begin(), std::size_t(n), phi.formulas.begin());
+  return std::make_unique<FormulaLink<FormulaRows<n, reads, counts>>>(a.name, a.p(), a.s(), mask, std::move(phi));
+}
+
+template <int n>
+std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<FormulaFunction>& formulas) {
+  const auto read = [&](int from, int to) {
+    for (int k = from; k < to; ++k)
+      for (const FormulaFunction& f : formulas)
+        if (f.reads(k)) return true;
+    return false;
+  };
+  if (read(kTurn, kTurn + 1)) return link_of<n, Reads::both, true>(a, mask, formulas);
+  if (read(kRotation, kTurn)) return link_of<n, Reads::both, false>(a, mask, formulas);
+  return link_of<n, Reads::translation, false>(a, mask, formulas);
+}
+
+FormulaFunction read_formula(const Value& v, const std::string& place,
+                             const std::vector<expression::Constant>& constants) {
+  FormulaFunction f;
+  try {
+    f = FormulaFunction(read_text(v, place), kVariables, constants);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const ModelError& error) {
+    refuse(v.where, place, error.what());
+  }
+  if (f.is_constant() || (f.reads(kTime) && [&] {
+        for (int k = 0; k <= kTurn; ++k)
+          if (k != kTime && f.reads(k)) return false;
+        return true;
+      }()))
+    refuse(v.where, place, "it reads no coordinate, so it holds nothing; known: x, y, z, e0, e1, e2, e3, rz");
+  return f;
+}
+
+}  // namespace
+
+TypeInfo FormulaJoint::info() {
+  return {"function",
+          "a joint by formulas of where P is seen from S: each is held at zero",
+          {{"phi", Form::any, Unit::none, kRequired,
+            "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, turns counted) and t"},
+           {"mask", Form::text, Unit::none, "", "rows of a lock held as well: words of x y z e1 e2 e3"},
+           expression::constants_key()}};
+}
+
+std::unique_ptr<Lock> FormulaJoint::make(const Attachment& attachment, const Params& p) {
+  const std::vector<expression::Constant> constants = expression::read_constants(p, "parameters");
+  const Value& phi = p.value("phi");
+  const std::string place = part_of(p.owner(), "phi");
+  std::vector<FormulaFunction> formulas;
+  if (phi.list() == nullptr)
+    formulas.push_back(read_formula(phi, place, constants));
+  else
+    for (std::size_t i = 0; i < phi.list()->size(); ++i)
+      formulas.push_back(read_formula((*phi.list())[i], item(place, i), constants));
+  const std::string words = p.text("mask");
+  const Mask mask = words.empty() ? Mask::none : mask_from(words);
+  switch (formulas.size()) {
+    case 1:
+      return link_of<1>(attachment, mask, formulas);
+    case 2:
+      return link_of<2>(attachment, mask, formulas);
+    case 3:
+      return link_of<3>(attachment, mask, formulas);
+    default:
+      p.refuse("phi",
+               "it has " + std::to_string(formulas.size()) + " formulas; give 1, 2 or 3, and another link for more");
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,17 @@
+// The link 'function': a joint by formulas of the relative coordinates, written in a scene.
+#pragma once
+
+#include <memory>
+
+#include <lockstep/params.h>
+#include <lockstep/phi_links.h>
+
+namespace lockstep {
+
+/// Its keys, and its maker: the formulas decide which coordinates the link reads.
+struct FormulaJoint {
+  static TypeInfo info();                                               ///< its keys in scenes
+  static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
+};
+
+}  // namespace lockstep
