@@ -41,6 +41,7 @@ void add_scene(CLI::App& verb, Arguments& a) {
   add_plugins(verb, a);
   add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
       {"off", "auto", "x", "y", "z"});
+  verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
   verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
 }
 

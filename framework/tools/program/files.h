@@ -20,6 +20,10 @@ void check_writable(const std::string& file);
 /// own, or one that it names.
 void check_overwrites(const std::string& csv, const Scene&);
 
+/// Throws UsageError if the scene reads a file that is not in its folder or below: a scene is data from others, and may
+/// not show what else there is. Links are followed.
+void check_files(const Scene&);
+
 /// The result of drawing a picture.
 struct Drawing {
   std::vector<std::string> files{};  ///< empty: see `reason`
