@@ -486,4 +486,77 @@ TEST_CASE("a picture of some columns says how many", "[runner]") {
   if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));
 }
 
+TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]") {
+  fs::create_directories(kFolder + "/within");
+  for (const char* file : {"/within/rise.csv", "/outside.csv", "/within/below/rise.csv"}) {
+    fs::create_directories(fs::path(kFolder + file).parent_path());
+    std::ofstream(kFolder + file) << "t,y\n0,0\n0.5,0.1\n1,0.3\n2,0.5\n";
+  }
+  std::error_code none;
+  fs::remove(kFolder + "/within/link.csv", none);
+  fs::create_symlink(kFolder + "/outside.csv", kFolder + "/within/link.csv");
+  const auto run = [&](const std::string& file, const std::string& options = {}) {
+    std::ofstream(kFolder + "/within/driven.json")
+        << R"({"lockstep": 1, )" << kArm << R"("links": [{)" << kHinge
+        << R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": ")" << file
+        << R"("}}}], "run": {"until": 1, "output": 0.5, "record": ["arm.x"]}})";
+    return call("run within/driven.json --record driven.csv " + options);
+  };
+  CHECK(run("rise.csv").exit == 0);
+  CHECK(run("below/../below/rise.csv").exit == 0);
+  for (const std::string& file : {std::string("../outside.csv"), kFolder + "/outside.csv", std::string("/etc/hostname"),
+                                  std::string("link.csv")}) {
+    const Called r = run(file);
+    CAPTURE(file, r.text);
+    CHECK(r.exit == 2);
+    CHECK(contains(r.text, "\"" + file + "\" is outside of the scene's folder"));
+    CHECK(contains(r.text, "--allow-files"));
+  }
+  CHECK(run("../outside.csv", "--allow-files").exit == 0);
+}
+
+TEST_CASE("settings that cannot be meant are refused or said", "[runner]") {
+  const std::string links = kArm + R"("links": [{)" + kHinge + "}], ";
+  const auto run = [&](const std::string& settings, const std::string& more = "", const std::string& options = "") {
+    return call("run '" +
+                scene_file("odd", links + more + R"("run": {"until": 1, "record": ["arm.x"], )" + settings + "}") +
+                "' --record odd.csv " + options);
+  };
+  CHECK(contains(run(R"("output": 1e-12)").text, "1e+12 rows; at most 1e+08"));
+  CHECK(run(R"("output": 1e-12)").exit == 3);
+  CHECK(run(R"("output": 0.1)", "", "--tolerance 700").exit == 2);
+  const Called turned =
+      call("run '" + scene_file("turned", R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1},
+    "orientation": [1, 1, 0, 0]}], "run": {"until": 1})") +
+           "' --record turned.csv");
+  CHECK(turned.exit == 0);
+  CHECK(contains(turned.text, "body 'a', orientation: the quaternion has length 1.41; its direction is taken, [0.707"));
+  CHECK(contains(run(R"("output": 5)").text, "run.output: 5 s is longer than the run of 1 s"));
+  CHECK(contains(run(R"("output": 0.5)", R"("forces": [{"name": "k", "type": "spring_damper", "p": "arm", "s": "ground",
+    "at_p": [1,0,0], "at_s": [1,1,0], "stiffness": "-5 N/mm", "free_length": 1}], )")
+                     .text,
+                 "force 'k', stiffness: -5 N/mm is negative"));
+}
+
+TEST_CASE("events of a scene switch its forces", "[runner]") {
+  const std::string scene = scene_file("switched", R"("bodies": [{"name": "stone", "particle": 2}],
+    "forces": [{"name": "push", "type": "applied_force", "p": "stone", "force": [8, 0, 0], "active": false}],
+    "events": [{"name": "on", "at": 1, "activate": ["push"]}, {"name": "off", "at": 2, "deactivate": ["push"]}],
+    "run": {"until": 3, "output": 0.5, "record": ["stone.x", "push.power"]})");
+  const Called r = call("run '" + scene + "' --record switched.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  const Table table = read_csv(kFolder + "/switched.csv");
+  CHECK(table.last("stone.x") == Approx(2 + 4).epsilon(1e-9));
+  CHECK(table["push.power"][1] == 0);
+  CHECK(table["push.power"][3] == Approx(8 * 2).epsilon(1e-9));
+  CHECK(table.last("push.power") == 0);
+  const Called checked = call("check '" + scene + "'");
+  CHECK(contains(checked.text, "body 'stone' starts at the world's origin"));
+}
+
+TEST_CASE("what a full standard output swallows is told", "[runner]") {
+  CHECK(shell("lockstep check '" + kFourBar + "' --json > /dev/full").exit == 8);
+}
+
 }  // namespace runner_test

@@ -57,7 +57,7 @@ struct ForceBench {
   Marker p, s, g;   ///< on a, b and the ground
   Motion start[2];  ///< of the slots 0 and 1 at t = 0
   std::vector<Motion> motions{3};
-  std::vector<double> z{0.0};
+  std::vector<double> z{0.0, 0.0, 0.0, 0.0};
   double t = 0;
 
   explicit ForceBench(std::uint64_t seed = 1) {

@@ -221,4 +221,49 @@ TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]
              {"inconsistent velocities (constraint violation", "row e3 of link", "Two laws may drive one coordinate"}));
 }
 
+TEST_CASE("a start speed is met to round-off with every solver", "[unit][analysis]") {
+  const int which = GENERATE(0, 1, 2);
+  const auto make = [&]() -> std::unique_ptr<LinearSolver> {
+    if (which == 0) return std::make_unique<SchurSolver>();
+    if (which == 1) return std::make_unique<SparseSolver>();
+    return std::make_unique<DenseSolver>();
+  };
+  System sys = four_bar();
+  Dynamics dynamics(sys, make());
+  State state = sys.start();
+  assemble(dynamics, state, {{"A", Axis::rz, 7.5}});
+  CAPTURE(which);
+  CHECK(std::abs(state.v.segment<3>(3).norm() - 7.5) < 1e-14);
+  CHECK(dynamics.violation_v(state) < 1e-13);
+}
+
+TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is given", "[unit][analysis]") {
+  System sys = four_bar();
+  Dynamics dynamics(sys, solver(true));
+  SECTION("the energy of one body's velocity is shared out") {
+    sys.body("crank").start.w = rotation(sys.body("crank").home.q).transpose() * Vec3(0, 0, 5);
+    sys.body("crank").start.v = cross(Vec3(0, 0, 5), sys.body("crank").home.x);
+    State state = sys.start();
+    const AssemblyReport report = assemble(dynamics, state);
+    CHECK(report.kinetic_before == Approx(0.5 * 25 * 0.04 / 3).epsilon(1e-3));  // a rod about its end
+    CHECK(report.kinetic_after < 0.5 * report.kinetic_before);
+    REQUIRE(report.warnings.size() == 1);
+    CHECK(says(report.warnings.front(), {"J of the", "'bar'", "'rocker'"}));
+    CHECK_FALSE(says(report.warnings.front(), {"'crank'"}));
+    CHECK(says(report.text(), {"kinetic energy"}));
+  }
+  SECTION("a body far from where it was put") {
+    State state = sys.start();
+    state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
+    const AssemblyReport report = assemble(dynamics, state);
+    REQUIRE(report.warnings.size() == 1);
+    CHECK(says(report.warnings.front(), {"assembly moved body '", "lockstep assemble"}));
+  }
+  SECTION("a sound start") {
+    State state = sys.start();
+    assemble(dynamics, state, {{"A", Axis::rz, 7.5}});
+    CHECK(assemble(dynamics, state).warnings.empty());
+  }
+}
+
 }  // namespace assembly_test

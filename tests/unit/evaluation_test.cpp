@@ -1,7 +1,8 @@
 // Evaluation, Factor, StateEditor: what a caller may hold, and what of it stays true when the state moves on.
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
+#include <lockstep/newton.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
@@ -119,6 +120,41 @@ TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster
   CHECK((now.x - between.x).norm() <= 1e-15);
   testing::check_words(testing::message_of<ModelError>([&] { edit.set_pose(system.ground(), {}); }),
                        {"body 'ground'", "does not move"});
+}
+
+TEST_CASE("Vectors of another size are refused, not written past", "[unit][dynamics]") {
+  RodPendulum pendulum;
+  Dynamics dynamics(pendulum.system, solver_number(GENERATE(0, 3)));
+  const State s = pendulum.system.start();
+  const Evaluation e(pendulum.system, s);
+  VecX none, C, Cd, five = VecX::Zero(5), six = VecX::Zero(6), a, lambda;
+  e.residuals(C, Cd);
+  REQUIRE(C.size() == 5);
+  CHECK(Cd.size() == 5);
+  const auto refused = [&](auto&& act) {
+    testing::check_words(testing::message_of<ModelError>(act), {"numbers where", "6 per slot"});
+  };
+  refused([&] { e.velocity_residual(none, Cd); });
+  refused([&] { (void)e.norm(six); });
+  refused([&] { e.react(five, none); });
+  refused([&] { e.react(none, six); });
+  Factor factor = dynamics.new_factor();
+  factor.compute(e);
+  refused([&] { factor.solve(e, none, five, a, lambda); });
+  refused([&] { factor.solve(e, six, none, a, lambda); });
+  NewtonMatrix newton;
+  refused([&] { newton.gather(e, none); });
+  newton.gather(e, five);
+  newton.factor(1, 0, 0);
+  refused([&] { newton.add_M_times(six, none); });
+  refused([&] { newton.add_D_times(none, six); });
+  refused([&] { newton.add_K_times(six, five); });
+  refused([&] { newton.add_J_times(six, six); });
+  refused([&] { newton.add_Jt_times(six, six); });
+  refused([&] { newton.solve(none, five, a, lambda); });
+  refused([&] { newton.solve(six, none, a, lambda); });
+  newton.add_Jt_times(five, six);
+  CHECK(six.isZero(0));
 }
 
 }  // namespace evaluation_test

@@ -1,6 +1,12 @@
+#include <cmath>
 #include <limits>
+#include <memory>
 
 #include <lockstep/forces.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 
@@ -65,7 +71,7 @@ TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps
   ForceBench bench;
   TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
-  REQUIRE(spring.n_memory() == 1);
+  REQUIRE(spring.n_memory() == 4);
   spring.start_memory(bench.z);
   CHECK(bench.z[0] == 0);
   const double step = 0.37;  // rad an accepted step
@@ -136,6 +142,21 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
   const Quat q = (bench.b.home * bench.s.local).q;  // z against z
   bench.p.local = inverse(bench.a.home) * Pose{Vec3::Zero(), q * axis_angle(Vec3::UnitX(), kPi)};
   CHECK_THROWS_AS(spring.setup(), ModelError);
+}
+
+TEST_CASE("torsion_spring_damper: several turns in a step are counted by the rates", "[unit][force]") {
+  // A rotor on a coil: angle = w0/n sin(n t), n^2 = k/J; 50 rad/s and steps of 0.1 s are 5 rad a step.
+  const double k = 0.5, J = 1.0, w0 = 50, n = std::sqrt(k / J);
+  System system;
+  Body& rotor = system.add_body("rotor", MassProperties{1.0, Vec3::Zero(), Vec3(J, J, J).asDiagonal()});
+  rotor.start.w = {0, 0, w0};
+  system.add<Revolute>("hinge", rotor, system.ground(), pose_at(Vec3::Zero()));
+  Marker &p = system.add_marker("p", rotor), &s = system.add_marker("s", system.ground());
+  auto& coil = system.add<TorsionSpringDamper>("coil", p, s, TorsionSpringDamper::Options{k, 0, 0, 0, {}});
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1});
+  run.run_until(10);
+  CHECK(coil.quantity(0, dynamics.inputs(run.state())) == Approx(w0 / n * std::sin(n * 10)).epsilon(1e-5));
 }
 
 }  // namespace force_torsion_spring_damper_test

@@ -91,4 +91,15 @@ TEST_CASE("a cost is an upper bound until the next coarser run missed", "[unit][
   REQUIRE(of_loads.size() == 2);
 }
 
+TEST_CASE("a cost at an error is the least of all runs within it", "[unit][pareto]") {
+  WorkPrecision result;
+  result.runs = {run_of("a", 4, 5e-4, 3), run_of("a", 2, 1e-5, 2), run_of("a", 1, 1e-7, 4)};
+  for (const double error : {1e-3, 1e-5}) {
+    const auto costs = costs_at_error(result, error);
+    REQUIRE(costs.size() == 1);
+    CHECK(costs[0].run->setting == 2);
+    CHECK(costs[0].run->cpu == 2);
+  }
+}
+
 }  // namespace lockstep

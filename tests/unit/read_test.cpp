@@ -145,6 +145,7 @@ TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]
       {"{\"a\" 1}", {"a.json:1:6: ", "colon is missing"}},
       {"{a: 1}", {"a.json:1:2: "}},
       {"{1: 2}", {"a.json:1:2: ", "key in double quotes"}},
+      {"{\"a\": 0,6}", {"a.json:1:9: ", "write 0.6 for 0,6"}},
       {"{'a': 1}", {"a.json:1:2: ", "double quotes"}},
       {"# words\n{}", {"a.json:1:1: ", "a comment is \"// ...\""}},
       {"{} # words", {"a.json:1:4: ", "a comment is \"// ...\""}},

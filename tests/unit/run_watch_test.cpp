@@ -11,15 +11,21 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/forces.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/recorder.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
 namespace run_watch_test {
 
-using lockstep::testing::check_words, lockstep::testing::message_of;
+using lockstep::testing::check_words, lockstep::testing::message_of, lockstep::testing::says;
 
 using namespace lockstep;
 
@@ -282,6 +288,156 @@ TEST_CASE("events say what they leave out", "[unit][dynamics]") {
   CHECK(run.report().stopped_by == "one, two");
   REQUIRE(run.report().warnings.size() == 1);
   check_words(run.report().warnings[0], {"event 'up'", "at the start already"});
+}
+
+TEST_CASE("a law that jumps in position is refused by name, however drift is removed", "[unit][dynamics]") {
+  const auto kind = GENERATE(Stabilization::Kind::project, Stabilization::Kind::baumgarte, Stabilization::Kind::none);
+  const auto formulation = GENERATE(Formulation::omega, Formulation::automatic);
+  System system;
+  Body& slide = system.add_body("slide", shapes::box(1, {1, 1, 1}));
+  auto& guide = system.add<Prismatic>("guide", slide, system.ground(), pose_at(Vec3::Zero()));
+  guide.drive(Axis::z, laws::sequence({{0.5, laws::constant(0)}, {10, laws::constant(1)}}));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {formulation, {.kind = kind}});
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  const std::string said = message_of<AssemblyError>([&] { run.run_until(1); });
+  check_words(said, {"jumps in position at t = 0.5 s", "link 'guide'", "by 1 m", "ramp"});
+  CHECK(run.state().t < 0.5);
+}
+
+TEST_CASE("fixed steps in which a body turns far are warned of, once and with the turn", "[unit][dynamics]") {
+  System system;
+  system.add_body("rotor", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()}).start.w = {0, 0, 30};
+  const auto warnings_of = [&](std::unique_ptr<Integrator> method, double step) {
+    Dynamics dynamics = dynamics_of(system);
+    StepLoop run(dynamics, std::move(method), {.step = step});
+    run.run_until(0.5);
+    run.run_until(1);
+    CHECK((step == 0 || run.report().largest_turn == Approx(30 * step)));
+    return run.report().warnings;
+  };
+  const std::vector<std::string> warnings = warnings_of(std::make_unique<Rk4>(), 0.1);
+  REQUIRE(warnings.size() == 1);
+  check_words(warnings.front(), {"body 'rotor'", "3 rad", "rk4", "smaller step"});
+  CHECK(warnings_of(std::make_unique<Rk4>(), 0.01).empty());
+  CHECK(warnings_of(std::make_unique<Dopri5>(), 0).empty());
+}
+
+TEST_CASE("a fixed step that is longer than the time between outputs says that they cut it", "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1, .output = 0.03});
+  run.run_until(0.3);
+  REQUIRE(run.report().warnings.size() == 1);
+  check_words(run.report().warnings.front(), {"rk4", "0.1 s", "0.03 s apart"});
+}
+
+TEST_CASE("events switch forces on and off", "[unit][dynamics]") {
+  const bool implicit = GENERATE(false, true);
+  System system;
+  Body& stone = system.add_particle("stone", 2, {0, 0, 0});
+  Marker& p = system.add_marker("p", stone);
+  Force& push = system.add(std::make_unique<AppliedForce>("push", p, AppliedForce::Options{{8, 0, 0}}));
+  Force& coil = system.add<SpringDamper>("spring", p, system.add_marker("s", system.ground(), {{0, 5, 0}, {}}),
+                                         SpringDamper::Options{.stiffness = 3, .free_length = 5});
+  push.set_switched(false), coil.set_switched(true);
+  EnergyAudit audit(system);
+  Dynamics dynamics = dynamics_of(system);
+  const auto method = [&]() -> std::unique_ptr<Integrator> {
+    if (implicit) return std::make_unique<Radau5>();
+    return std::make_unique<Dopri5>();
+  };
+  StepLoop run(dynamics, method(), {.tolerance = {1e-10, 1e-12}});
+  run.add_observer(audit);
+  run.add_event({.name = "on", .at = 1, .activate = {"push"}, .deactivate = {"spring"}});
+  run.add_event({.name = "off", .at = 2, .deactivate = {"push"}});
+  run.run_until(1.5);
+  CHECK(run.state().v[0] == Approx(2).epsilon(1e-9));  // 4 m/s2 for half a second
+  run.run_until(3);
+  CHECK(run.state().slot_pose(0).x[0] == Approx(2 + 4).epsilon(1e-9));  // the second as thrown
+  CHECK(run.state().slot_pose(0).x[1] == 0);
+  CHECK(audit.result().energy == Audit::Energy::conserved);
+
+  StepLoop other(dynamics, method());
+  CHECK(
+      says(message_of<ModelError>([&] { other.add_event({.name = "e", .at = 1, .activate = {"pusch"}}); }), {"pusch"}));
+  system.add(std::make_unique<AppliedForce>("steady", p, AppliedForce::Options{{8, 0, 0}}));
+  dynamics.set_up();
+  check_words(message_of<ModelError>([&] { other.add_event({.name = "e", .at = 1, .deactivate = {"steady"}}); }),
+              {"event 'e'", "force 'steady'", "set_switched"});
+}
+
+TEST_CASE("what an integrated state or a channel of the user's own throws has a name", "[unit][dynamics]") {
+  struct Failing final : Auxiliary {
+    Failing() : Auxiliary("controller") {}
+    int size() const override { return 1; }
+    void rates(const Evaluated& at, std::span<double> sd) const override {
+      if (at.in.t > 0.2) throw 7;
+      sd[0] = 1;
+    }
+  };
+  Stone stone;
+  SECTION("state") {
+    stone.system.add(std::make_unique<Failing>());
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1});
+    try {
+      run.run_until(1);
+      FAIL("nothing was thrown");
+    } catch (const UserCodeError& error) {
+      check_words(error.what(), {"integrated state 'controller'", "t = 0.25"});
+      CHECK(error.thing.name == "controller");
+      CHECK_THROWS_AS(std::rethrow_if_nested(error), int);
+    }
+    CHECK(run.state().t == Approx(0.2));
+  }
+  SECTION("channel") {
+    Recorder recorder(stone.system);
+    recorder.add("price", "EUR", [](const Sample& s) -> double { return s.state.t > 0.2 ? throw 7 : 1.0; });
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1});
+    run.add_observer(recorder);
+    const std::string said = message_of<UserCodeError>([&] { run.run_until(1); });
+    check_words(said, {"channel 'price'", "t = 0.3"});
+  }
+}
+
+TEST_CASE("who makes the steps short is named", "[unit][dynamics]") {
+  SECTION("a force that is no function of the state") {
+    const bool implicit = GENERATE(false, true);
+    Stone stone;
+    Body& body = stone.system.body("stone");
+    Marker& p = stone.system.add_marker("p", body);
+    stone.system.add(std::make_unique<AppliedForce>("steady", p, AppliedForce::Options{{0, 0, 3}}));
+    int calls = 0;
+    stone.system.add(function_force("noise", {&p}, [&](const Inputs& in, WrenchSum& out) {
+      out.force(body.slot, {in.t > 0.1 ? 1e3 * std::sin(1e3 * ++calls) : 0.0, 0, 0}, in.slot(body.slot).x);
+    }));
+    Dynamics dynamics = dynamics_of(stone.system);
+    const auto method = [&]() -> std::unique_ptr<Integrator> {
+      if (implicit) return std::make_unique<Radau5>();
+      return std::make_unique<Dopri5>();
+    };
+    StepLoop run(dynamics, method());
+    const std::string said = message_of<StepError>([&] { run.run_until(1); });
+    check_words(said, {"force 'noise'", "changes most", "body 'stone' at ["});
+    CHECK_FALSE(says(said, {"'steady'"}));
+  }
+  SECTION("two laws that part") {
+    System system;
+    Body& slide = system.add_body("slide", shapes::box(1, {1, 1, 1}));
+    for (const auto& [name, law] :
+         {std::pair{"straight", laws::polynomial({0, 1})}, {"bent", laws::polynomial({0, 1, 0, 0, 0.5})}})
+      system.add<Prismatic>(name, slide, system.ground(), pose_at(Vec3::Zero())).drive(Axis::z, law);
+    Dynamics dynamics(system, GENERATE(false, true) ? std::unique_ptr<LinearSolver>(std::make_unique<SchurSolver>())
+                                                    : std::make_unique<DenseSolver>());
+    State start = system.start();
+    assemble(dynamics, start);
+    StepLoop run(dynamics, std::make_unique<Dopri5>());
+    run.set_state(start);
+    const std::string said = message_of<Error>([&] { run.run_until(1); });
+    check_words(said, {"two laws", "row z of link '"});
+    CHECK((says(said, {"'bent'"}) || says(said, {"'straight'"})));
+  }
 }
 
 }  // namespace run_watch_test

@@ -1,4 +1,5 @@
 // Every kind of bad scene: refused at its place, with the name of the thing, the value and the next move.
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,7 @@ const std::vector<Bad> kRuns = {
     {R"("run": {"step": ~0})", {"run.step", "greater than 0"}},
     {R"("run": {"step": ~-0.1})", {"-0.1"}},
     {R"("run": {"tolerance": ~0})", {"tolerance is 0"}},
+    {R"("run": {"tolerance": ~1e9})", {"1e+09", "many times larger than the motion"}},
     {R"("run": {"until": ~-1})", {"-1"}},
     {R"("run": {"integrator": ~"rk5"})", {"run.integrator", "unknown integrator \"rk5\"", "did you mean \"rk4\""}},
     {R"("run": {"integrator": ~"rk4"})", {"fixed steps", "\"step\""}},
@@ -132,7 +134,7 @@ const std::vector<Bad> kRuns = {
     {TWO_BODIES R"("run": {"record": [~"arm.w"]})", {"arm"}},
     {TWO_BODIES R"("run": {"record": [{"a": ~"amr.x"}]})", {"arm"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "deactivate": [~"B"]}])",
-     {"event 'e', deactivate", "unknown link \"B\""}},
+     {"event 'e', deactivate", "unknown link or force \"B\""}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": ~-1, "stop": true}])",
      {"event 'e', at", "before the start"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "stop": true}])", {"\"at\" or \"when\""}},
@@ -269,6 +271,21 @@ TEST_CASE("a link between bodies that stand still has nothing to hold", "[unit][
   const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "base", "fixed": true}],
     "links": [{"name": "A", "type": "fixed", "p": "base", "s": "ground", "at": [0,0,0]}]})");
   CHECK(message.find("link 'A', s: bodies 'base' and 'ground' are both fixed") != std::string::npos);
+}
+
+TEST_CASE("what is wrong with the things of a list is said of all of them at once", "[unit][scene]") {
+  std::string scene = "{\"lockstep\": 1, \"bodies\": [";
+  for (int i = 0; i < 3; ++i) scene += "{\"name\": \"b" + std::to_string(i) + "\", \"particle\": 1},\n";
+  const std::string three = refusal_of(scene + R"({"name": "c", "particle": 0},
+    {"name": "d", "particle": 1, "colour": 3}, {"name": "e", "particle": 1}, {"name": "f"}]})");
+  CHECK(three.rfind("bad.json:4:", 0) == 0);  // the first comes first
+  for (const char* word : {"body 'c'", "mass is 0", "\nbad.json:5:", "body 'd'", "\"colour\"", "body 'f'", "no mass"})
+    CHECK(three.find(word) != std::string::npos);
+  CHECK(three.find("body 'e'") == std::string::npos);
+  for (int i = 0; i < 30; ++i) scene += "{\"name\": \"x" + std::to_string(i) + "\"},\n";
+  const std::string many = refusal_of(scene + "{\"name\": \"last\"}]}");
+  CHECK(std::count(many.begin(), many.end(), '\n') == 20);
+  CHECK(many.find("perhaps more") != std::string::npos);
 }
 
 }  // namespace scene_errors_test

@@ -6,8 +6,14 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/joints.h>
+#include <lockstep/assembly.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
+#include <lockstep/forces.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
@@ -261,6 +267,63 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   CHECK(allocations() == before);
   CHECK(f.allFinite());
   CHECK(table.n_rows == 13);
+}
+
+TEST_CASE("markers and links of another system are refused by name", "[unit][system]") {
+  System other;
+  Body& stranger = other.add_body("stranger", kMass);
+  Marker& theirs = other.add_marker("theirs", stranger);
+  Lock& their_hinge = other.add<Revolute>("their hinge", stranger, other.ground(), pose_at(Vec3::Zero()));
+  SECTION("in a link") {
+    System system;
+    system.add_body("own", kMass);
+    system.add<Spherical>("ball", theirs, system.add_marker("s", system.ground()));
+    const std::string said = message_of<ModelError>([&] { system.setup(); });
+    CHECK(says(said, {"link 'ball'", "marker 'theirs'", "body 'stranger' of another System", "add_marker"}));
+  }
+  SECTION("in a force") {
+    System system;
+    system.add_body("own", kMass);
+    system.add(std::make_unique<AppliedForce>("push", theirs, AppliedForce::Options{{1, 0, 0}}));
+    CHECK(says(message_of<ModelError>([&] { system.setup(); }), {"force 'push'", "marker 'theirs'", "another System"}));
+  }
+  SECTION("read by friction") {
+    System system;
+    system.add_body("own", kMass);
+    system.add(
+        std::make_unique<JointFriction>("friction", their_hinge, JointFriction::Options{.mu = 0.1, .radius = 0.01}));
+    CHECK(says(message_of<ModelError>([&] { system.setup(); }), {"force 'friction'", "another System"}));
+  }
+}
+
+TEST_CASE("a moment on a particle is refused by name", "[unit][system]") {
+  System system;
+  Body& bead = system.add_particle("bead", 1, {1, 0, 0});
+  Marker& p = system.add_marker("p", bead);
+  const bool twists = GENERATE(true, false);
+  system.add(function_force("twist", {&p}, [&](const Inputs& in, WrenchSum& out) {
+    out.force(bead.slot, {0, 1, 0}, in.slot(bead.slot).x);
+    if (twists) out.torque(bead.slot, {0, 0, 0.5});
+  }));
+  system.setup();
+  VecX f = VecX::Zero(6);
+  StateInputs inputs;
+  const State start = system.start();
+  const std::string said = message_of<ModelError>([&] { system.gather_forces(inputs.at(system, start), f); });
+  CHECK(says(said, {twists ? "force 'twist'" : "no error"}));
+  CHECK(says(said, {twists ? "0.5 N m on body 'bead'" : ""}));
+}
+
+TEST_CASE("a row without a gradient at the start is named", "[unit][system]") {
+  System system;  // Counting's rows say nothing of their bodies
+  Body& body = system.add_body("body", kMass);
+  system.add<Counting>("flat", system.add_marker("p", body), system.add_marker("s", system.ground()));
+  Dynamics dynamics(system, std::make_unique<DenseSolver>());
+  State state = system.start();
+  const std::string assembled = message_of<AssemblyError>([&] { assemble(dynamics, state); });
+  CHECK(says(assembled, {"row row of link 'flat' has no gradient at the start", "start them elsewhere"}));
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  CHECK(message_of<AssemblyError>([&] { run.run_until(1); }) == assembled);
 }
 
 }  // namespace system_test

@@ -235,6 +235,7 @@ TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
     CHECK(1e-3 * static_cast<double>(n_steps) <= budget + 2e-3);
     CHECK(1e-3 * static_cast<double>(n_steps) >= 0.4 * budget);
     CHECK(result.left_out.size() == 2);
+    CHECK(result.open.size() == 2);
     long finest = 0;
     for (const WorkPrecisionRun& run : result.runs) {
       CHECK(run.done());

@@ -71,6 +71,10 @@ Mat3 read_inertia(const Params& body) {
   const Value& v = body.value("inertia");
   const std::string place = part_of(body.owner(), "inertia");
   if (v.object() != nullptr) {
+    for (const auto& [turned, key] : {std::pair{"xz", "zx"}, {"yx", "xy"}, {"zy", "yz"}})
+      if (const Value* found = v.find(turned))
+        refuse(found->where, place,
+               "unknown key \"" + std::string(turned) + "\"; the matrix is symmetric, its entry is \"" + key + "\"");
     const Params entry = params_of(v, "inertia", place, nullptr);
     Mat3 J;
     const double xy = entry.number("xy"), yz = entry.number("yz"), zx = entry.number("zx");
@@ -204,8 +208,7 @@ void keep(const std::string& body, const Solids& solids, Mechanism& out) {
 }  // namespace
 
 void Builder::bodies(const Params& root) {
-  const Value::List& items = objects_of(root, "bodies");
-  for (std::size_t i = 0; i < items.size(); ++i) body(items[i], owner_of("body", items[i], "bodies", i));
+  for_each_object(root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); });
 }
 
 void Builder::body(const Value& object, const std::string& owner) {
@@ -253,8 +256,8 @@ void Builder::body(const Value& object, const std::string& owner) {
 }
 
 void Builder::markers(const Params& root) {
-  const Value::List& items = objects_of(root, "markers");
-  for (std::size_t i = 0; i < items.size(); ++i) marker(items[i], owner_of("marker", items[i], "markers", i));
+  for_each_object(root, "markers", "marker",
+                  [&](const Value& object, const std::string& owner) { marker(object, owner); });
 }
 
 void Builder::marker(const Value& object, const std::string& owner) {

@@ -8,8 +8,8 @@
 namespace lockstep {
 
 void Builder::forces(const Params& root) {
-  const Value::List& items = objects_of(root, "forces");
-  for (std::size_t i = 0; i < items.size(); ++i) force(items[i], owner_of("force", items[i], "forces", i));
+  for_each_object(root, "forces", "force",
+                  [&](const Value& object, const std::string& owner) { force(object, owner); });
 }
 
 // The markers of the link on whose coordinate a force acts.
@@ -36,23 +36,33 @@ void Builder::force(const Value& object, const std::string& owner) {
       parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
     if (on_coordinate) where.pairs = {markers_of(parts.common, *where.link, where)};
   }
-  placed(object.where, [&] { out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own)); });
+  placed(object.where, [&] {
+    Force& added = out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own));
+    if (!parts.common.boolean("active")) added.set_switched(false);
+  });
 }
 
 void Builder::events(const Params& root) {
-  const Value::List& items = objects_of(root, "events");
-  for (std::size_t i = 0; i < items.size(); ++i) event(items[i], owner_of("event", items[i], "events", i));
+  for_each_object(root, "events", "event",
+                  [&](const Value& object, const std::string& owner) { event(object, owner); });
 }
 
-std::vector<std::string> Builder::links_named(const Params& event, const std::string& key) const {
-  std::vector<std::string> links;
+// The links and forces that an event switches.
+std::vector<std::string> Builder::switched_by(const Params& event, const std::string& key) {
+  std::vector<std::string> things;
   for (const auto& [name, where] : texts_of(event, key)) {
-    if (!is_taken("link", name))
+    if (is_taken("force", name)) {
+      Force& force = out_.system.force(name);
+      force.set_switched(force.acts_at_start());
+    } else if (!is_taken("link", name)) {
+      std::vector<std::string> known = names("link");
+      for (std::string& force : names("force")) known.push_back(std::move(force));
       refuse(where, part_of(event.owner(), key),
-             "unknown link \"" + name + "\"" + text::suggestion(name, names("link")));
-    links.push_back(name);
+             "unknown link or force \"" + name + "\"" + text::suggestion(name, known));
+    }
+    things.push_back(name);
   }
-  return links;
+  return things;
 }
 
 void Builder::event(const Value& object, const std::string& owner) {
@@ -81,12 +91,12 @@ void Builder::event(const Value& object, const std::string& owner) {
   }
   e.once = p.boolean("once");
   e.stop = p.boolean("stop");
-  e.activate = links_named(p, "activate");
-  e.deactivate = links_named(p, "deactivate");
+  e.activate = switched_by(p, "activate");
+  e.deactivate = switched_by(p, "deactivate");
   for (const std::string& name : e.activate)
     if (std::find(e.deactivate.begin(), e.deactivate.end(), name) != e.deactivate.end())
       p.refuse("deactivate",
-               "link '" + name + "' is activated and deactivated at the same instant; remove it from one of the lists");
+               "'" + name + "' is activated and deactivated at the same instant; remove it from one of the lists");
   if (e.activate.empty() && e.deactivate.empty() && !e.stop)
     p.refuse("name", "the event does nothing; add \"activate\", \"deactivate\" or \"stop\": true");
   out_.events.push_back(std::move(request));

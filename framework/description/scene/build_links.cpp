@@ -129,8 +129,7 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
 }
 
 void Builder::links(const Params& root) {
-  const Value::List& items = objects_of(root, "links");
-  for (std::size_t i = 0; i < items.size(); ++i) link(items[i], owner_of("link", items[i], "links", i));
+  for_each_object(root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); });
 }
 
 void Builder::link(const Value& object, const std::string& owner) {
@@ -140,7 +139,10 @@ void Builder::link(const Value& object, const std::string& owner) {
   const std::string name = claim(p, "link");
   if (!p.has("pairs"))
     for (const char* key : {"p", "s"})
-      if (!p.has(key)) refuse(object.where, owner, "missing key \"" + std::string(key) + "\"; a link has both sides");
+      if (!p.has(key))
+        refuse(object.where, owner,
+               "missing key \"" + std::string(key) +
+                   "\"; a link has both sides, and a coupling of joints, such as a gear, \"pairs\" in their place");
   const Attachment where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
   placed(object.where, [&] {
     std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);

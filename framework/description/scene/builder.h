@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "framework/mechanism/params/read.h"
 #include <lockstep/scene.h>
@@ -43,6 +44,27 @@ decltype(auto) placed(const Where& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
+/// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'". All of them are tried: one
+/// SceneError says what is wrong with up to twenty, a line each, with the data of the first.
+template <class Build>
+void for_each_object(const Params& root, const std::string& list, const std::string& kind, Build&& build) {
+  constexpr std::size_t kMost = 20;
+  const Value::List& items = objects_of(root, list);
+  std::vector<SceneError> errors;
+  for (std::size_t i = 0; i < items.size() && errors.size() < kMost; ++i) {
+    try {
+      build(items[i], owner_of(kind, items[i], list, i));
+    } catch (const SceneError& error) {
+      errors.push_back(error);
+    }
+  }
+  if (errors.empty()) return;
+  std::string all = errors.front().what();
+  for (std::size_t i = 1; i < errors.size(); ++i) all += std::string("\n") + errors[i].what();
+  if (errors.size() == kMost) all += "\nand perhaps more; these were the first";
+  throw SceneError(all, static_cast<const ErrorData&>(errors.front()));
+}
+
 class Builder {
  public:
   Builder(const Scene& scene, const Registry& registry, Mechanism& out)
@@ -70,7 +92,7 @@ class Builder {
   std::pair<Marker*, Marker*> markers_of(const Params& force, const Lock& link, const Attachment& given);
   void events(const Params& root);
   void event(const Value& object, const std::string& owner);
-  std::vector<std::string> links_named(const Params& event, const std::string& key) const;
+  std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void set_merge(const std::string& how);
   void set_up(const Params& root);
   void choose_plane(bool asked);

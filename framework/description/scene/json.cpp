@@ -209,6 +209,9 @@ std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& erro
     const bool object = open_.back().value.object() != nullptr;
     if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
     if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (object && last_ == Last::value && comma && end_ > 0 && is_digit(text_[end_ - 1]) && is_digit(rest.front()))
+      return "the decimal separator of a number is a point, not a comma; write 0.6 for 0,6";
     if (object && last_ != Last::key) return "expected a key in double quotes";
   }
   const std::string_view what =

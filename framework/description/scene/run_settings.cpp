@@ -130,6 +130,9 @@ RunSettings read_run(const Value& v) {
   if (p.has("until")) run.until = positive(p, "until", "end of the run");
   if (p.has("output")) run.output = positive(p, "output", "interval");
   run.tolerance.relative = positive(p, "tolerance", "tolerance");
+  if (run.tolerance.relative > 100)
+    p.refuse("tolerance", text::brief(run.tolerance.relative) +
+                              " allows errors many times larger than the motion; take 1 or less, as 1e-6");
   run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   run.times = read_times(p);
   if (p.has("max_steps")) run.max_steps = p.integer("max_steps");

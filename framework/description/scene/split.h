@@ -22,6 +22,13 @@ inline bool contains_key(const Keys& keys, const std::string& name) {
   return std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
 }
 
+inline Keys without(const Keys& keys, const Keys& others) {
+  Keys rest;
+  std::copy_if(keys.begin(), keys.end(), std::back_inserter(rest),
+               [&](const Key& key) { return !contains_key(others, key.name); });
+  return rest;
+}
+
 /// The keys of the kind, then those of the type; where both have a key of one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
   Keys keys;
@@ -40,15 +47,14 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
   if (type != nullptr && type->text() != nullptr && entry == nullptr)
     refuse(type->where, owner,
-           "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()));
+           "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()) +
+               " (a plugin that brings it is named under \"requires\")");
   const Keys own_keys = entry != nullptr ? entry->info.keys : Keys{};
-  const TypeInfo both{table.info.name, table.info.help, keys_together(table.info.keys, own_keys)};
+  // messages list the type's own keys first
+  const TypeInfo both{table.info.name, table.info.help, keys_together(own_keys, without(table.info.keys, own_keys))};
   // refuses a missing type, unknown keys and wrong forms
   const Params all = checked_params(Params::unchecked(object), both, owner, &laws);
-  Keys common_keys;
-  for (const Key& key : both.keys)
-    if (!contains_key(own_keys, key.name)) common_keys.push_back(key);
-  return {all.text("type"), all.only(std::move(common_keys)), all.only(own_keys)};
+  return {all.text("type"), all.only(without(table.info.keys, own_keys)), all.only(own_keys)};
 }
 
 }  // namespace lockstep

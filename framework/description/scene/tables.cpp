@@ -251,6 +251,7 @@ SceneTable force() {
                "forces"};
   for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link in which it acts, for friction"});
+  t.info.keys.push_back({"active", Form::boolean, Unit::none, true, "whether it acts from the start"});
   return t;
 }
 
@@ -304,12 +305,12 @@ std::vector<SceneTable> link_parts() {
 std::vector<SceneTable> events() {
   return {
       {{"event",
-        "a change of the links in force between two steps",
+        "a change of the links and forces that act, between two steps",
         {name_key("its name, unique among events"),
          {"at", Form::number, Unit::time, kOptional, "the instant; or \"when\""},
          any("when", "the condition; or \"at\""),
-         any("activate", "links that begin to act"),
-         any("deactivate", "links that stop acting"),
+         any("activate", "links and forces that begin to act"),
+         any("deactivate", "links and forces that stop acting"),
          {"stop", Form::boolean, Unit::none, false, "whether the run ends there"},
          {"once", Form::boolean, Unit::none, true, "only the first time that the condition is met"}}},
        {{"when", Holds::object, "condition"}, {"activate", Holds::texts}, {"deactivate", Holds::texts}}},

@@ -10,6 +10,12 @@ namespace {
 
 std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
+void check_vector(const char* where, const VecX& x, Eigen::Index n) {
+  if (x.size() != n)
+    throw ModelError(std::string(where) + ": a vector of " + std::to_string(x.size()) + " numbers where " +
+                     std::to_string(n) + " are needed; size it (6 per slot, 1 per row)");
+}
+
 // visit(row, Jh v + Ct) for every row; velocity(slot): its linear and angular velocity.
 template <class Velocity, class Visit>
 void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
@@ -81,6 +87,7 @@ void Evaluation::residuals(VecX& C, VecX& Cd) const {
 }
 
 void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
+  check_vector("Evaluation::velocity_residual", v, f_.size());
   Cd.resize(rows_.n_rows);
   struct Velocity {
     const double *v, *w;
@@ -91,6 +98,7 @@ void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
 }
 
 double Evaluation::norm(const VecX& c) const {
+  check_vector("Evaluation::norm", c, rows_.n_rows);
   double worst = 0;
   const double L = system_.length();
   for (const RowEntry& e : rows_.entries)
@@ -104,9 +112,12 @@ double Evaluation::norm(const VecX& c) const {
 }
 
 void Evaluation::react(const VecX& lambda, VecX& f) const {
+  check_vector("Evaluation::react, lambda", lambda, rows_.n_rows);
+  check_vector("Evaluation::react, f", f, f_.size());
   const Reactions reactions(rows_, view(lambda));
   WrenchSum sum(inputs().motions, f);
-  for (const Force* force : reacting_) named(*force, inputs().t, [&] { force->reacting()->react(inputs(), reactions, sum); });
+  for (const Force* force : reacting_)
+    if (force->acts(inputs())) named(*force, inputs().t, [&] { force->reacting()->react(inputs(), reactions, sum); });
 }
 
 }  // namespace lockstep

@@ -6,6 +6,15 @@
 
 namespace lockstep {
 
+namespace {
+
+// Off the constraints redundant rows differ by their violations: in this multiple of the violation, relative to the
+// length of the mechanism, what is left over is none of the laws' doing.
+constexpr double kLeftPerViolation = 200;
+constexpr double kOn = 1e-7;  // of that length: nearer than this is on the constraints
+
+}  // namespace
+
 Factor::Factor(const System& system, const LinearSolver& solver, Formulation formulation, WorkCount& work)
     : solver_(&solver), work_(&work), assembler_(system, formulation) {}
 
@@ -37,6 +46,10 @@ SolveReport Factor::solve_motion(const Evaluation& e, const VecX& f, const VecX&
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
   if (!fits(e))
     throw ModelError("a factor was computed with other links in force than it is asked to solve with; compute it anew");
+  if (f.size() != e.force().size() || c.size() != e.rows().n_rows)
+    throw ModelError("Factor::solve: right sides of " + std::to_string(f.size()) + " and " + std::to_string(c.size()) +
+                     " numbers where " + std::to_string(e.force().size()) + " (6 per slot) and " +
+                     std::to_string(e.rows().n_rows) + " (1 per row) are needed; size them");
   assembler_.read(e.rows());
   SolveReport report;
   if (assembler_.direct()) {
@@ -62,12 +75,19 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
                              "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,
                          t);
   }
-  if (report.contradictory)
-    throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
-                         " cannot hold together with the others (" + text::brief(100 * report.residual) +
-                         " % of its right side is left over); two laws may drive one coordinate: "
-                         "look at the drives and masks of this link and its neighbours",
-                     {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
+  if (!report.contradictory) return;
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  const double off = e.norm(C), relative = off / e.system().length();
+  if (report.residual <= kLeftPerViolation * relative) return;
+  throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
+                       " cannot hold together with the others (" + text::brief(100 * report.residual) +
+                       " % of its right side is left over); " +
+                       (relative > kOn ? "this stage of a step is off the constraints by " + text::brief(off) +
+                                             " m: take a smaller step; or two laws drive one coordinate: "
+                                       : std::string("two laws may drive one coordinate: ")) +
+                       "look at the drives and masks of this link and its neighbours",
+                   {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
 }
 
 }  // namespace lockstep

@@ -2,13 +2,37 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/culprit.h"
 
 namespace lockstep {
 
 namespace {
 
 constexpr int kMostFailures = 8;  // attempts that cannot be evaluated before the error is rethrown
+
+}  // namespace
+
+namespace {
+
+// How far to look for who makes steps short, s.
+double a_while_after(double t) { return 1e-9 * std::max(1.0, std::abs(t)); }
+
+// Why steps from `start` become short, in words: who changes most there, what the last try failed by, and advice.
+// `landed`: the end of the last try that had one.
+std::string reason(Dynamics& dynamics, const State& start, const State& landed, const std::string& failure,
+                   const std::string& advice) {
+  std::string words = who_varies(dynamics, start, a_while_after(start.t));
+  if (!words.empty()) return words;
+  if (failure.empty()) return advice;
+  const std::string row = most_violated(dynamics, landed);
+  return "the last try failed: " + failure + (row.empty() ? "" : " (most of all " + row + ")") +
+         "; two laws or links may part there, or the mechanism is locked: " + advice;
+}
 
 }  // namespace
 
@@ -30,6 +54,19 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
   const double asked = h;
   int failures = 0;
   bool rejected = false;
+  std::string failure;                                          // of the last try, in words
+  const auto longer_fails = [&](Dynamics& by) -> std::string {  // steps that went on shrinking leave none: a longer one
+    try {
+      attempt(by, a_while_after(start_.t));
+      copy_motion(end_, landed_);
+      const ProjectReport end = project_end(by, landed_);
+      return end.converged
+                 ? ""
+                 : fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", end.after);
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
   copy_motion(state, start_);
   if (state.z.size() > 0) start_.z = end_.z = landed_.z = state.z;
   h = start_step(dynamics, h);
@@ -38,6 +75,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
     const auto failed = [&] { return fixed() || ++failures > kMostFailures || step_stalled(state.t, next); };
     try {
       const Attempt made = attempt(dynamics, h);
+      failure.clear();
       if (made.accepted && land(dynamics, h, report)) {
         report.h = h;
         report.error = made.error;
@@ -46,23 +84,29 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
         take_motion(landed_, state);
         return report;
       }
+      if (made.accepted)
+        failure =
+            fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", report.violation_after);
       rejected = rejected || !made.shifted;
       if (made.next > 0)
         next = made.next;
       else if (control_ && !(made.error <= 1))
         next = h * control_->reject(made.error, made.iterations);
-    } catch (const NonFiniteError&) {
+    } catch (const NonFiniteError& error) {
       if (failed()) throw;
-      rejected = true;
-    } catch (const SolveError&) {
+      rejected = true, failure = error.what();
+    } catch (const SolveError& error) {
       if (failed()) throw;
-      rejected = true;
+      rejected = true, failure = error.what();
     }
     h = next;
-    if (step_vanished(state.t, h, asked))
-      throw StepError(fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; {}",
-                                  info().name, h, state.t, report.rejected + 1, advice()),
-                      state.t);
+    if (step_vanished(state.t, h, asked)) {
+      if (failure.empty()) failure = longer_fails(dynamics);
+      throw StepError(
+          fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; {}", info().name, h,
+                      state.t, report.rejected + 1, reason(dynamics, start_, landed_, failure, advice())),
+          state.t);
+    }
   }
 }
 

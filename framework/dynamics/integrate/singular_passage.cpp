@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
@@ -20,6 +21,9 @@ constexpr double kRegular = 3;       // and times which they leave them again
 constexpr double kKnown = 0.5;       // rad: turn after which the largest indicator counts as the usual one
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
+constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
+constexpr double kContradict = 1e-8;  // residual of rows that contradict one another
+constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
 constexpr double kUsualSpread = 1e4;  // of masses; where bodies differ more, small pivots may be due to them
 constexpr double kShrunk = 0.3;      // of the longest plain step
@@ -69,6 +73,7 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   spread_ = spread_of_masses(dynamics.system());
   usual_ = {};
   near_ = probed_ = entered_ = false;
+  redundant_ = Redundant::unknown;
   longest_plain_ = 0;
   ahead_ = HUGE_VAL;
   const double* c = tableau.c;
@@ -84,7 +89,8 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
 }
 
 void SingularPassage::start_step() {
-  on_ = (active_ && when_ == StagesWhen::manifold) || near_ ? StagesOn::manifold : StagesOn::plain;
+  const bool always = active_ && (when_ == StagesWhen::manifold || redundant_ == Redundant::on_constraints);
+  on_ = always || near_ ? StagesOn::manifold : StagesOn::plain;
   shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross}, entered_ = false;
 }
 
@@ -93,21 +99,64 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
   rate_of_turn_ = fastest_turn(y);
+  // In a regular position: where rows are redundant on the constraints only, the stages are evaluated there.
+  const auto stays_redundant = [&] {
+    if (when_ != StagesWhen::automatic || redundant_ != Redundant::unknown || !(rate_of_turn_ > 0)) return true;
+    redundant_ =
+        stages.conditioning(0).pivot < kRedundant ? where_redundant(dynamics, y, stages.k(0)) : Redundant::everywhere;
+    if (on_ == StagesOn::manifold || redundant_ != Redundant::on_constraints) return true;
+    on_ = StagesOn::manifold;
+    return stages.evaluate(dynamics, y, 0, 0, 1, on_);
+  };
   const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
   probed_ = true;
-  if (!starts && !ill_conditioned(stages, 0)) return true;
+  if (!starts && !ill_conditioned(stages, 0)) return stays_redundant();
   const bool found = both_sides_.find(dynamics, y, rate_);
   if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
-  if (!ill_conditioned(stages, 0)) return true;
+  if (!ill_conditioned(stages, 0)) return stays_redundant();
   from_both_sides_ = found;
   if (found) stages.put(0, rate_);
   if (!found && starts)
     throw StepError(
-        fmt::format("{}: the state at t = {:.9g} s is a singular position from which more than one motion continues; "
-                    "start slightly off it, with the intended velocity",
-                    method_, y.t),
+        fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
+                    "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
+                    "depend on others; start slightly off it, with the intended velocity, take away a link that "
+                    "repeats another (lockstep check names them), or take --solver dense",
+                    method_, y.t, stages.conditioning(0).pivot),
         y.t);
   return true;
+}
+
+// Looks at the position, at one off the constraints, as the present rates lead there, and at the first again. Rows are
+// redundant on the constraints only if off them they are independent (the indicator takes for redundant what was so in
+// all positions before), or contradict one another. A factor of its own, since positions off the constraints are no usual
+// ones. The time stays, since laws may end.
+SingularPassage::Redundant SingularPassage::where_redundant(Dynamics& dynamics, const State& y,
+                                                            const StateRate& rate) const {
+  Factor factor = dynamics.new_factor();
+  VecX asked, a, lambda;
+  const auto look_at = [&](const State& at) {
+    const Evaluation& e = dynamics.gather(at);
+    asked.resize(e.rows().n_rows);
+    for (const RowEntry& entry : e.rows().entries)
+      for (int k = 0; k < entry.m; ++k) asked[entry.first_row + k] = e.rows().block(entry).Qhat(k);
+    factor.compute(e);
+    SolveReport report = factor.solve_motion(e, e.force(), asked, a, lambda);
+    factor.complete(report);
+    return report;
+  };
+  State off = y;
+  off.q += kOff / rate_of_turn_ * rate.q;
+  dynamics.normalize(off);
+  try {
+    const SolveReport before = look_at(y), away = look_at(off), after = look_at(y);
+    const bool independent = after.detector < kRedundant &&
+                             after.detector<kFell * before.detector, contradictory = away.residual> kContradict &&
+                             before.residual < kFell * kContradict;
+    return independent || contradictory ? Redundant::on_constraints : Redundant::everywhere;
+  } catch (const Error&) {  // what cannot be evaluated off the constraints answers nothing
+    return Redundant::everywhere;
+  }
 }
 
 double SingularPassage::longest(const State& y, double h) {

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include <lockstep/relative.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/consistency.h"
 
 namespace lockstep {
 namespace {
@@ -52,6 +53,7 @@ class Assembler {
     const VecX zero = VecX::Zero(6 * n_);
     VecX d, lambda;
     double now = residual();
+    check_gradients(*now_);
     report.before = now;
     const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
     int stalls = 0;  // in a row
@@ -86,16 +88,35 @@ class Assembler {
     if (targets.empty()) {
       dynamics_.project_velocity(state_);
     } else {
-      // Project first, then correct along the free motions only: W = M^-1-orthogonal responses to each target's row.
-      dynamics_.project_velocity(state_);
-      const int m = static_cast<int>(targets.size());
-      MatX rows(m, 6 * n_), response(6 * n_, m);
-      VecX gap(m), a, lambda;
+      meet(targets);
+    }
+    report.after_v = dynamics_.violation_v(state_);
+    residual();
+    if (!(report.after_v <= kVelocityLimit))
+      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
+                          " m/s); worst: " + worst_rows(*now_, Cd_) +
+                          ". Two laws may drive one coordinate, or the position is a dead centre, where a driven "
+                          "coordinate cannot move: look at the drives of these links, or start off the dead centre");
+  }
+
+ private:
+  // Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Once
+  // more where the solver's answers leave a digit.
+  void meet(const std::vector<VelocityTarget>& targets) {
+    constexpr int kRounds = 3;
+    dynamics_.project_velocity(state_);
+    const int m = static_cast<int>(targets.size());
+    MatX rows(m, 6 * n_), response(6 * n_, m);
+    VecX gap(m), wanted(m), a, lambda;
+    for (int round = 0; round < kRounds; ++round) {
       for (int i = 0; i < m; ++i) {
+        const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
         double rate = 0;
-        rows.row(i) = target_row(targets[static_cast<std::size_t>(i)], rate).transpose();
-        gap[i] = targets[static_cast<std::size_t>(i)].value - rate;
+        rows.row(i) = target_row(target, rate).transpose();
+        wanted[i] = std::abs(target.value), gap[i] = target.value - rate;
       }
+      const double left = gap.lpNorm<Eigen::Infinity>(), largest = wanted.lpNorm<Eigen::Infinity>();
+      if (round > 0 && left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
       const Evaluation& e = dynamics_.gather(state_);
       const VecX none = VecX::Zero(e.rows().n_rows);
       Factor& factor = dynamics_.factor(e);
@@ -106,22 +127,15 @@ class Assembler {
       // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
       const MatX compliance = rows.lazyProduct(response);
       const VecX impulse = compliance.fullPivLu().solve(gap);
-      if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max(1.0, gap.lpNorm<Eigen::Infinity>()))
+      if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max({1.0, left, largest}))
         throw AssemblyError("start velocity: " + target_names(targets) +
                             " cannot be met together; the mechanism does not move that way: "
                             "ask for fewer coordinates, or for one that is free");
       state_.v += response * impulse;
       dynamics_.project_velocity(state_);
     }
-    report.after_v = dynamics_.violation_v(state_);
-    residual();
-    if (!(report.after_v <= kVelocityLimit))
-      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
-                          " m/s); worst: " + worst_rows(*now_, Cd_) +
-                          ". Two laws may drive one coordinate: look at the drives of these links");
   }
 
- private:
   double residual() {
     now_ = &dynamics_.gather(state_);
     now_->residuals(C_, Cd_);
@@ -177,6 +191,53 @@ class Assembler {
   VecX C_, Cd_;
 };
 
+double kinetic_energy(Dynamics& dynamics, const State& state) {
+  const Inputs& in = dynamics.inputs(state);
+  double twice = 0;
+  for (int k = 0; k < dynamics.system().n_slots(); ++k) {
+    const Slot& b = dynamics.system().slot(k);
+    twice += b.mass * in.slot(k).v.squaredNorm() + in.slot(k).w.dot(b.J * in.slot(k).w);
+  }
+  return 0.5 * twice;
+}
+
+// Of bodies that were given no velocity and have one now, up to five: "'coupler', 'rocker'"; "" where there are none.
+std::string not_given(const System& system, const State& given, const State& assembled) {
+  constexpr std::size_t kMost = 5;
+  std::vector<std::string> names;
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (given.v.segment<6>(6 * k).isZero(0) && !assembled.v.segment<6>(6 * k).isZero(1e-9))
+      names.push_back("'" + system.body_of_slot(k).name + "'");
+  if (names.size() > kMost) names.resize(kMost), names.emplace_back("...");
+  return text::join(names);
+}
+
+// What assembling changed so much that the start was hardly meant so.
+void add_warnings(const System& system, const State& given, const State& assembled, AssemblyReport& report) {
+  constexpr double kFar = 0.1;   // of the length of the mechanism, or
+  constexpr double kMove = 0.5;  // m
+  constexpr double kTurned = 0.5;  // rad
+  constexpr double kMost = 0.5;  // of the kinetic energy
+  if (report.largest_move > std::min(kFar * system.length(), kMove))
+    report.warnings.push_back(fmt::format(
+        "assembly moved body '{}' by {:.3g} m from where its start pose puts it; give it a position that fits its "
+        "links (`lockstep assemble` prints one)",
+        report.moved_most, report.largest_move));
+  else if (report.largest_turn > kTurned)
+    report.warnings.push_back(fmt::format(
+        "assembly turned body '{}' by {:.3g} rad from its start pose; give it an orientation that fits its links "
+        "(`lockstep assemble` prints one)",
+        report.turned_most, report.largest_turn));
+  if (!(report.kinetic_before - report.kinetic_after > kMost * report.kinetic_before)) return;
+  const std::string missing = not_given(system, given, assembled);
+  report.warnings.push_back(fmt::format(
+      "assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow them: {}",
+      report.kinetic_before - report.kinetic_after, report.kinetic_before,
+      missing.empty() ? "no such motion is free (lockstep check counts the freedoms)"
+                      : "no start velocity is given for " + missing +
+                            "; give fitting ones, or one start speed of a link (\"start\")"));
+}
+
 void measure_move(const System& system, const State& from, const State& to, AssemblyReport& report) {
   for (int k = 0; k < system.n_slots(); ++k) {
     const Pose a = from.slot_pose(k), b = to.slot_pose(k);
@@ -200,6 +261,8 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
   if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
+  if (std::abs(kinetic_after - kinetic_before) > 1e-9 * std::max(kinetic_before, kinetic_after))
+    text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);
   return text;
 }
 
@@ -209,10 +272,14 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   State work = state;
   Assembler assembler(dynamics, work, options);
   assembler.positions(report);
+  report.kinetic_before = kinetic_energy(dynamics, work);
   assembler.velocities(targets, report);
+  report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
+  add_warnings(dynamics.system(), state, work, report);
   state = work;
   if (report.is_notable()) log_info(report.text());
+  for (const std::string& warning : report.warnings) log_warning(warning);
   return report;
 }
 

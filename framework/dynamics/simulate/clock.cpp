@@ -141,6 +141,14 @@ bool Clock::output_due(double t) {
   return options_.output_times.empty() && t == t_start_;
 }
 
+double Clock::shortest_output() const {
+  const std::vector<double>& times = options_.output_times;
+  if (times.empty()) return options_.output > 0 ? options_.output : kInfinity;
+  double shortest = kInfinity;
+  for (std::size_t k = 1; k < times.size(); ++k) shortest = std::min(shortest, times[k] - times[k - 1]);
+  return shortest;
+}
+
 bool Clock::end_due(double t) const {
   return options_.output_times.empty() && options_.output > 0 && last_output_ != t;
 }

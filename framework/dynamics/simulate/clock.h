@@ -29,6 +29,7 @@ class LOCKSTEP_API Clock {
 
   // -- steps
   bool adaptive() const { return adaptive_; }
+  double advised() const { return advised_; }  ///< length of the next step
   /// The longest first step of a method that begins at t.
   double horizon(double t) const;
   /// The method begins anew at t. `guess`: its first step, or 0.
@@ -54,6 +55,8 @@ class LOCKSTEP_API Clock {
   /// Whether the end of the run must still be output, which it is with an output interval.
   bool end_due(double t) const;
   void note_output(double t) { last_output_ = t; }
+  /// The shortest time between requested outputs; infinity: every step is one.
+  double shortest_output() const;
 
  private:
   void refresh_breakpoints(double t, double limit, double largest);

@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 
 #include <lockstep/error.h>
@@ -11,27 +13,50 @@ namespace lockstep {
 
 namespace {
 
-// The name of the row that is violated most, in the norm of the dynamics. For error messages.
-std::string worst_row(Dynamics& dynamics, const State& state) {
-  const Evaluation& at = dynamics.gather(state);
+// The name of the row whose number is largest, in the norm of the dynamics. For error messages.
+std::string largest_row(const Evaluation& at, const VecX& c) {
   const RowTable& rows = at.rows();
-  VecX c = VecX::Zero(rows.n_rows);
+  VecX one = VecX::Zero(rows.n_rows);
   int worst = 0;
   double most = -1;
-  for (const RowEntry& e : rows.entries)
-    for (int k = 0; k < e.m; ++k) {
-      const int row = e.first_row + k;
-      c[row] = rows.block(e).C(k);
-      const double size = at.norm(c);
-      c[row] = 0;
-      if (size > most) most = size, worst = row;
-    }
-  return rows.n_rows > 0 ? dynamics.system().row_name(rows, worst) : "no row";
+  for (int row = 0; row < rows.n_rows; ++row) {
+    one[row] = c[row];
+    const double size = at.norm(one);
+    one[row] = 0;
+    if (size > most) most = size, worst = row;
+  }
+  return rows.n_rows > 0 ? at.system().row_name(rows, worst) : "no row";
+}
+
+// The name of the row that is violated most.
+std::string worst_row(Dynamics& dynamics, const State& state) {
+  const Evaluation& at = dynamics.gather(state);
+  VecX C, Cd;
+  at.residuals(C, Cd);
+  return largest_row(at, C);
 }
 
 }  // namespace
 
+void check_gradients(const Evaluation& e) {
+  for (const RowEntry& entry : e.rows().entries) {
+    const RowView block = e.rows().block(entry);
+    for (int k = 0; entry.slots.n > 0 && k < entry.m; ++k) {
+      double largest = 0;
+      for (int i = 0; i < entry.slots.n; ++i)
+        for (const double x : block.J(i, k)) largest = std::max(largest, std::abs(x));
+      if (largest == 0)
+        throw AssemblyError(
+            fmt::format("{} has no gradient at the start: no motion of its bodies changes it here, as at the centre of "
+                        "a curve or on "
+                        "the axis of a cam; start them elsewhere",
+                        e.system().row_name(e.rows(), entry.first_row + k)));
+    }
+  }
+}
+
 void check_start(Dynamics& dynamics, const State& s, double limit) {
+  check_gradients(dynamics.gather(s));
   const double c = dynamics.violation(s);
   if (!(c <= limit))
     throw AssemblyError(
@@ -96,6 +121,24 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
                     "(limit {:.3g} m/s); two laws may drive one coordinate",
                     cause, state.t, left, limit));
   dynamics.accept(state);
+}
+
+PositionJump::PositionJump(Dynamics& dynamics, const State& state) {
+  VecX Cd;
+  dynamics.gather(state).residuals(before_, Cd);
+}
+
+void PositionJump::refuse(Dynamics& dynamics, const State& state, double limit) const {
+  const Evaluation& at = dynamics.gather(state);
+  VecX C, Cd;
+  at.residuals(C, Cd);
+  C -= before_;
+  const double jump = at.norm(C);
+  if (!(jump <= limit))
+    throw AssemblyError(fmt::format(
+        "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
+        "let it pass from one value to the other in a time (types ramp, cycloidal, spline)",
+        state.t, largest_row(at, C), jump, limit));
 }
 
 }  // namespace lockstep

@@ -9,6 +9,9 @@
 
 namespace lockstep {
 
+/// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: nothing
+/// can be said of which way its bodies move.
+void check_gradients(const Evaluation&);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 void check_start(Dynamics&, const State&, double limit);
 /// Initialises the own states of links that are activated: a driven speed starts from the present coordinate.
@@ -19,5 +22,17 @@ void check_links(Dynamics&, const State&, const std::vector<std::string>& links,
 /// Projects positions onto the constraints if the stabilisation does so (throws AssemblyError if they are off by more
 /// than the limit), and always velocities: an inelastic impact. Then updates the memory.
 void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
+
+/// Whether rows change at an instant at which time crosses the jump of a law: then the law jumps in position.
+class PositionJump {
+ public:
+  /// Before the jump.
+  PositionJump(Dynamics&, const State&);
+  /// After it: throws AssemblyError, naming the row that jumped most, if one did by more than the limit.
+  void refuse(Dynamics&, const State&, double limit) const;
+
+ private:
+  VecX before_;
+};
 
 }  // namespace lockstep

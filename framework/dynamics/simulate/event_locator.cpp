@@ -15,9 +15,15 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNotMet = std::numeric_limits<double>::infinity();
 
 }  // namespace
+
+const Force* force_named(const System& system, const std::string& name) {
+  for (const auto& force : system.forces())
+    if (force->name() == name) return force.get();
+  return nullptr;
+}
 
 Event& EventLocator::add(Event event) {
   if (!event.value && !(event.at >= 0))
@@ -32,7 +38,12 @@ Event& EventLocator::add(Event event) {
   const System& system = dynamics_.system();
   for (const std::vector<std::string>* names : {&event.activate, &event.deactivate})
     for (const std::string& name : *names)
-      if (system.merged(system.link(name)))
+      if (const Force* force = force_named(system, name)) {
+        if (force->switch_memory() < 0)
+          throw ModelError(fmt::format(
+              "event '{}': force '{}' cannot be switched; call its set_switched() before the system is set up",
+              event.name, name));
+      } else if (system.merged(system.link(name)))
         throw ModelError(
             fmt::format("event '{}': link '{}' is merged into one slot and cannot be switched; keep it, as in "
                         "set_merge(true, {{&link}})",
@@ -100,13 +111,13 @@ double EventLocator::root_between(std::size_t event, const Point& a, const Point
 // The first crossing between the ends a and b of a step; infinity: none. The condition is sampled in the middle, and in
 // the quarters too where it comes near zero: within what it changes by over the step.
 double EventLocator::locate_inside(std::size_t event, const Point& a, const Point& b) {
-  if (!interval_.has_dense()) return crosses(event, a.g, b.g) ? root_between(event, a, b) : kNever;
+  if (!interval_.has_dense()) return crosses(event, a.g, b.g) ? root_between(event, a, b) : kNotMet;
   const double h = b.t - a.t;
   std::array<Point, 5> p{a, {}, point(event, a.t + 0.5 * h), {}, b};
   const auto [least, most] = std::minmax({a.g, p[2].g, b.g});
-  if (least > most - least || most < least - most) return kNever;
+  if (least > most - least || most < least - most) return kNotMet;
   p[1] = point(event, a.t + 0.25 * h), p[3] = point(event, a.t + 0.75 * h);
-  double first = kNever;
+  double first = kNotMet;
   const auto take = [&](double t) {  // the same instant again does not count
     if (t - watched_[event].last > 2 * events_[event].tolerance) first = std::min(first, t);
   };
@@ -122,17 +133,17 @@ double EventLocator::locate_inside(std::size_t event, const Point& a, const Poin
 // The crossing about a turning point next to the middle one of three points on one side of zero; infinity: none.
 double EventLocator::locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b) {
   const double sign = middle.g > 0 ? 1 : -1;
-  if (!(sign * a.g >= sign * middle.g && sign * middle.g > 0 && sign * b.g >= sign * middle.g)) return kNever;
+  if (!(sign * a.g >= sign * middle.g && sign * middle.g > 0 && sign * b.g >= sign * middle.g)) return kNotMet;
   std::uintmax_t most = 30;
   const double h = b.t - a.t;
   const auto [x, g] =
       boost::math::tools::brent_find_minima([&](double at) { return sign * point(event, a.t + at * h).g; }, 0.0, 1.0,
                                             std::numeric_limits<double>::digits / 2, most);
-  if (g > 0) return kNever;
+  if (g > 0) return kNotMet;
   const Point turn{a.t + x * h, sign * g};
   return crosses(event, a.g, turn.g)   ? root_between(event, a, turn)
          : crosses(event, turn.g, b.g) ? root_between(event, turn, b)
-                                       : kNever;
+                                       : kNotMet;
 }
 
 bool EventLocator::locate(State& state) {
@@ -148,7 +159,7 @@ bool EventLocator::locate(State& state) {
     if (!kept) interval_.keep_method();
     kept = true;
     w.at = locate_inside(i, {interval_.from().t, w.value}, {t1, w.now});
-    if (w.at == kNever) continue;
+    if (w.at == kNotMet) continue;
     w.met = w.at - w.last > 2 * events_[i].tolerance;  // the same instant again does not count
     if (w.met) first = std::min(first, w.at);
   }

@@ -12,6 +12,9 @@
 
 namespace lockstep {
 
+/// The force of this name; null: there is none.
+const Force* force_named(const System&, const std::string& name);
+
 class EventLocator {
  public:
   EventLocator(Dynamics& dynamics, StepInterval& interval) : dynamics_(dynamics), interval_(interval) {}

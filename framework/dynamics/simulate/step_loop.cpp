@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/contact_manager.h"
@@ -141,6 +142,7 @@ const SimulationReport& StepLoop::run_until(double t) {
       throw;
     }
     finish(Errors::thrown);
+    warn_of_turns();
   });
   return report_;
 }
@@ -193,6 +195,8 @@ void StepLoop::make_start() {
   if (!contacts.empty()) settle_contacts();
   started = told = 0;
   begun_ = true;
+  const IntegratorInfo method = method_->info();
+  measures_turns_ = !method.adaptive || method.implicit, warned_of_turns_ = false;
   const Sample sample(dynamics_, state_, interval.report());
   for (; started < observers_.size(); ++started) {
     Observer& o = *observers_[started];
@@ -205,6 +209,12 @@ void StepLoop::make_start() {
     warn(
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");
+  if (const double between = clock.shortest_output();
+      !method.adaptive && !interval.has_dense() && options_.step > (1 + 1e-9) * between)
+    warn(
+        fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate: ask for outputs "
+                    "less often, or for smaller steps",
+                    method.name, options_.step, between));
   for (const std::string& name : events.past_at_start())
     warn(fmt::format(
         "event '{}': its condition has passed zero at the start already; it falls due only when it does so again",
@@ -221,7 +231,16 @@ void StepLoop::make_start() {
 void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
       *parts_;
-  if (const std::string slow = clock.watch_pace(state_.t, report_.steps); !slow.empty()) warn(slow);
+  constexpr double kWhile = 10;  // steps over which links and forces are compared
+  const auto who = [&] {
+    const std::string words = who_varies(dynamics_, state_, kWhile * clock.advised());
+    return words.empty() ? words : "; " + words;
+  };
+  try {
+    if (const std::string slow = clock.watch_pace(state_.t, report_.steps); !slow.empty()) warn(slow + who());
+  } catch (const StepError& error) {
+    throw StepError(error.what() + who(), state_.t);
+  }
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
@@ -245,6 +264,7 @@ void StepLoop::advance(double limit, double largest) {
     throw;
   }
   ++report_.steps;
+  measure_turns(step.h);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
@@ -316,6 +336,7 @@ void StepLoop::cross_jump(double t) {
     dynamics_.to_slots(state_);
   }
   const double h = t - state_.t;
+  const PositionJump jump(dynamics_, state_);
   if (h > 0) {
     StateRate& rate = parts_->crossing;
     dynamics_.rates(state_, rate);
@@ -325,6 +346,7 @@ void StepLoop::cross_jump(double t) {
     dynamics_.normalize(state_);
   }
   state_.t = t;
+  jump.refuse(dynamics_, state_, options_.start_limit);
 }
 
 void StepLoop::begin_method() {
@@ -391,7 +413,13 @@ bool StepLoop::apply_events(std::size_t first) {
 }
 
 void StepLoop::apply(const Event& e) {
+  std::vector<std::string> engaged;
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
+    if (const Force* force = force_named(system(), name)) {
+      state_.z[force->switch_memory()] = on ? 1 : 0;
+      return;
+    }
+    if (on) engaged.push_back(name);
     const Lock& link = system().link(name);
     const auto number = static_cast<std::size_t>(link.number());
     state_.modes[number] = on && !link.unilateral();
@@ -413,9 +441,9 @@ void StepLoop::apply(const Event& e) {
     throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
                          state_.t);
   dynamics_.normalize(state_);
-  engage_links(dynamics_, state_, e.activate);
-  check_links(dynamics_, state_, e.activate, "event '" + e.name + "'", options_.start_limit);
-  parts_->contacts.check_sides(state_, e.activate,
+  engage_links(dynamics_, state_, engaged);
+  check_links(dynamics_, state_, engaged, "event '" + e.name + "'", options_.start_limit);
+  parts_->contacts.check_sides(state_, engaged,
                                "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
 }
 
@@ -486,6 +514,27 @@ void StepLoop::finish(Errors of_observers) {
     }
   }
   if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+}
+
+// Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
+void StepLoop::measure_turns(double h) {
+  if (!measures_turns_) return;
+  const Inputs& in = dynamics_.inputs(state_);
+  for (int k = 0; k < system().n_slots(); ++k) {
+    const double turn = h * in.slot(k).w.norm();
+    if (turn > report_.largest_turn) report_.largest_turn = turn, report_.turned_most = system().body_of_slot(k).name;
+  }
+}
+
+void StepLoop::warn_of_turns() {
+  constexpr double kMost = 1;  // rad
+  if (!(report_.largest_turn > kMost) || warned_of_turns_) return;
+  warned_of_turns_ = true;
+  warn(
+      fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
+                  "seldom accurate: take a smaller step (--step), or a method that chooses its own (--integrator "
+                  "dopri5)",
+                  report_.turned_most, report_.largest_turn, method_->info().name, kMost));
 }
 
 void StepLoop::warn(const std::string& text) {

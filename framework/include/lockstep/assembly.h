@@ -27,6 +27,11 @@ struct AssemblyReport {
   double largest_turn = 0;  ///< of a body, rad
   std::string moved_most,   ///< the body with the largest move; "" where none moved
       turned_most;          ///< the body with the largest turn; "" where none turned
+  double kinetic_before = 0,  ///< kinetic energy with the velocities as given, at the assembled position, J
+      kinetic_after = 0;      ///< kinetic energy of the assembled start, J
+  /// What the start hardly meant: a body far from where it was put, most of the energy gone; with the bodies of which no
+  /// start velocity is given.
+  std::vector<std::string> warnings{};
 
   bool is_notable() const;   ///< whether a violation or a change was more than 1e-6 m, rad or m/s
   std::string text() const;  ///< all of it in one sentence
@@ -40,7 +45,8 @@ struct AssemblyOptions {
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least
 /// mass-weighted move; a step that does not reduce |C| is halved. Velocities: the least mass-weighted change onto
-/// Jh v = -Ct and the targets. A notable correction is logged (log.h, level info). Throws AssemblyError with the names
+/// Jh v = -Ct and the targets, which are met to round-off. A notable correction is logged (log.h, level info), and the
+/// report's warnings are. Throws AssemblyError with the names
 /// of the worst rows, ModelError for a target of an unknown link, and what an evaluation throws; the state is then
 /// unchanged.
 LOCKSTEP_API AssemblyReport assemble(Dynamics&, State&, const std::vector<VelocityTarget>& targets = {},

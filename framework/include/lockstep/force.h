@@ -114,9 +114,23 @@ class LOCKSTEP_API Force {
   const std::vector<int>& slots() const { return slots_; }
   void place(int first_memory);  ///< called by System::setup
 
+  // -- switched by events
+  /// Lets events switch it on and off (Event::activate, deactivate), which takes one more number of State::z. `on`:
+  /// whether it acts at the start. To be called before System::setup.
+  void set_switched(bool on) { switched_ = true, on_at_start_ = on; }
+  bool is_switched() const { return switched_; }       ///< whether events may switch it
+  bool acts_at_start() const { return on_at_start_; }  ///< whether it acts at the start
+  /// Where State::z says whether it acts (1) or not (0); -1: it always does. Set by System::setup.
+  int switch_memory() const { return switch_memory_; }
+  /// Whether it acts at these inputs.
+  bool acts(const Inputs& in) const {
+    return switch_memory_ < 0 || in.z[static_cast<std::size_t>(switch_memory_)] != 0;
+  }
+
  private:
   std::string name_, origin_;
-  int first_memory_ = 0;
+  int first_memory_ = 0, switch_memory_ = -1;
+  bool switched_ = false, on_at_start_ = true;
   std::vector<int> slots_;
 };
 

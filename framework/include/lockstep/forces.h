@@ -1,6 +1,7 @@
 // The built-in forces.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -422,8 +423,8 @@ extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 ///     power       T g.(w_S - w_P) of the two bodies                          W; -dV/dt - D - law thd, markers at rest
 ///
 /// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle starts
-/// in (-pi, pi] and takes the branch nearest to the last accepted one (one number of State::z): a step may turn by less
-/// than half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
+/// in (-pi, pi] and takes the branch nearest to where the last accepted one would be by now at the mean of the rates then
+/// and now (four numbers of State::z): a step may make several turns if that is right to half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative,
 /// c must not be.
 class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
@@ -448,16 +449,18 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   void act(const Ends<T>&, Load&) const;
 
   const Remembering* remembering() const override { return this; }
-  int n_memory() const override { return 1; }  ///< one number, z[0]: the counted angle, rad
-  /// z[0] = 0: the angle starts in (-pi, pi].
-  void start_memory(std::span<double> z) const override { z[0] = 0; }
-  /// z[0] becomes the angle of the accepted state.
-  void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
+  /// Four numbers: the counted angle, rad; its rate, rad/s; the time of both, s; 1 once a state was accepted.
+  int n_memory() const override { return 4; }
+  /// All zero: the angle starts in (-pi, pi].
+  void start_memory(std::span<double> z) const override { std::fill(z.begin(), z.end(), 0.0); }
+  /// Angle, rate and time of the accepted state.
+  void accept_step(const Inputs& in, std::span<double> z) const override;
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
+  double expected_angle(double t, std::span<const double> z, double rate) const;
   Options options_;
 };
 

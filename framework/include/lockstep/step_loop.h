@@ -98,8 +98,8 @@ struct Event {
   Crossing crossing = Crossing::any;             ///< sense in which the condition passes zero
   double tolerance = 1e-9;                       ///< of the instant, s
   bool once = true;                              ///< or at every crossing
-  std::vector<std::string> activate{},           ///< names of links that come into force
-      deactivate{};                              ///< names of links that are released
+  std::vector<std::string> activate{},           ///< names of links that come into force and forces that act from now
+      deactivate{};                              ///< names of links that are released and forces that cease to act
   bool stop = false;                             ///< ends the run there
   /// Any other change, but for the time and what is in force; velocities are made consistent afterwards. If it throws,
   /// the state is as it was, and the event is due again when the run goes on.
@@ -139,6 +139,8 @@ struct SimulationReport {
   long impacts = 0;                                              ///< instants at which unilateral links were hit
   long manifold_steps = 0;                                       ///< steps with their stages on the constraints
   double stiff_since = std::numeric_limits<double>::infinity();  ///< when damped fast modes first limited the steps, s
+  double largest_turn = 0;  ///< of a body within a step, rad; measured in fixed steps and of implicit methods
+  std::string turned_most;  ///< that body
   bool stopped = false;                                          ///< by events or by StepLoop::progress
   std::string stopped_by;                                        ///< names of the events, or "the caller"
   std::vector<std::string> warnings{};                           ///< in the order in which they came
@@ -169,7 +171,8 @@ class LOCKSTEP_API StepLoop {
   void add_observer(Observer&);  ///< not owned; in a run that has begun it is started at once
   /// Adds an event; the reference stays valid. An instant before the start never comes. Samples at the instant of an
   /// event show the state just before it acts. Throws ModelError for an event without instant or condition, for a
-  /// tolerance that is not above zero, and for a link that is unknown or merged.
+  /// tolerance that is not above zero, for a link that is unknown or merged, and a force that is not switched
+  /// (Force::set_switched).
   Event& add_event(Event);
   /// Called after every accepted step; returns false to end the run there.
   std::function<bool(const State&)> progress{};
@@ -217,6 +220,8 @@ class LOCKSTEP_API StepLoop {
   void ask_progress();
   enum class Errors { thrown, dropped };
   void finish(Errors of_observers);
+  void measure_turns(double h);
+  void warn_of_turns();
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
@@ -226,6 +231,7 @@ class LOCKSTEP_API StepLoop {
   SimulationReport report_;
   std::unique_ptr<Parts> parts_;
   bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
+  bool measures_turns_ = false, warned_of_turns_ = false;
   Phase phase_ = Phase::none;
 };
 

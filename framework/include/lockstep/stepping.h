@@ -315,7 +315,8 @@ class LOCKSTEP_API SingularRate {
 
 // SingularPassage: how an explicit method passes singular positions, where the rows do not determine the accelerations.
 //
-// Near one its stages are evaluated on the constraints. Where the indicator of the last stages says when the position
+// Near one its stages are evaluated on the constraints; and always where rows are redundant only there, as in a spherical
+// loop of hinges: a little off the constraints its rows are nearly dependent, and multipliers are anything. Where the indicator of the last stages says when the position
 // will be reached, the steps are placed so that it falls into the widest gap between the nodes of the method: round-off
 // in the accelerations grows with a high power of the nearness. A step whose late stage is ill-conditioned all the same,
 // or whose estimate is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
@@ -387,17 +388,23 @@ class LOCKSTEP_API SingularPassage {
   /// Saves what it knows of the next step.
   void save(Snapshot& out) const {
     out.put(near_ ? 1 : 0), out.put(ahead_), out.put(longest_plain_), out.put(probed_ ? 1 : 0);
+    out.put(static_cast<double>(redundant_));
     usual_.save(out);
   }
   /// Takes back what save() wrote.
   void restore(const Snapshot& in) {
     near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get(), probed_ = in.get() != 0;
+    redundant_ = static_cast<Redundant>(static_cast<int>(in.get()));
     usual_.restore(in);
   }
 
  private:
+  /// Rows that depend on others: nothing known of them, the same off the constraints, or on them alone.
+  enum class Redundant { unknown, everywhere, on_constraints };
+
   bool ill_conditioned(const Stages&, int stage) const;
   double straddle(double h) const;
+  Redundant where_redundant(Dynamics&, const State& y, const StateRate& rate) const;
 
   StagesWhen when_;
   const char* method_;
@@ -418,6 +425,7 @@ class LOCKSTEP_API SingularPassage {
   int inner_ = 0;                 // the stage of the last node before the end of the step,
   int last_ = 0;                  // and one at the end
   bool probed_ = false;           // whether the start of the run was probed for a singular position
+  Redundant redundant_ = Redundant::unknown;
   bool from_both_sides_ = false;  // the first stage's rates are SingularRate's
   int shifts_ = 0;                // of the present step,
   double limit_ = 1;

@@ -62,6 +62,7 @@ double Force::supply(const Inputs&) const { return 0; }
 
 void Force::place(int first_memory) {
   first_memory_ = first_memory;
+  switch_memory_ = switched_ ? first_memory + n_own_memory() : -1;
   slots_.clear();
   for (const Marker* m : markers())
     if (m->body->slot != kGround && std::find(slots_.begin(), slots_.end(), m->body->slot) == slots_.end())

@@ -53,20 +53,31 @@ std::vector<Quantity> TorsionSpringDamper::quantities() const {
   return {{"angle", "rad"}, {"rate", "rad/s"}, {"torque", "N m"}, {"power", "W"}};
 }
 
+void TorsionSpringDamper::accept_step(const Inputs& in, std::span<double> z) const {
+  const double angle = quantity(0, in), rate = quantity(1, in);
+  z[0] = angle, z[1] = rate, z[2] = in.t, z[3] = 1;
+}
+
+// The angle accepted last, carried on by the mean of the rates then and now.
+double TorsionSpringDamper::expected_angle(double t, std::span<const double> z, double rate) const {
+  const double* last = z.data() + first_memory();
+  const double way = last[3] != 0 ? 0.5 * (t - last[2]) * (last[1] + rate) : 0.0;
+  return std::isfinite(way) ? last[0] + way : last[0];
+}
+
 template <class T, class Load>
 void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   using std::atan2;
   const auto& [k, c, th0, T0, law] = options_;
   const QuatT<T> e = conjugate(at.S.q()) * at.P.q();
-  T angle = 2.0 * atan2(e.z, e.w);
-  angle += kTwoPi * std::round((at.z[static_cast<std::size_t>(first_memory())] - value_of(angle)) / kTwoPi);
-
   const Vec3T<T> z_P = at.P.axis(2), z_S = at.S.axis(2);
   const T sum = 1.0 + z_P.dot(z_S);
   const bool has_angle = value_of(sum) != 0;
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (z_P + z_S)) : Vec3T<T>(Vec3T<T>::Zero());
-  const T rate = g.dot(at.P.w() - at.S.w()),
-          torque = LinearSpring{k, c, th0, T0}.force(angle, rate, value(law, at.t), load);
+  const T rate = g.dot(at.P.w() - at.S.w());
+  T angle = 2.0 * atan2(e.z, e.w);
+  angle += kTwoPi * std::round((expected_angle(at.t, at.z, value_of(rate)) - value_of(angle)) / kTwoPi);
+  const T torque = LinearSpring{k, c, th0, T0}.force(angle, rate, value(law, at.t), load);
   load.torque(-torque * g);
   load.shows(angle, rate, has_angle ? torque : T(0));
 }

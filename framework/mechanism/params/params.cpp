@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
@@ -15,6 +17,19 @@ std::vector<std::string> names_of(const Keys& keys) {
   std::vector<std::string> names;
   for (const Key& key : keys) names.push_back(key.name);
   return names;
+}
+
+// Says that a quaternion, read as q, is not of length one but for rounding.
+void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
+  constexpr double kRounded = 1e-2;
+  if (v.list() == nullptr || v.list()->size() != 4) return;
+  double length = 0;
+  for (const double x : read_numbers(v, Unit::none, context)) length = std::hypot(length, x);
+  if (std::abs(length - 1) <= kRounded) return;
+  const std::string place = v.where.text();
+  log_warning((place.empty() ? "" : place + ": ") + context + ": the quaternion has length " + text::brief(length) +
+              "; its direction is taken, [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) +
+              ", " + text::brief(q.z) + "] (scalar first)");
 }
 
 // {"type": ..., ...} or a constant: the rest is read when the law is made.
@@ -285,7 +300,12 @@ Vec3 Params::vector3(std::string_view name) const {
   return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
 }
 
-Quat Params::orientation(std::string_view name) const { return read_orientation(needed(key_of(name)), place_of(name)); }
+Quat Params::orientation(std::string_view name) const {
+  const Value v = needed(key_of(name));
+  const Quat q = read_orientation(v, place_of(name));
+  warn_of_length(v, q, place_of(name));
+  return q;
+}
 
 std::vector<double> Params::numbers(std::string_view name) const {
   const Key& key = key_of(name);

@@ -1,9 +1,13 @@
 #include "framework/mechanism/system/diagnose.h"
 
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "framework/foundation/support/thrown.h"
 #include <lockstep/system.h>
+#include <lockstep/text.h>
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -44,6 +48,41 @@ template <class T>
                        {.thing = whose, .advice = law.empty() ? otherwise : "look at its parameters", .t = t});
 }
 
+// "body 'b' at [1, 0, 0]" of the moving bodies among these slots.
+template <class SlotNumbers>
+std::string place_of(const System& system, const Inputs& in, const SlotNumbers& slots) {
+  std::string words;
+  for (const int slot : slots) {
+    const Vec3& x = in.slot(slot).x;
+    words += (words.empty() ? "body '" : ", body '") + system.body_of_slot(slot).name + "' at [" + text::brief(x[0]) +
+             ", " + text::brief(x[1]) + ", " + text::brief(x[2]) + "]";
+  }
+  return words;
+}
+
+// Which number of a link's rows is not finite, and where its bodies are: ": Qhat of row z is nan with body 'b' at ...".
+std::string bad_number(const System& system, const Inputs& in, const RowEntry& e, const RowView& block,
+                       const Lock& link) {
+  std::vector<int> slots;
+  for (int i = 0; i < e.slots.n; ++i) slots.push_back(e.slots[i]);
+  for (int k = 0; k < e.m; ++k) {
+    double J = 0;
+    for (int i = 0; i < e.slots.n; ++i)
+      for (const double x : block.J(i, k)) J += x;
+    for (const auto& [what, x] : {std::pair{"the value C", static_cast<double>(block.C(k))},
+                                  {"the rate Ct", static_cast<double>(block.Ct(k))},
+                                  {"the acceleration Qhat", static_cast<double>(block.Qhat(k))},
+                                  {"the gradient", J}})
+      if (!std::isfinite(x))
+        return std::string(": ") + what + " of row " + link.row_name(e.own[static_cast<std::size_t>(k)]) + " is " +
+               text::number(x) + " with " + place_of(system, in, slots);
+  }
+  return {};
+}
+
+// At the start no step was made.
+std::string or_shorter_step(double t) { return t == 0 ? std::string() : std::string(", or ") + kShorterStep; }
+
 }  // namespace
 
 Thing thing_of(const Lock& link) { return thing_of_kind("link", link); }
@@ -61,6 +100,10 @@ ErrorContext context_of(const Lock& link, double t) {
 }
 ErrorContext context_of(const Force& force, double t) {
   return {.thing = thing_of(force), .t = t, .fault = law_fault_of(force, t)};
+}
+
+ErrorContext context_of(const Auxiliary& auxiliary, double t) {
+  return {.thing = {.kind = "integrated state", .name = auxiliary.name()}, .t = t};
 }
 
 void rethrow_from_group(const System& system, const Inputs& in, const RowTable& table, const RowRun& run) {
@@ -104,24 +147,30 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     const Motion& O = in.slot(k);
     if (O.x.allFinite() && O.A.allFinite() && O.v.allFinite() && O.w.allFinite()) continue;
     const Thing body{.kind = "body", .name = system.body_of_slot(k).name};
-    throw NonFiniteError(
-        at_time(in.t) + body.words() + " has a position or velocity that is not finite; " + kShorterStep,
-        {.thing = body, .advice = kShorterStep, .t = in.t});
+    throw NonFiniteError(at_time(in.t) + body.words() + " has a position or velocity that is not finite" +
+                             (in.t == 0 ? "; look at its start" : std::string("; ") + kShorterStep),
+                         {.thing = body, .advice = kShorterStep, .t = in.t});
   }
   for (const RowEntry& e : table.entries) {
     const RowView block = table.block(e);
     double sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
-    if (!std::isfinite(sum))
-      refuse_number(*system.links()[static_cast<std::size_t>(e.link)], in.t, " computed a number that is not finite",
-                    std::string("check its function and its pose, or ") + kShorterStep);
+    if (!std::isfinite(sum)) {
+      const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+      refuse_number(link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
+                    "check its function and its pose" + or_shorter_step(in.t));
+    }
   }
   if (f.allFinite()) return;
   VecX one = VecX::Zero(f.size());
   for (const auto& force : system.forces()) {
+    if (!force->acts(in)) continue;
     WrenchSum sum(in.motions, one);
     force->apply(in, sum);
-    if (!one.allFinite()) refuse_number(*force, in.t, " is not finite", "look at its law and parameters");
+    if (!one.allFinite())
+      refuse_number(*force, in.t,
+                    " is not finite" + (force->slots().empty() ? "" : " with " + place_of(system, in, force->slots())),
+                    "look at its law and parameters");
   }
   throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep,
                        {.advice = kShorterStep, .t = in.t});

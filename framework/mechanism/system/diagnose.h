@@ -24,6 +24,7 @@ LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 /// The context of errors thrown by its code at time t; names the law that is at fault, if one is.
 LOCKSTEP_API ErrorContext context_of(const Lock&, double t);
 LOCKSTEP_API ErrorContext context_of(const Force&, double t);
+LOCKSTEP_API ErrorContext context_of(const Auxiliary&, double t);
 
 /// Setup of a link or force: its errors are refusals and keep their type.
 template <class T>

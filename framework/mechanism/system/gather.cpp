@@ -9,6 +9,33 @@
 namespace lockstep {
 namespace {
 
+// A particle takes no moment: whoever exerts one on it is refused. `f`: the sums of all forces.
+void check_particles(const System& system, const Inputs& in, const VecX& f) {
+  constexpr double kNone = 1e-9;  // of the force on it times the length of the mechanism: less is round-off
+  const auto turned = [&](const VecX& sum) {
+    for (int k = 0; k < system.n_slots(); ++k)
+      if (system.slot(k).freedoms == Freedoms::particle &&
+          sum.segment<3>(6 * k + 3).norm() > kNone * sum.segment<3>(6 * k).norm() * system.length())
+        return k;
+    return -1;
+  };
+  if (turned(f) < 0) return;
+  VecX one(f.size());
+  for (const auto& force : system.forces()) {
+    if (!force->acts(in)) continue;
+    one.setZero();
+    WrenchSum sum(in.motions, one);
+    force->apply(in, sum);
+    const int k = turned(one);
+    if (k < 0) continue;
+    throw ModelError(at_time(in.t) + "force '" + force->name() + "' exerts a moment of " +
+                         text::brief(one.segment<3>(6 * k + 3).norm()) + " N m on body '" +
+                         system.body_of_slot(k).name +
+                         "', which is a particle and cannot turn; give it an inertia, or push at its point",
+                     {.thing = thing_of(*force), .t = in.t});
+  }
+}
+
 std::span<double> part(VecX& x, int first, int size) { return {x.data() + first, static_cast<std::size_t>(size)}; }
 
 }  // namespace
@@ -118,11 +145,14 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
   WrenchSum sum(in.motions, f);
   const Force* now = nullptr;
   try {
-    for (const auto& force : forces_) now = force.get(), now->apply(in, sum);
+    for (const auto& force : forces_)
+      if (now = force.get(); now->acts(in)) now->apply(in, sum);
   } catch (...) {
     rethrow_in(context_of(*now, in.t));
   }
-  if (plane_ && !forces_.empty()) check_plane(in, f);
+  if (forces_.empty()) return;
+  check_particles(*this, in, f);
+  if (plane_) check_plane(in, f);
 }
 
 // Throws if a force has left the plane since setup.
@@ -135,6 +165,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
   if (!(outside > 1e-9 * inside)) return;
   VecX one(f.size());
   for (const auto& force : forces_) {
+    if (!force->acts(in)) continue;
     one.setZero();
     WrenchSum sum(in.motions, one);
     force->apply(in, sum);
@@ -158,7 +189,8 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     else
       std::fill(rates.begin(), rates.end(), 0.0);  // restarted when the link is activated
   }
-  for (const auto& auxiliary : auxiliaries_) auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size()));
+  for (const auto& auxiliary : auxiliaries_)
+    named(*auxiliary, values.in.t, [&] { auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size())); });
 }
 
 void System::accept(const Inputs& in, State& state) const {

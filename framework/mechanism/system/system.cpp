@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 #include <typeindex>
+#include <unordered_set>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -36,6 +37,33 @@ auto& find(const std::string& kind, Range& range, const Names& names, const std:
   for (auto& item : range)
     if (name_of(item) == name) return item;
   throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));
+}
+
+// Markers and links of another System would be read as if they were of this one.
+template <class Bodies, class Links, class Forces>
+void check_markers(const Bodies& bodies, const Links& links, const Forces& forces) {
+  std::unordered_set<const Body*> own;
+  for (const Body& body : bodies) own.insert(&body);
+  const auto check = [&](const auto& thing, const Marker* m) {
+    if (m == nullptr || m->body == nullptr || own.contains(m->body)) return;
+    throw ModelError(thing_of(thing).words() + ": marker '" + m->name + "' is on body '" + m->body->name +
+                         "' of another System; make a marker of this one (add_marker)",
+                     {.thing = thing_of(thing)});
+  };
+  std::unordered_set<const Lock*> known;
+  for (const auto& link : links) {
+    known.insert(link.get());
+    for (const auto& [p, s] : link->pairs()) check(*link, p), check(*link, s);
+  }
+  for (const auto& force : forces) {
+    for (const Marker* m : force->markers()) check(*force, m);
+    if (force->reacting() == nullptr) continue;
+    for (const Lock* link : force->reacting()->reads())
+      if (link != nullptr && !known.contains(link))
+        throw ModelError(
+            thing_of(*force).words() + ": link '" + link->name() + "', whose reactions it reads, is of another System",
+            {.thing = thing_of(*force)});
+  }
 }
 
 void check_pose(const std::string& what, const Pose& pose) {
@@ -171,6 +199,7 @@ void System::setup() {
 
 std::optional<ModelError> System::try_setup() {
   ready_ = false;
+  check_markers(bodies_, links_, forces_);
   setup_slots();
   setup_links();
   setup_forces();
@@ -201,7 +230,7 @@ void System::setup_states() {
   }
   for (auto& force : forces_) {
     force->place(n_memory_);
-    n_memory_ += force->n_own_memory();
+    n_memory_ += force->n_own_memory() + (force->is_switched() ? 1 : 0);
   }
   for (const bool controlled : {true, false}) {
     for (auto& auxiliary : auxiliaries_) {
@@ -300,10 +329,13 @@ State System::start() const {
         own->start_memory(part(state.z, link->first_memory(), own->n_memory()));
     });
   }
-  for (const auto& force : forces_)
+  for (const auto& force : forces_) {
     if (const Remembering* own = force->remembering())
       named(*force, 0.0, [&] { own->start_memory(part(state.z, force->first_memory(), own->n_memory())); });
-  for (const auto& auxiliary : auxiliaries_) auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size()));
+    if (force->switch_memory() >= 0) state.z[force->switch_memory()] = force->acts_at_start() ? 1 : 0;
+  }
+  for (const auto& auxiliary : auxiliaries_)
+    named(*auxiliary, 0.0, [&] { auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size())); });
   return state;
 }
 

@@ -56,7 +56,7 @@ class Benchmark {
     for (const Combination& c : combinations_)
       if (c.given_up) keep(*c.given_up);
     for (const Combination& c : combinations_)
-      if (!c.over) result_.left_out.push_back(label(run_of(c)));
+      if (!c.over) result_.left_out.push_back(label(run_of(c))), result_.open.push_back(run_of(c));
     sort_runs();
     return std::move(result_);
   }

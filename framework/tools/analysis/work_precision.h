@@ -107,6 +107,7 @@ struct WorkPrecision {
   };
   std::vector<Unsuited> unsuited{};     ///< combinations that do not work for this mechanism, and why
   std::vector<std::string> left_out{};  ///< runs that the budget did not reach
+  std::vector<WorkPrecisionRun> open{};  ///< the same runs, by their settings: nothing is known of them
   std::string reference, second;        ///< "dop853 at 1e-13"
   HistoryError agreement;               ///< of the two references: smaller errors are meaningless
   HistoryError size;  ///< largest displacement, speed, kinetic energy (or change of energy) and link load: the scale of

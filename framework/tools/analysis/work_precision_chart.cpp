@@ -80,7 +80,7 @@ void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
   for (const auto& [label, wanted] : curves) {
     Series failed{label, {}, {}, SeriesStyle::crosses};
     for (const WorkPrecisionRun& run : result.runs)
-      if (wanted(run) && useless(result, run, kind))
+      if (wanted(run) && !run.given_up && useless(result, run, kind))
         failed.x.push_back(by == CostKind::cpu ? std::max(run.cpu, 1e-6) : std::max(1.0, cost(run, by))),
             failed.y.push_back(from * std::pow(10.0, 0.05 * decade));
     if (failed.x.empty()) continue;
@@ -107,7 +107,13 @@ std::vector<std::string> remarks_of(const WorkPrecision& result,
   for (const auto& [label, wanted] : curves) {
     std::vector<const WorkPrecisionRun*> failed;
     for (const WorkPrecisionRun& run : result.runs)
-      if (wanted(run) && !run.done()) failed.push_back(&run);
+      if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
+    for (const WorkPrecisionRun& run : result.open)
+      if (wanted(run))
+        lines.push_back(
+            shortened(fmt::format("{} not tried from {} {:.3g}{} on: the time was spent", label,
+                                  run.adaptive ? "tolerance" : "step", run.setting, run.adaptive ? "" : " s"),
+                      kMostLetters));
     if (failed.empty()) continue;
     const std::string what = failed.front()->adaptive ? "tolerance" : "step",
                       unit = failed.front()->adaptive ? "" : " s";

@@ -50,6 +50,8 @@ std::string unsuited(const System& system) {
     return "'" + system.auxiliaries().front()->name() + "' integrates states of its own (an auxiliary)";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
+    if (force->is_switched()) return "force '" + force->name() + "' is switched by events";
+  for (const auto& force : system.forces())
     if (force->reacting() != nullptr)
       return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
   for (const auto& link : system.links())

@@ -257,6 +257,9 @@ void ForceCheck::memory() {
 
 void ForceCheck::jumps() {
   TestState on = state_;
+  on.stop();  // the memory may extrapolate with the velocities
+  on.t = options_.from;
+  accept_step(on);
   std::vector<double> listed;
   force_.breakpoints(options_.from, options_.to, listed);
   const auto f = [&](double t, VecX& out) {

@@ -253,15 +253,18 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     on.slot(slot) = turned(start, S.x, axis, angle);
     return bench_.rows(on);
   };
+  const auto rate_at = [&](const LockRows& r) -> VecX {  // of C by the angle, at the present angle
+    const Motion& O = on.slot(slot);
+    return r.J.middleCols<3>(6 * slot) * cross(axis, Vec3(O.x - S.x)) +
+           r.J.middleCols<3>(6 * slot + 3) * (O.A.transpose() * axis);
+  };
   MatX off(m_, kSteps);  // change of C in each step that the jacobian does not account for
   std::vector<VecX> memories;
   VecX C, rate;
   for (int i = 0; i <= kSteps; ++i) {
     const LockRows r = rows_at(i * step);
     if (!r.C().allFinite() || !r.J.allFinite()) return;
-    const Motion& O = on.slot(slot);
-    const VecX rate_now = r.J.middleCols<3>(6 * slot) * cross(axis, Vec3(O.x - S.x)) +
-                          r.J.middleCols<3>(6 * slot + 3) * (O.A.transpose() * axis);
+    const VecX rate_now = rate_at(r);
     if (i > 0) off.col(i - 1) = (r.C() - C - 0.5 * step * (rate + rate_now)).cwiseAbs();
     C = r.C(), rate = rate_now;
     memories.push_back(on.z);
@@ -273,15 +276,18 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     std::vector<double> sorted(off.row(k).begin(), off.row(k).end());
     std::nth_element(sorted.begin(), sorted.begin() + kSteps / 2, sorted.end());
     if (!(most > 1e-6 && most > 20 * sorted[kSteps / 2])) continue;
-    // A jump is as large in a step 64 times smaller. The jacobian is continuous across an uncounted angle; where a
+    // A jump is as large in a step 64 times smaller, beyond what the jacobian says. The jacobian is continuous across an uncounted angle; where a
     // link passes to another point of its curve, the jacobian jumps with C.
     on.z = memories[worst];
     double jump = 0, bend = 0;
     LockRows before = rows_at(worst * step);
+    double rate_before = rate_at(before)[k];
     for (int i = 1; i <= 64; ++i) {
       accept_step(on);
       const LockRows r = rows_at((worst + i / 64.0) * step);
-      if (const double change = std::abs(r.C()[k] - before.C()[k]); change > jump) {
+      const double rate_then = rate_at(r)[k], way = 0.5 * (step / 64) * (rate_before + rate_then);
+      rate_before = rate_then;
+      if (const double change = std::abs(r.C()[k] - before.C()[k] - way); change > jump) {
         jump = change;
         bend = (r.J.row(k) - before.J.row(k)).norm() / r.J.row(k).norm();
       }

@@ -41,7 +41,11 @@ void print_winners(const WorkPrecision& result, ChartBy by) {
       const std::vector<CostAtError> costs = costs_at_error(result, limit);
       const auto best =
           std::find_if(costs.begin(), costs.end(), [&](const CostAtError& c) { return value_of(*c.run, by) == value; });
-      fmt::print("{:>14}", best == costs.end() ? "never" : cost_text(best->run->cpu, best->upper_bound));
+      const bool open = std::any_of(result.open.begin(), result.open.end(),
+                                    [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; });
+      fmt::print("{:>14}", best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
+                           : open              ? "not tried"
+                                               : "never");
     }
     fmt::print("\n");
   }
@@ -49,13 +53,15 @@ void print_winners(const WorkPrecision& result, ChartBy by) {
 
 void print_failures(const WorkPrecision& result, const SceneBenchmark& benchmark) {
   std::size_t n = 0;
-  for (const WorkPrecisionRun& run : result.runs) n += run.done() ? 0 : 1;
+  for (const WorkPrecisionRun& run : result.runs) n += run.done() || run.given_up ? 0 : 1;
   if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
   for (const std::string& remark : benchmark.remarks) fmt::print("left out: {}\n", remark);
   for (const std::string& line : unsuited_lines(result)) fmt::print("left out: {}\n", line);
   if (!result.left_out.empty())
-    fmt::print("{} combinations were still climbing when the time was up; give more with --budget\n",
-               result.left_out.size());
+    fmt::print(
+        "{} combinations were still climbing when the time was up (\"not tried\" is no \"never\"); give more with "
+        "--budget\n",
+        result.left_out.size());
 }
 
 // The scene's own integrator and those that were cheapest at some error.

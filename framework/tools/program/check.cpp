@@ -17,6 +17,7 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/frames_taken.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -293,6 +294,7 @@ int check_command(const Arguments& args) {
       not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint);
   const std::vector<Branch> tree = joint ? tree_of(m.system, start.modes) : std::vector<Branch>{};
 
+  const Names taken = frames_taken(loaded.scene);
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
                                 {"title", loaded.scene.title},
@@ -313,6 +315,7 @@ int check_command(const Arguments& args) {
     for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
     j["proposals"] = more;
     j["parameters"] = parameters_json(loaded.scene);
+    j["frames_taken"] = taken;
     fmt::print("{}\n", j.dump(1, ' '));
     return kExitOk;
   }
@@ -324,6 +327,8 @@ int check_command(const Arguments& args) {
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
+  if (!taken.empty()) fmt::print("places that are taken, as none is given:\n");
+  for (const std::string& text : taken) fmt::print("  {}\n", text);
   if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));
   list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");

@@ -46,6 +46,7 @@ void add_scene(CLI::App& verb, Arguments& a) {
                   "--help`; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+  verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
   verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
 }
 

@@ -39,6 +39,7 @@ struct Arguments {
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
+  bool allow_files = false;       ///< the scene may read files outside of its folder
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::vector<std::string> set;   ///< NAME=VALUE

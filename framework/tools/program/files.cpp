@@ -80,6 +80,35 @@ void check_overwrites(const std::string& csv, const Scene& scene) {
 
 namespace {
 
+// Calls visit(value) for every value of a key "file".
+template <class Visit>
+void for_each_file(const Value& value, Visit&& visit) {
+  if (const Value::List* list = value.list())
+    for (const Value& item : *list) for_each_file(item, visit);
+  if (const Value::Object* object = value.object())
+    for (const auto& member : *object) {
+      if (member.key == "file" && member.value.text() != nullptr) visit(member.value);
+      for_each_file(member.value, visit);
+    }
+}
+
+}  // namespace
+
+void check_files(const Scene& scene) {
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(scene.file).parent_path(), error);
+  for_each_file(scene.root, [&](const Value& value) {
+    const fs::path named = *value.text();
+    const fs::path file = fs::weakly_canonical(named.is_absolute() ? named : folder / named, error);
+    const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+    if (end == folder.end()) return;
+    throw UsageError(value.where.text() + ": the file \"" + named.string() +
+                     "\" is outside of the scene's folder; put it there, or allow it with --allow-files");
+  });
+}
+
+namespace {
+
 // One panel per unit, as many columns as a picture can hold.
 std::vector<Panel> panels_by_unit(const Table& table) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;

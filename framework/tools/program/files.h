@@ -27,6 +27,10 @@ std::string report_path(const std::string& report, const std::string& csv, const
 /// Shows a file in the browser, as far as this machine can (xdg-open). Returns why not, or "".
 std::string open_in_browser(const std::string& file);
 
+/// Throws UsageError if the scene reads a file that is not in its folder or below: a scene is data from others, and may
+/// not show what else there is. Links are followed.
+void check_files(const Scene&);
+
 /// The result of drawing a picture.
 struct Drawing {
   std::vector<std::string> files{};  ///< empty: see `reason`

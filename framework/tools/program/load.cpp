@@ -6,6 +6,8 @@
 #include <lockstep/loader.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/params/read.h"
+#include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
@@ -50,6 +52,9 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args.until.empty()) run.until = positive_number("--until", args.until, Unit::time);
   if (!args.tolerance.empty()) {
     run.tolerance.relative = positive_number("--tolerance", args.tolerance, Unit::none);
+    if (run.tolerance.relative > 100)
+      throw UsageError("--tolerance: " + text::brief(run.tolerance.relative) +
+                       " allows errors many times larger than the motion; take 1 or less, as 1e-6");
     run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   }
   if (!args.formulation.empty())
@@ -70,6 +75,16 @@ Scene set_value(const Scene& scene, const std::string& text, const Registry& reg
     if (error.line != 0) throw;  // the value can be read, and the scene refuses it
     throw UsageError("--set: " + std::string(error.what()));
   }
+}
+
+// A table that no memory holds.
+void refuse_rows(const RunSettings& run) {
+  constexpr double kMost = 1e8;
+  if (!(run.output > 0 && run.until / run.output > kMost)) return;
+  refuse(run.where, "run.output",
+         text::brief(run.output) + " s over " + text::brief(run.until) + " s are " +
+             text::brief(run.until / run.output) + " rows; at most " + text::brief(kMost) +
+             " are recorded: take a longer interval");
 }
 
 // Planar motion and merged bodies.
@@ -105,6 +120,7 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
 Loaded read_with_plugins(const Arguments& args) {
   refuse_picture(args.record);
   Scene scene = read_scene(args.scene);
+  if (!args.allow_files) check_files(scene);
   Registry registry = make_registry(args.plugins, scene.plugins);
   for (const std::string& value : args.set) scene = set_value(scene, value, registry);
   put_shortcuts(scene, args);
@@ -114,6 +130,7 @@ Loaded read_with_plugins(const Arguments& args) {
 void override_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
   put_settings(run, args, registry);
   refuse_missing_step(run, args, registry);
+  refuse_rows(run);
 }
 
 Loaded load(const Arguments& args) {

@@ -16,6 +16,7 @@
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
@@ -75,8 +76,9 @@ std::string end_words(StepLoop& sim, const RunSettings& run, const Summary& summ
   say("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
       counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
   if (r.manifold_steps > 0)
-    say("  stages     on the constraints in {} of {}, as singular positions ask for\n", r.manifold_steps,
-        counted(r.steps, "step", "steps"));
+    say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
+        "for\n",
+        r.manifold_steps, counted(r.steps, "step", "steps"));
   if (std::isfinite(r.stiff_since))
     say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
         "cheaper (--integrator radau5 or generalized_alpha)\n",
@@ -135,13 +137,33 @@ void print_files(const std::string& csv, const std::string& title, const Table& 
     fmt::print("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
 }
 
-// One line for each setting that has no effect.
+// Springs that push away from where they should hold.
+std::vector<std::string> negative_stiffness(const Scene& scene) {
+  std::vector<std::string> all;
+  const Value* forces = scene.root.find("forces");
+  if (forces == nullptr || forces->list() == nullptr) return all;
+  for (const Value& force : *forces->list()) {
+    const Value *name = force.find("name"), *k = force.find("stiffness");
+    if (k == nullptr || name == nullptr || name->text() == nullptr) continue;
+    const std::string* text = k->text();
+    if (text != nullptr ? text->starts_with('-') : k->number() != nullptr && *k->number() < 0)
+      all.push_back(fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
+                                *name->text(), plain_text(*k)));
+  }
+  return all;
+}
+
+// One line for each setting that has no effect, or hardly the one that was meant.
 void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
   const RunSettings& run = m.run;
   const auto say = [&](const std::string& text) { sim.warn(text); };
   if (!run.times.empty() && run.times.back() > run.until)
     say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
                     run.until));
+  if (run.output > run.until)
+    say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
+                    run.output, run.until));
+  for (const std::string& words : negative_stiffness(scene)) say(words);
   for (const EventRequest& e : m.events)
     if (e.event.at > run.until)
       say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
@@ -204,6 +226,9 @@ int run_command(const Arguments& args) {
   if (m.run.assemble) {
     const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds);
     if (!args.quiet && assembled.is_notable()) fmt::print("  assembled  {}\n", assembled.text());
+    if (!args.quiet && assembled.largest_move > 1e-6)
+      for (const std::string& text : frames_taken(loaded.scene))
+        fmt::print("  taken      {}, as no place is given\n", text);
   }
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));

@@ -12,6 +12,17 @@ namespace {
 
 constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rounding
 
+double rate_of(const Body& body, const Sample& s) { return s.inputs().slot(body.slot).w.norm(); }
+
+// A turn is known up to full ones, and to its sense: the one nearest to what the rate says, rad.
+double turn_of_step(double shortest, double h, double rate) {
+  const double expected = h * rate;
+  if (!(expected > kPi)) return shortest;
+  const auto nearest = [&](double a) { return a + kTwoPi * std::round((expected - a) / kTwoPi); };
+  const double with = nearest(shortest), against = nearest(-shortest);
+  return std::abs(with - expected) <= std::abs(against - expected) ? with : against;
+}
+
 // Axes of the body's frame at its mass centre.
 Pose center_pose(const Body& body, const State& state) { return body_pose(body, state) * Pose{body.mass.center, {}}; }
 
@@ -33,7 +44,7 @@ void Summary::step(const Sample& s) {
     const Pose at = center_pose(*m.body, s.state);
     m.away = std::max(m.away, (at.x - m.x0).norm());
     m.path += (at.x - m.last_x).norm();
-    m.turned += rotation_vector(conjugate(m.last_q) * at.q).norm();
+    m.turned += turn_of_step(rotation_vector(conjugate(m.last_q) * at.q).norm(), s.report.h, rate_of(*m.body, s));
     m.last_x = at.x, m.last_q = at.q;
   }
 }

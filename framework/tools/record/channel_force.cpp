@@ -10,6 +10,7 @@
 namespace lockstep::channels {
 
 double loss(const Force& f, const Evaluated& v) {
+  if (!f.acts(v.in)) return 0;
   return named(f, v.in.t, [&] {
     const Reacting* own = f.reacting();
     return f.dissipation(v.in) + (own ? own->friction_loss(v.in, Reactions(v)) : 0.0);
@@ -23,8 +24,11 @@ void of_force(const Force& force, Entries& out) {
   const std::vector<Quantity> own = reacting     ? reacting->quantities()
                                     : observable ? observable->quantities()
                                                  : std::vector<Quantity>{};
-  add_own(out, own, fmt::format("{} force", force.type()), [f, reacting, observable](int k, const Sample& s) {
+  std::vector<bool> loads;  // those quantities that vanish while the force does not act
+  for (const Quantity& q : own) loads.push_back(q.unit == "N" || q.unit == "N m" || q.unit == "W" || q.unit == "J");
+  add_own(out, own, fmt::format("{} force", force.type()), [f, reacting, observable, loads](int k, const Sample& s) {
     const Evaluated& v = s.values();
+    if (loads[static_cast<std::size_t>(k)] && !f->acts(v.in)) return 0.0;
     return named(*f, v.in.t, [&] {
       return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
     });
@@ -38,6 +42,7 @@ void of_force(const Force& force, Entries& out) {
       const Inputs& in = s.values().in;
       scratch->setZero(6 * s.system().n_slots());
       WrenchSum sum(in.motions, *scratch);
+      if (!f->acts(in)) return 0.0;
       f->apply(in, sum);
       if (reacting) reacting->react(in, Reactions(s.values()), sum);
       double power = 0;
@@ -46,8 +51,10 @@ void of_force(const Force& force, Entries& out) {
       return power;
     });
   if (free("potential"))
-    add(out, "potential", "J", "energy stored in the force",
-        [f](const Sample& s) { return named(*f, s.state.t, [&] { return f->potential(s.values().in); }); });
+    add(out, "potential", "J", "energy stored in the force", [f](const Sample& s) {
+      const Inputs& in = s.values().in;
+      return f->acts(in) ? named(*f, s.state.t, [&] { return f->potential(in); }) : 0.0;
+    });
   if (free("dissipation"))
     add(out, "dissipation", "W", "power taken out by dampers and friction",
         [f](const Sample& s) { return loss(*f, s.values()); });

@@ -1,5 +1,9 @@
 // Channels of the whole mechanism: energies, momenta; and of the run.
+#include <cmath>
 #include <memory>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
 
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
@@ -7,6 +11,14 @@
 
 namespace lockstep::channels {
 namespace {
+
+// What a force says of its energy must be a number.
+double must_be_number(const Force& f, const char* what, double value, double t) {
+  if (std::isfinite(value)) return value;
+  throw NonFiniteError(at_time(t) + thing_of(f).label() + ": its " + what + " is " + text::number(value) +
+                           "; it must be a finite number",
+                       {.thing = thing_of(f), .t = t});
+}
 
 double kinetic(const Sample& s) {
   double twice = 0;
@@ -23,7 +35,10 @@ double potential(const Sample& s) {
   for (int k = 0; k < s.system().n_slots(); ++k)
     sum -= s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x);
   if (s.system().forces().empty()) return sum;
-  for (const auto& f : s.system().forces()) sum += named(*f, s.state.t, [&] { return f->potential(s.inputs()); });
+  for (const auto& f : s.system().forces())
+    if (f->acts(s.inputs()))
+      sum +=
+          must_be_number(*f, "potential()", named(*f, s.state.t, [&] { return f->potential(s.inputs()); }), s.state.t);
   return sum;
 }
 
@@ -46,13 +61,15 @@ Vec3 angular_momentum(const Sample& s) {
 // Over all forces at the time of the evaluation, so that forces added later count.
 double dissipation(const System& system, const Evaluated& v) {
   double sum = 0;
-  for (const auto& f : system.forces()) sum += loss(*f, v);
+  for (const auto& f : system.forces()) sum += must_be_number(*f, "dissipation()", loss(*f, v), v.in.t);
   return sum;
 }
 
 double supply(const System& system, const Evaluated& v) {
   double sum = 0;
-  for (const auto& f : system.forces()) sum += named(*f, v.in.t, [&] { return f->supply(v.in); });
+  for (const auto& f : system.forces())
+    if (f->acts(v.in))
+      sum += must_be_number(*f, "supply()", named(*f, v.in.t, [&] { return f->supply(v.in); }), v.in.t);
   return sum;
 }
 

@@ -118,6 +118,7 @@ void EnergyAudit::Books::look_at_forces(const Sample& s) {
   for (std::size_t k = 0; k < gives_power.size(); ++k) {
     if (booked_forces[k]) continue;
     const Force& force = *system.forces()[k];
+    if (!force.acts(in)) continue;
     named(force, s.state.t, [&] {
       booked_forces[k] = force.potential(in) != 0 || force.dissipation(in) != 0 || force.supply(in) != 0;
       f.setZero(6 * system.n_slots());

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
 
@@ -18,7 +19,10 @@ Recorder::Recorder(System& system, std::vector<Request> requests) {
 Recorder::~Recorder() = default;
 
 void Recorder::add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value) {
-  add(Channel{name, unit, std::move(value)});
+  if (!value) return add(Channel{name, unit, {}});
+  add(Channel{name, unit, [name, value = std::move(value)](const Sample& s) {
+                return user_code("channel", name, s.state.t, [&] { return value(s); });
+              }});
 }
 
 void Recorder::add(Channel channel) {

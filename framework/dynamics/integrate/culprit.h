@@ -1,0 +1,17 @@
+// Who makes steps short: the link or force that changes most right after a state.
+#pragma once
+
+#include <string>
+
+#include <lockstep/dynamics.h>
+
+namespace lockstep {
+
+/// In words for the end of a message: which force or link changes most within `after` seconds from this state, with its
+/// values and the place; "" where nothing changes much. What an evaluation throws there is said instead.
+LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
+
+/// The row that is violated most at this state, "row z of link 'H' by 1e-05 m"; "" where there are no rows.
+LOCKSTEP_API std::string most_violated(Dynamics&, const State&);
+
+}  // namespace lockstep

@@ -1,0 +1,15 @@
+// Frames that a scene leaves out, and which are taken instead.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/scene.h>
+
+namespace lockstep {
+
+/// One line for each body without a position and each marker without a place: "body 'bead' starts at the world's
+/// origin".
+std::vector<std::string> frames_taken(const Scene&);
+
+}  // namespace lockstep
