@@ -122,7 +122,19 @@ export class Panel {
         ['velocity', vector(velocities.subarray(6 * i, 6 * i + 3), 'm/s')],
         ['angular velocity', vector(velocities.subarray(6 * i + 3, 6 * i + 6), 'rad/s')],
       );
+    const idle = this.idleLinks();
+    if (idle.length > 0) rows.push(['not in force', idle.join(', ')]);
     this.live.replaceChildren(table(rows));
+  }
+
+  // Links of the picked body that were released, or do not hold yet.
+  idleLinks() {
+    const { links, markers } = this.data.mechanism;
+    const active = this.world.activeAt(this.world.motion.t);
+    const holds = (link) => link.pairs.flat().some((m) => markers[m].body === this.selected);
+    return links
+      .filter((link, k) => !active[k] && !link.merged && !link.one_sided && holds(link))
+      .map((link) => link.name);
   }
 
   addRun() {

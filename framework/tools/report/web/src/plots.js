@@ -5,9 +5,10 @@ import { download, pngOf } from './export.js';
 import { indexAt } from './motion.js';
 import { theme } from './theme.js';
 
-const MOST_CURVES = 8,
-  LONG = 6000,
-  HEIGHT = 190;
+const MOST_CURVES = 8; // of a panel
+const MOST_MARKS = 60; // more would be a hatching
+const LONG = 6000; // rows, beyond which an envelope is drawn
+const HEIGHT = 190; // pixels
 
 // Groups of column numbers with a title: those of the scene, then one for each unit; a group is no larger than can be read.
 export function groupsOf(data) {
@@ -200,6 +201,7 @@ export class Plots {
         })),
       ],
       hooks: {
+        drawClear: [(u) => this.drawMarks(u)],
         setScale: [(u, key) => key === 'x' && this.zoomed(u)],
         setSeries: [(u, i, { show }) => show !== undefined && i > 0 && group.hidden[show ? 'delete' : 'add'](i - 1)],
       },
@@ -219,6 +221,26 @@ export class Plots {
     });
     plot.over.addEventListener('mouseleave', () => this.showTime());
     return plot;
+  }
+
+  // Events and impacts, as lines behind the curves.
+  drawMarks(u) {
+    if (this.data.marks.length > MOST_MARKS) return;
+    const { ctx } = u;
+    const { left, top, width, height } = u.bbox;
+    ctx.save();
+    ctx.strokeStyle = theme.is.line;
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([4 * devicePixelRatio, 3 * devicePixelRatio]);
+    for (const { t } of this.data.marks) {
+      const x = u.valToPos(t, 'x', true);
+      if (!(x >= left && x <= left + width)) continue;
+      ctx.beginPath();
+      ctx.moveTo(x, top);
+      ctx.lineTo(x, top + height);
+      ctx.stroke();
+    }
+    ctx.restore();
   }
 
   // One panel was zoomed: the others follow.
