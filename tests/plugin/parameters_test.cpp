@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <lockstep/recorder.h>
+#include <lockstep/splines.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/program.h"
@@ -13,7 +14,7 @@ namespace parameters_command_test {
 using namespace lockstep;
 using namespace lockstep::testing;
 
-TEST_CASE("--set gives a parameter another value, and all that hangs on it follows", "[runner]") {
+TEST_CASE("the option --set gives a parameter another value, and all that hangs on it follows", "[runner]") {
   const std::string scene = scene_path("slider_crank");
   for (const auto& [crank, most] : {std::pair{"100 mm", 0.45}, {"120 mm", 0.47}}) {
     const Called ran = call("run " + scene + " --quiet --record set.csv --set crank=\"" + crank + "\"");
@@ -48,13 +49,13 @@ TEST_CASE("a sweep varies a parameter: other lengths give other motions", "[runn
   INFO(swept.text);
   REQUIRE(swept.exit == 0);
   CHECK_FALSE(contains(swept.text, "also written"));
-  const Table table = read_csv(kRunnerFolder + "/lengths.csv");
-  REQUIRE(table.n_rows() == 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double crank = 0.1 + 0.05 * double(i);
-    CHECK(std::abs(table["crank"][i] - crank) < 1e-15);
-    CHECK(std::abs(table["xs max"][i] - (crank + 0.35)) < 1e-8);
-    CHECK(std::abs(table["xs min"][i] - (0.35 - crank)) < 1e-4);
+  const Columns table = read_columns(kRunnerFolder + "/lengths.csv", "run", {"crank", "xs max", "xs min"});
+  REQUIRE(table.t.size() == 3);
+  for (int i = 0; i < 3; ++i) {
+    const double crank = 0.1 + 0.05 * i;
+    CHECK(std::abs(table.y(i, 0) - crank) < 1e-15);
+    CHECK(std::abs(table.y(i, 1) - (crank + 0.35)) < 1e-8);
+    CHECK(std::abs(table.y(i, 2) - (0.35 - crank)) < 1e-4);
   }
 }
 

@@ -38,8 +38,9 @@ struct Shop {
 
 TEST_CASE("register_forces: every force by its name, each with help for each key", "[unit][force]") {
   Shop shop;
-  const std::vector<std::string> names{"applied_force",  "applied_torque", "bushing",      "force_motor",
-                                       "joint_friction", "spring_damper",  "torque_motor", "torsion_spring_damper"};
+  const std::vector<std::string> names{"applied_force", "applied_torque", "bushing",
+                                       "force_motor",   "function_force", "joint_friction",
+                                       "spring_damper", "torque_motor",   "torsion_spring_damper"};
   CHECK(shop.registry.forces.names() == names);
   for (const auto& [name, entry] : shop.registry.forces.entries()) {
     CHECK(entry.info.name == name);

@@ -54,7 +54,7 @@ const std::string kScene = kNames + R"~(
 
 TEST_CASE("a length that stands once places all that hangs on it", "[unit][scene]") {
   for (const double crank : {0.15, 0.2}) {
-    const Scene scene = crank == 0.15 ? scene_of(kScene) : set_in_scene(scene_of(kScene), "crank=200 mm", registry());
+    const Scene scene = crank == 0.15 ? scene_of(kScene) : set_in_scene(scene_of(kScene), {"crank=200 mm"}, registry());
     const Mechanism m = build_mechanism(scene, registry());
     const double rod = 2 * crank, c = std::cos(kPi / 6), s = std::sin(kPi / 6);
     const Vec3 B(crank * c, crank * s, 0), C(crank * c + rod, crank * s, 0);
@@ -165,13 +165,19 @@ TEST_CASE("a marker in body axes takes formulas, and a point's place", "[unit][s
 TEST_CASE("parameters are set and varied by name", "[unit][scene]") {
   const Scene scene = scene_of(kScene);
   const auto refused = [&](const std::string& text) {
-    return message_of<ModelError>([&] { set_in_scene(scene, text, registry()); });
+    return message_of<ModelError>([&] { set_in_scene(scene, {text}, registry()); });
   };
-  CHECK(*set_in_scene(scene, "crank=0.3", registry()).parameters[1].value.text() == "0.6 m");
-  CHECK(*set_in_scene(scene, "crank = 300 mm", registry()).parameters[0].value.text() == "0.3 m");
-  CHECK(*set_in_scene(scene, "rod==2*crank", registry()).parameters[1].value.text() == "0.3 m");
-  CHECK(*set_in_scene(scene, "parameters.phi=0.1", registry()).parameters[2].value.text() == "0.1 rad");
-  CHECK(set_in_scene(scene, "run.until=2", registry()).run.until == 2);
+  CHECK(*set_in_scene(scene, {"crank=0.3"}, registry()).parameters[1].value.text() == "0.6 m");
+  CHECK(*set_in_scene(scene, {"crank = 300 mm"}, registry()).parameters[0].value.text() == "0.3 m");
+  CHECK(*set_in_scene(scene, {"rod==2*crank"}, registry()).parameters[1].value.text() == "0.3 m");
+  CHECK(*set_in_scene(scene, {"parameters.phi=0.1"}, registry()).parameters[2].value.text() == "0.1 rad");
+  CHECK(set_in_scene(scene, {"run.until=2"}, registry()).run.until == 2);
+  CHECK(set_in_scene(scene, {"crank=0.3", "rod=0.2"}, registry()).parameters.size() == 6);
+  // each alone breaks the formula, both together do not
+  const Scene narrow = scene_of(R"~("parameters": {"a": 3, "b": 5, "c": "=asin(a/b)"})~");
+  CHECK(*set_in_scene(narrow, {"a=30", "b=50"}, registry()).parameters[2].value.text() ==
+        *narrow.parameters[2].value.text());
+  check_words(message_of<SceneError>([&] { set_in_scene(narrow, {"a=30"}, registry()); }), {"asin of 6"});
   check_words(refused("crank=3 kg"), {"\"crank\"", "3 kg", "m is expected"});
   check_words(refused("crnak=3"), {"\"crnak\"", "did you mean \"crank\""});
   check_words(refused("crank"), {"NAME=VALUE"});
@@ -248,7 +254,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
     CHECK(((end.body->home * end.local).x - Vec3(0.2 * k, 3, 0)).norm() < 1e-15);
   }
   CHECK(m.system.breakpoints(0, 1) == std::vector<double>{1.0 / 3, 0.5});
-  CHECK(set_in_scene(scene, "n=5", registry()).parameters.size() == 2 + 6);
+  CHECK(set_in_scene(scene, {"n=5"}, registry()).parameters.size() == 2 + 6);
 
   check_words(refusal(R"("repeat": {"times": 2})"), {"scene.repeat", "expected a list"});
   check_words(refusal(R"("repeat": [{"index": "i"}])"), {"repeat[0]", "missing key \"times\""});
@@ -298,7 +304,7 @@ TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][
   REQUIRE(m.events.size() == 2);
   CHECK(m.events[1].channel == "right_leg.x@right_end");
   CHECK(m.events[1].event.deactivate == std::vector<std::string>{"right_H"});
-  const Scene longer = set_in_scene(read(robot), "include.1.parameters.L=3 m", registry());
+  const Scene longer = set_in_scene(read(robot), {"include.1.parameters.L=3 m"}, registry());
   CHECK(build_mechanism(longer, registry()).system.body("right_leg").home.x[1] == -1.5);
 
   const auto refused = [&](const std::string& members) {

@@ -150,7 +150,7 @@ TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]
       {"# words\n{}", {"a.json:1:1: ", "a comment is \"// ...\""}},
       {"{} # words", {"a.json:1:4: ", "a comment is \"// ...\""}},
       {"{} /* words", {"a.json:1:4: "}},
-      {"{\"a\": 1 /* , */ \"b\": 2}", {"a.json:1:19: "}},
+      {"{\"a\": 1 /* , */ \"b\": 2}", {"a.json:1:17: ", "a comma is missing"}},
       {"{} / {}", {"a.json:1:4: "}},
       {"{\"a\": [1, 2", {"a.json:1:12: ", "ends inside the list", "a.json:1:7", "] is missing"}},
       {"{\"a\": 1", {"ends inside the object", "a.json:1:1", "} is missing"}},

@@ -166,6 +166,7 @@ class TreeBuilder {
       const bool line = rest.starts_with("//");
       if (!line && !rest.starts_with("/*")) return byte;
       const std::size_t end = rest.find(line ? "\n" : "*/", 2);
+      if (end == std::string_view::npos && !line) return byte;  // a comment without an end
       byte = end == std::string_view::npos ? text_.size() : byte + end + (line ? 1 : 2);
     }
   }
@@ -200,8 +201,8 @@ std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& erro
   if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
   if (rest.front() == '+' || rest.front() == '.')
     return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
-  const std::string_view between = std::string_view(text_).substr(end_, byte - end_);
-  const bool comma = between.find(',') != std::string_view::npos, colon = between.find(':') != std::string_view::npos;
+  const std::size_t mark = behind_spaces(end_);  // perhaps a comma or a colon
+  const bool comma = mark < byte && text_[mark] == ',', colon = mark < byte && text_[mark] == ':';
   if (comma && (rest.front() == '}' || rest.front() == ']'))
     return std::string("there is a comma before the closing ") + rest.front() + "; remove it";
   if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the description; remove it";

@@ -1,7 +1,11 @@
 #include "framework/description/scene/resolve.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
+#include <set>
+#include <string>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/registry.h>
@@ -71,8 +75,8 @@ class Resolver {
   // "parameters" and "points" as they are computed.
   void settle(Value::Member& m) {
     for (Value::Member& each : *m.value.object())
-      for (const SceneParameter& p : scene_.parameters)
-        if (p.name == each.key) note(each.value), each.value = p.value;
+      if (const expression::Amount* amount = definitions_.find(each.key))
+        note(each.value), each.value = Definitions::placed_value(*amount, each.value.where);
   }
 
   void list(Value::Member& m) {
@@ -159,19 +163,36 @@ class Resolver {
     if (texts.takes_parameters) give_parameters(v);
   }
 
-  // The scene's parameters, but for those that the object names itself.
+  // Of the scene's parameters those that its formulas read, but for those that the object names itself.
   void give_parameters(Value& v) {
-    if (scene_.parameters.empty()) return;
+    std::set<std::string> read;
+    for (const Value::Member& m : *v.object()) add_names(m.value, read);
     auto own =
         std::find_if(v.object()->begin(), v.object()->end(), [](const auto& m) { return m.key == "parameters"; });
-    if (own == v.object()->end()) {
-      v.object()->push_back({"parameters", Value(Value::Object{}), v.where});
-      v.object()->back().value.where = v.where;
-      own = std::prev(v.object()->end());
+    for (const std::string& name : read) {
+      const expression::Amount* amount = definitions_.find(name);
+      if (amount == nullptr || (own != v.object()->end() && own->value.find(name) != nullptr)) continue;
+      if (own == v.object()->end()) {
+        v.object()->push_back({"parameters", Value(Value::Object{}), v.where});
+        v.object()->back().value.where = v.where;
+        own = std::prev(v.object()->end());
+      }
+      if (own->value.object() == nullptr) return;  // refused by its reader
+      own->value.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
     }
-    if (own->value.object() == nullptr) return;  // refused by its reader
-    for (const SceneParameter& p : scene_.parameters)
-      if (own->value.find(p.name) == nullptr) own->value.object()->push_back({p.name, p.value, p.value.where});
+  }
+  // The words of texts that may be names.
+  static void add_names(const Value& v, std::set<std::string>& names) {
+    if (const Value::List* items = v.list())
+      for (const Value& each : *items) add_names(each, names);
+    if (v.text() == nullptr) return;
+    std::string word;
+    for (const char c : *v.text() + " ") {
+      if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || static_cast<unsigned char>(c) >= 0x80)
+        word += c;
+      else
+        names.insert(std::exchange(word, {}));
+    }
   }
 
   Scene& scene_;

@@ -173,6 +173,29 @@ void refuse_columns(const std::string& path) {
       throw ModelError("\"" + path + "\" cannot vary: plugins and columns are the same in all runs");
 }
 
+// Sets the value that "NAME=VALUE" names.
+void set_value(Value& root, const std::string& text, const Scene& scene, const Registry& registry) {
+  const std::size_t equals = text.find('=');
+  std::string path(text::trimmed(text.substr(0, equals)));
+  const std::string word =
+      equals == std::string::npos ? "" : std::string(text::trimmed(std::string_view(text).substr(equals + 1)));
+  if (path.empty() || word.empty())
+    throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
+  rename_old_keys(path);
+  const ScenePlace place = place_of(root, path, scene, registry);
+  if (place.path.starts_with("requires"))
+    throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
+  const SceneParameter* parameter = parameter_at(place.path, scene);
+  Value v = value_of(word);
+  if (parameter != nullptr && !word.starts_with('=')) {
+    v = Reader(place, parameter, path).read(word);
+    if (const std::string unit = symbol_of(*parameter); !unit.empty())
+      v = Value(text::number(*v.number()) + " " + unit);
+  }
+  v.where = place.value->where;
+  *place.value = std::move(v);
+}
+
 }  // namespace
 
 Variable read_variable(const std::string& text, const Scene& scene, const Registry& registry) {
@@ -229,28 +252,9 @@ Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, con
   return scene_from(std::move(root), scene.file);
 }
 
-Scene set_in_scene(const Scene& scene, const std::string& text, const Registry& registry) {
-  const std::size_t equals = text.find('=');
-  std::string path(text::trimmed(text.substr(0, equals)));
-  const std::string word =
-      equals == std::string::npos ? "" : std::string(text::trimmed(std::string_view(text).substr(equals + 1)));
-  if (path.empty() || word.empty())
-    throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
-  rename_old_keys(path);
+Scene set_in_scene(const Scene& scene, const std::vector<std::string>& texts, const Registry& registry) {
   Value root = written_root(scene);
-  const ScenePlace place = place_of(root, path, scene, registry);
-  if (place.path.starts_with("requires"))
-    throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
-  const SceneParameter* parameter = parameter_at(place.path, scene);
-  Value v = value_of(word);
-  if (parameter != nullptr && !word.starts_with('=')) {
-    Reader reader(place, parameter, path);
-    v = reader.read(word);
-    if (const std::string unit = symbol_of(*parameter); !unit.empty())
-      v = Value(text::number(*v.number()) + " " + unit);
-  }
-  v.where = place.value->where;
-  *place.value = std::move(v);
+  for (const std::string& text : texts) set_value(root, text, scene, registry);
   return scene_from(std::move(root), scene.file);
 }
 

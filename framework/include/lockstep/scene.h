@@ -139,9 +139,9 @@ LOCKSTEP_API std::vector<Variable> read_variables(const std::vector<std::string>
 LOCKSTEP_API Scene vary_scene(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                               const Registry&);
 
-/// The scene with one value changed: "NAME=VALUE", NAME a parameter or the path of a plain value, VALUE a number, a
-/// quantity, a word or a formula. Throws as read_variable() and vary_scene() do.
-LOCKSTEP_API Scene set_in_scene(const Scene&, const std::string& text, const Registry&);
+/// The scene with other values: each text is "NAME=VALUE", NAME a parameter or the path of a plain value, VALUE a number,
+/// a quantity, a word or a formula. Throws as read_variable() and vary_scene() do.
+LOCKSTEP_API Scene set_in_scene(const Scene&, const std::vector<std::string>& texts, const Registry&);
 
 /// Of a length that varies: the places of numbers of the same length that do not follow it, because it is written there
 /// again; empty for anything else.

@@ -76,7 +76,6 @@ class LOCKSTEP_API FormulaFunction {
   friend class FormulaCompiler;
   std::string text_;
   std::vector<Term> terms_;
-  int n_variables_ = 0;
   bool has_switches_ = false;
 };
 

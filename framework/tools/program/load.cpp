@@ -66,9 +66,10 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
 }
 
-Scene set_value(const Scene& scene, const std::string& text, const Registry& registry) {
+// The values of --set, all together: one alone may not fit the others' old ones.
+Scene with_values(const Scene& scene, const std::vector<std::string>& texts, const Registry& registry) {
   try {
-    return set_in_scene(scene, text, registry);
+    return set_in_scene(scene, texts, registry);
   } catch (const ModelError& error) {
     throw UsageError("--set: " + std::string(error.what()));
   } catch (const SceneError& error) {
@@ -122,7 +123,7 @@ Loaded read_with_plugins(const Arguments& args) {
   Scene scene = read_scene(args.scene);
   if (!args.allow_files) check_files(scene);
   Registry registry = make_registry(args.plugins, scene.plugins);
-  for (const std::string& value : args.set) scene = set_value(scene, value, registry);
+  if (!args.set.empty()) scene = with_values(scene, args.set, registry);
   put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};
 }
