@@ -55,17 +55,18 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
   int failures = 0;
   bool rejected = false;
   std::string failure;                                          // of the last try, in words
-  const auto longer_fails = [&](Dynamics& by) -> std::string {  // steps that went on shrinking leave none: a longer one
-    try {
-      attempt(by, a_while_after(start_.t));
-      copy_motion(end_, landed_);
-      const ProjectReport end = project_end(by, landed_);
-      return end.converged
-                 ? ""
-                 : fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", end.after);
-    } catch (const Error& error) {
-      return error.what();
+  const auto longer_fails = [&]() -> std::string {  // steps that went on shrinking leave no failure: longer ones do
+    for (const double longer : {1.0, 1e3, 1e6}) {
+      try {
+        attempt(dynamics, longer * a_while_after(start_.t));
+        copy_motion(end_, landed_);
+        if (const ProjectReport end = project_end(dynamics, landed_); !end.converged)
+          return fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", end.after);
+      } catch (const Error& error) {
+        return error.what();
+      }
     }
+    return {};
   };
   copy_motion(state, start_);
   if (state.z.size() > 0) start_.z = end_.z = landed_.z = state.z;
@@ -101,7 +102,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
     }
     h = next;
     if (step_vanished(state.t, h, asked)) {
-      if (failure.empty()) failure = longer_fails(dynamics);
+      if (failure.empty()) failure = longer_fails();
       throw StepError(
           fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; {}", info().name, h,
                       state.t, report.rejected + 1, reason(dynamics, start_, landed_, failure, advice())),

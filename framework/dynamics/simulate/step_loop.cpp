@@ -231,20 +231,24 @@ void StepLoop::make_start() {
 void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
       *parts_;
-  constexpr double kWhile = 10;  // steps over which links and forces are compared
-  const auto who = [&] {
-    const std::string words = who_varies(dynamics_, state_, kWhile * clock.advised());
+  const auto who = [&] {  // links and forces are compared over ten steps
+    const std::string words =
+        who_varies(dynamics_, state_, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state_.t))));
     return words.empty() ? words : "; " + words;
   };
-  try {
-    if (const std::string slow = clock.watch_pace(state_.t, report_.steps); !slow.empty()) warn(slow + who());
-  } catch (const StepError& error) {
-    throw StepError(error.what() + who(), state_.t);
-  }
+  const auto with_culprit = [&](auto&& ask) {
+    try {
+      return ask();
+    } catch (const StepError& error) {
+      throw StepError(error.what() + who(), state_.t);
+    }
+  };
+  const std::string slow = with_culprit([&] { return clock.watch_pace(state_.t, report_.steps); });
+  if (!slow.empty()) warn(slow + who());
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
-  const double wanted = clock.step_towards(t0, target, largest);
+  const double wanted = with_culprit([&] { return clock.step_towards(t0, target, largest); });
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
