@@ -423,7 +423,7 @@ TEST_CASE("who makes the steps short is named", "[unit][dynamics]") {
     CHECK_FALSE(says(said, {"'steady'"}));
   }
   SECTION("two laws that part") {
-    System system(System::Options{{0, -9.81, 0}});  // beside which the laws differ little at first
+    System system(System::Options{{-9.81, 0, 0}});  // beside which the laws differ little at first
     Body& slide = system.add_body("slide", shapes::box(1, {1, 1, 1}));
     for (const auto& [name, law] :
          {std::pair{"straight", laws::polynomial({0, 1})}, {"bent", laws::polynomial({0, 1, 0, 0, 0.5})}})
