@@ -249,9 +249,11 @@ void list_parameters(const Scene& scene) {
       if (left < 0) continue;
       if (first) fmt::print("{}:\n", points ? "points" : "parameters (--set NAME=VALUE gives another value)");
       first = false;
-      const std::string written = value_text(p.written), now = value_text(p.value);
-      fmt::print("  {:<{}}  {:<{}}  {}\n", p.name, name, now, written == now ? 0 : value,
-                 written == now ? "" : written);
+      const std::string written = value_text(p.written), now = brief_text(p.value);
+      if (written.find('=') == std::string::npos)
+        fmt::print("  {:<{}}  {}\n", p.name, name, now);
+      else
+        fmt::print("  {:<{}}  {:<{}}  {}\n", p.name, name, now, value, written);
     }
   }
 }
