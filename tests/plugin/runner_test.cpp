@@ -513,6 +513,24 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
     CHECK(contains(r.text, "--allow-files"));
   }
   CHECK(run("../outside.csv", "--allow-files").exit == 0);
+
+  // scenes that are included likewise; what they read is named from where they stand
+  for (const char* folder : {"/within/below/", "/"})
+    std::ofstream(kFolder + folder + "part.json")
+        << R"({"lockstep": 1, )" << kArm << R"("links": [{)" << kHinge
+        << R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": "rise.csv"}}}]})";
+  fs::copy_file(kFolder + "/within/rise.csv", kFolder + "/rise.csv", fs::copy_options::overwrite_existing);
+  const auto include = [&](const std::string& part, const std::string& options = {}) {
+    std::ofstream(kFolder + "/within/whole.json") << R"({"lockstep": 1, "include": [{"scene": ")" << part
+                                                  << R"("}], "run": {"until": 1, "output": 0.5, "record": ["arm.x"]}})";
+    return call("run within/whole.json --record driven.csv " + options);
+  };
+  CHECK(include("below/part.json").exit == 0);
+  const Called outside = include("../part.json");
+  CAPTURE(outside.text);
+  CHECK(outside.exit == 2);
+  CHECK(contains(outside.text, "part.json\" is outside of the scene's folder"));
+  CHECK(include("../part.json", "--allow-files").exit == 0);
 }
 
 TEST_CASE("settings that cannot be meant are refused or said", "[runner]") {

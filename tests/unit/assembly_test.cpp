@@ -259,6 +259,16 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     REQUIRE(report.warnings.size() == 1);
     CHECK(says(report.warnings.front(), {"assembly moved body '", "lockstep assemble"}));
   }
+  SECTION("drawn in its zero position, and taken by a law to where it begins") {
+    System own;
+    Body& arm = own.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    own.add<Revolute>("A", arm, own.ground(), pose_at({0, 0, 0})).drive(Axis::rz, laws::constant(1.0));
+    Dynamics driven(own, solver(true));
+    State state = own.start();
+    const AssemblyReport report = assemble(driven, state);
+    CHECK(report.largest_turn > 0.9);
+    CHECK(report.warnings.empty());
+  }
   SECTION("a sound start") {
     State state = sys.start();
     assemble(dynamics, state, {{"A", Axis::rz, 7.5}});

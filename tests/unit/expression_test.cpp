@@ -373,7 +373,7 @@ TEST_CASE("many breakpoints are all found", "[unit][expression]") {
     CHECK_THAT(out[i], Catch::Matchers::WithinAbs(kPi * double(i + 1) / 100, 1e-12));
 }
 
-TEST_CASE("constants of functions are SI; unknown names name the nearest", "[unit][expression]") {
+TEST_CASE("constants of functions are SI, and unknown names name the nearest", "[unit][expression]") {
   expression::Constant R{"R", {0.5, 0, 0}, false}, A{"A", {1, 2, 3}, true};
   const std::array<Time, 2> v = {Time(2), Time(3, 1, 0)};
   const FormulaFunction f("=x^2/(2*R) + A.y*t + 30 deg*0 + 100 mm", {"x", "t"}, {R, A});

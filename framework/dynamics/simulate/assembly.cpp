@@ -212,18 +212,36 @@ std::string not_given(const System& system, const State& given, const State& ass
   return text::join(names);
 }
 
+// Whether the start poses fit the links but for those that laws move: a mechanism drawn in its zero position, which its
+// laws take to where they begin.
+bool only_laws_move(Dynamics& dynamics, const State& given) {
+  constexpr double kFits = 1e-6;  // m
+  const Evaluation& e = dynamics.gather(given);
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  for (const RowEntry& entry : e.rows().entries) {
+    const Jointed* joint = dynamics.system().links()[static_cast<std::size_t>(entry.link)]->jointed();
+    if (joint && !joint->imposed().empty()) C.segment(entry.first_row, entry.m).setZero();
+  }
+  return e.norm(C) < kFits;
+}
+
 // What assembling changed so much that the start was hardly meant so.
-void add_warnings(const System& system, const State& given, const State& assembled, AssemblyReport& report) {
+void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, AssemblyReport& report) {
+  const System& system = dynamics.system();
   constexpr double kFar = 0.1;   // of the length of the mechanism, or
   constexpr double kMove = 0.5;  // m
   constexpr double kTurned = 0.5;  // rad
   constexpr double kMost = 0.5;  // of the kinetic energy
-  if (report.largest_move > std::min(kFar * system.length(), kMove))
+  const bool moved = report.largest_move > std::min(kFar * system.length(), kMove),
+             turned = report.largest_turn > kTurned;
+  const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
+  if (moved && !by_laws)
     report.warnings.push_back(fmt::format(
         "assembly moved body '{}' by {:.3g} m from where its start pose puts it; give it a position that fits its "
         "links (`lockstep assemble` prints one)",
         report.moved_most, report.largest_move));
-  else if (report.largest_turn > kTurned)
+  else if (turned && !by_laws)
     report.warnings.push_back(fmt::format(
         "assembly turned body '{}' by {:.3g} rad from its start pose; give it an orientation that fits its links "
         "(`lockstep assemble` prints one)",
@@ -276,7 +294,7 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   assembler.velocities(targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
-  add_warnings(dynamics.system(), state, work, report);
+  add_warnings(dynamics, state, work, report);
   state = work;
   if (report.is_notable()) log_info(report.text());
   for (const std::string& warning : report.warnings) log_warning(warning);

@@ -80,9 +80,10 @@ Dependencies by_circuits(int n_columns, int n_rows, const Triplets& Jt) {
 }
 
 // J Jt + eps 1 = L D L^T: a row that depends on others leaves a pivot of size eps. What eps (J Jt + eps 1)^-1 leaves of
-// a vector lies in the dependencies, and has a share of every row that takes part in one.
+// a vector lies in the dependencies, and of a few vectors at random one has a share of every row that takes part.
 Dependencies by_pivots(int n_columns, int n_rows, const Triplets& triplets) {
   constexpr double kEps = 1e-12, kSmall = 1e-8, kTakesPart = 1e-3;
+  constexpr int kVectors = 8;
   Eigen::SparseMatrix<double> Jt(n_columns, n_rows), one(n_rows, n_rows);
   Jt.setFromTriplets(triplets.begin(), triplets.end());
   one.setIdentity();
@@ -93,13 +94,15 @@ Dependencies by_pivots(int n_columns, int n_rows, const Triplets& triplets) {
   out.rank = static_cast<int>((D.array() > kSmall).count());
   if (out.rank == n_rows) return out;
   std::minstd_rand random(1);
-  std::uniform_real_distribution<double> number(0.5, 1.0);
-  const VecX r = VecX::NullaryExpr(n_rows, [&] { return random() % 2 == 0 ? number(random) : -number(random); });
-  const VecX left = kEps * ldlt.solve(r);
+  VecX left = VecX::Zero(n_rows);
+  for (int k = 0; k < kVectors; ++k) {
+    const VecX signs = VecX::NullaryExpr(n_rows, [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
+    left = left.cwiseMax((kEps * ldlt.solve(signs)).cwiseAbs());
+  }
   DependentRows all;
   all.too_many = n_rows - out.rank;
   for (int row = 0; row < n_rows; ++row)
-    if (std::abs(left[row]) > kTakesPart * left.lpNorm<Eigen::Infinity>()) all.rows.push_back(row);
+    if (left[row] > kTakesPart * left.maxCoeff()) all.rows.push_back(row);
   out.sets.push_back(std::move(all));
   return out;
 }

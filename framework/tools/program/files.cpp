@@ -80,14 +80,18 @@ void check_overwrites(const std::string& csv, const Scene& scene) {
 
 namespace {
 
-// Calls visit(value) for every value of a key "file".
+// Calls visit(value, file, its name as written) for every file that a scene is read from: those that it includes, and values of
+// keys "file", which are named from where they stand.
 template <class Visit>
 void for_each_file(const Value& value, Visit&& visit) {
+  const fs::path own = value.where.file ? fs::path(*value.where.file) : fs::path();
+  visit(value, own, own.string());
   if (const Value::List* list = value.list())
     for (const Value& item : *list) for_each_file(item, visit);
   if (const Value::Object* object = value.object())
     for (const auto& member : *object) {
-      if (member.key == "file" && member.value.text() != nullptr) visit(member.value);
+      if (const std::string* name = member.value.text(); name != nullptr && member.key == "file")
+        visit(member.value, own.parent_path() / *name, *name);
       for_each_file(member.value, visit);
     }
 }
@@ -97,12 +101,14 @@ void for_each_file(const Value& value, Visit&& visit) {
 void check_files(const Scene& scene) {
   std::error_code error;
   const fs::path folder = fs::weakly_canonical(fs::absolute(scene.file).parent_path(), error);
-  for_each_file(scene.root, [&](const Value& value) {
-    const fs::path named = *value.text();
-    const fs::path file = fs::weakly_canonical(named.is_absolute() ? named : folder / named, error);
+  fs::path last = scene.file;
+  for_each_file(scene.root, [&](const Value& value, const fs::path& named, const std::string& written) {
+    if (named.empty() || named == last) return;
+    last = named;
+    const fs::path file = fs::weakly_canonical(named, error);
     const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (end == folder.end()) return;
-    throw UsageError(value.where.text() + ": the file \"" + named.string() +
+    throw UsageError(value.where.text() + ": the file \"" + written +
                      "\" is outside of the scene's folder; put it there, or allow it with --allow-files");
   });
 }
