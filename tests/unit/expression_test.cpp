@@ -113,6 +113,8 @@ TEST_CASE("functions and constants are those of the library", "[unit][expression
                          {"=floor(-1.5)", -2},
                          {"=ceil(-1.5)", -1},
                          {"=round(2.4)", 2},
+                         {"=round(-2.5)", -3},
+                         {"=round(0.49999999999999994)", 0},
                          {"=mod(-1, 3)", 2},
                          {"=min(3, 1, 2)", 1},
                          {"=max(3 mm, crank, 2 m)", 2},
@@ -371,6 +373,79 @@ TEST_CASE("many breakpoints are all found", "[unit][expression]") {
   REQUIRE(out.size() == 318);  // 1000/pi
   for (std::size_t i = 0; i < out.size(); ++i)
     CHECK_THAT(out[i], Catch::Matchers::WithinAbs(kPi * double(i + 1) / 100, 1e-12));
+}
+
+TEST_CASE("what stays equal over a span hides no switch", "[unit][expression]") {
+  struct Case {
+    const char* text;
+    std::vector<double> instants;  // in (0, 10)
+  };
+  for (const Case& c :
+       {Case{"=(max(0,t-8) > 0 ? 0 : 0) + (t>7.003 && t<7.004 ? 1000 : 0)", {7.003, 7.004, 8}},
+        {"=(min(t,1) < 1 ? 20 : 0)*0 + (t>7.003 && t<7.004 ? 1000 : 0)", {1, 7.003, 7.004}},
+        {"=max(min(t,1),1)*0 + (t>7.003 && t<7.004 ? 1000 : 0)", {1, 7.003, 7.004}},
+        {"=max(t,8) > t ? (t>7.003 && t<7.004 ? 1000 : 0) : 1", {7.003, 7.004, 8}},
+        {"=abs(max(0,t-8)) + (t>7.003 && t<7.004 ? 1000 : 0)", {7.003, 7.004, 8}},
+        {"=sign(floor(t/20)) + (t>7.003 && t<7.004 ? 1000 : 0)", {7.003, 7.004}},
+        {"=t > 5 ? (sqrt(t-5) > 1 ? 1 : 0) : 0", {5, 6}},
+        {"=max(0.3*t, 3*t/10)*0 + (t>7.003 && t<7.004 ? 1000 : 0)", {7.003, 7.004}},  // warns: equal but for round-off
+        {"=t^2 - t*t > 0 ? 1 : (t>7.003 && t<7.004 ? 1000 : 0)", {7.003, 7.004}}}) {  // warns of the first
+    const FormulaFunction f(c.text, {"t"});
+    std::vector<double> out;
+    f.breakpoints(0, 0, 10, out);
+    CAPTURE(c.text, out);
+    REQUIRE(out.size() == c.instants.size());
+    for (std::size_t i = 0; i < out.size(); ++i) CHECK_THAT(out[i], Catch::Matchers::WithinULP(c.instants[i], 4));
+  }
+}
+
+TEST_CASE("a switch on a whole number is found from both sides", "[unit][expression]") {
+  for (const char* text : {"=floor(t)", "=ceil(t)", "=-floor(-t)", "=round(t - 0.5)"}) {
+    std::vector<double> out;
+    FormulaFunction(text, {"t"}).breakpoints(0, 0, 4, out);
+    CAPTURE(text, out);
+    CHECK(out == std::vector<double>{1, 2, 3});
+  }
+}
+
+TEST_CASE("too many switches are refused with the formula", "[unit][expression]") {
+  std::vector<double> out;
+  const FormulaFunction f("=floor(1e6*t)", {"t"});
+  const std::string refused = message_of<ModelError>([&] { f.breakpoints(0, 0, 10, out); });
+  CAPTURE(refused);
+  CHECK(refused.find("\"=floor(1e6*t)\"") != std::string::npos);
+  CHECK(refused.find("more than 1000000 times between t = 0 and 10 s") != std::string::npos);
+}
+
+TEST_CASE("halves are rounded away from zero, of what moves as it is just afterwards", "[unit][expression]") {
+  const FormulaFunction still("=round(x)", {"x"}), falling("=round(-x)", {"x"});
+  const auto fixed = [&](double x) { return at(still, x).v; };
+  for (const double x : {-2.5, 2.5, 0.49999999999999994, -0.49999999999999994, 0.5, -0.5, 4503599627370497.0})
+    CHECK(fixed(x) == std::round(x));
+  CHECK(at(still, 2.5).v == 3);
+  CHECK(at(still, -2.5).v == -2);
+  CHECK(at(falling, 2.5).v == -3);
+  CHECK(at(falling, -2.5).v == 2);
+  CHECK(at(still, 0.49999999999999994).v == 0);
+}
+
+TEST_CASE("a unit ends before a variable", "[unit][expression]") {
+  CHECK(at(FormulaFunction("=t + 1 s/t*100", {"t"}), 1).v == 101);
+  CHECK(at(FormulaFunction("=exp(-1 s/t)", {"t"}), 2).v == std::exp(-0.5));
+  CHECK(at(FormulaFunction("=8 m/s/t^2", {"t"}), 2).v == 2);
+  CHECK(message_of<ModelError>([] { FormulaFunction("=2 s t", {"t"}); }).find("expected an operator") !=
+        std::string::npos);
+  CHECK_THAT(at(FormulaFunction("=q*1 kg/t", {"q"}), 1).v, Catch::Matchers::WithinULP(1e-3, 2));  // no variable: tonnes
+}
+
+TEST_CASE("a variable that is a constant as well is refused where it is read", "[unit][expression]") {
+  const expression::Constant t{"t", {5, 0, 0}, false};
+  const std::string refused = message_of<ModelError>([&] { FormulaFunction("=2*t", {"t"}, {t}); });
+  CAPTURE(refused);
+  CHECK(refused.find("\"=2*t\", column 4") != std::string::npos);
+  CHECK(refused.find("\"t\" is a variable") != std::string::npos);
+  CHECK(refused.find("rename the parameter") != std::string::npos);
+  CHECK(FormulaFunction("=2*x", {"x", "t"}, {t}).reads(0));
 }
 
 TEST_CASE("constants of functions are SI, and unknown names name the nearest", "[unit][expression]") {

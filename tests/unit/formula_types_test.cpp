@@ -137,6 +137,18 @@ TEST_CASE("a force by formula gives the damped oscillation in closed form", "[un
   CHECK(worst(table, "energy.balance", [](double) { return 0.0; }) < 1e-8);  // its work is booked
 }
 
+TEST_CASE("a pulse is not lost beside what stays equal", "[unit][force]") {
+  for (const char* still : {"(max(0,t-8) > 0 ? 0 : 0)", "(min(t,1) < 1 ? 20 : 0)*0", "max(min(t,1),1)*0"}) {
+    CAPTURE(still);
+    const Table table = run(R"~("bodies": [{"name": "b", "particle": 1}],
+      "links": [{"name": "A", "type": "lock", "mask": "x y", "p": "b", "s": "ground", "at_s": [0, 0, 0]}],
+      "forces": [{"name": "F", "type": "function_force", "link": "A", "force": "=)~" +
+                            std::string(still) + R"~( + (t>7.003 && t<7.004 ? 1000 : 0)"}],
+      "run": {"until": 10, "output": 0.5, "record": ["b.vz"]})~");
+    CHECK(worst(table, "b.vz", [](double t) { return t > 7.2 ? 1.0 : 0.0; }) < 1e-6);
+  }
+}
+
 TEST_CASE("a torque by formula is the torsion spring of the same numbers", "[unit][force]") {
   const auto scene = [](const std::string& force) {
     return R"("gravity": [0, -9.81, 0], "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],

@@ -138,6 +138,36 @@ TEST_CASE("loops that share a body only, or nothing, are counted by themselves",
   CHECK(r.redundant_links == Names{"left_low", "left_high", "right_low", "right_high"});
 }
 
+TEST_CASE("one long loop: its dependency is spread over all rows, and counted all the same", "[unit][analysis]") {
+  // n bodies on a circle, each fixed to the next or hinged to it about z, the first and the last on the ground
+  for (const bool hinged : {false, true})
+    for (const int n : {40, 60, 100, 400}) {
+      System sys;
+      const auto at = [&](double k) { return Vec3(std::cos(k / n * 6.0), std::sin(k / n * 6.0), 0); };
+      const auto join = [&](const std::string& name, Body& p, Body& s, const Vec3& x) {
+        if (hinged)
+          sys.add<Revolute>(name, p, s, pose_at(x));
+        else
+          sys.add<Fixed>(name, p, s, pose_at(x));
+      };
+      Body* last = &sys.ground();
+      for (int k = 0; k < n; ++k) {
+        const std::string name = std::to_string(k);
+        Body& body = sys.add_body(name, shapes::rod(1.0, at(k), at(k + 1)));
+        join("j" + name, body, *last, at(k));
+        last = &body;
+      }
+      join("end", *last, sys.ground(), at(n));
+      sys.set_merge(false);
+      const MobilityReport r = report_of(sys);
+      CAPTURE(hinged, n);
+      CHECK(r.freedoms == (hinged ? n - 2 : 0));
+      CHECK(r.redundant == (hinged ? 3 : 6));
+      REQUIRE(r.dependencies.size() == 1);
+      CHECK(r.redundant_links.size() == static_cast<std::size_t>(n + 1));
+    }
+}
+
 TEST_CASE("freedoms and redundant rows of large loops are those of small ones, bay by bay", "[unit][analysis]") {
   for (const int n : {10, 24, 25, 60, 400}) {  // 300 rows are those of 19 bays
     System sys = ladder(n, exponential(Vec3(0.3, 0.2, -0.5)), false);

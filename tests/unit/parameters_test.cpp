@@ -271,6 +271,47 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
   check_words(refusal(R"("repeat": [{"times": 2, "points": {"P": [0, 0, 0]}}])"), {"\"P\" is a point already"});
 }
 
+TEST_CASE("an index below zero stands in brackets in formulas", "[unit][scene]") {
+  const Mechanism m = built(R"~("repeat": [{"times": 2, "from": -1, "index": "i",
+    "bodies": [{"name": "b{i+1}", "particle": 1, "position": ["=i^2", "=3-i", "={i}^2"]}]}])~");
+  CHECK((m.system.body("b0").home.x - Vec3(1, 4, 1)).norm() == 0);
+  CHECK((m.system.body("b1").home.x - Vec3(0, 3, 0)).norm() == 0);
+  CHECK(built(R"~("repeat": [{"times": 1, "from": -1, "bodies": [{"name": "b{i}", "particle": 1}]}])~")
+            .system.body("b-1")
+            .name == "b-1");
+}
+
+TEST_CASE("an index is no unit", "[unit][scene]") {
+  for (const char* unit : {"s", "m", "kg", "N", "rad"})
+    check_words(refusal(R"("repeat": [{"times": 1, "index": ")" + std::string(unit) + R"("}])"),
+                {"repeat[0].index", "\"" + std::string(unit) + "\" is a unit", "choose another name"});
+}
+
+TEST_CASE("a parameter called like a variable is refused where a formula reads it", "[unit][scene]") {
+  const std::string particle = R"("bodies": [{"name": "b", "particle": 1}], )";
+  const auto law = [&](const std::string& parameters, const std::string& y) {
+    return "\"parameters\": {" + parameters + "}, " + particle +
+           R"("links": [{"name": "A", "type": "lock", "mask": "x", "p": "b", "s": "ground",
+                         "drive": {"axis": "y", "law": {"type": "formula", "y": )" +
+           y + "}}}]";
+  };
+  check_words(refusal(law(R"("t": 3)", R"("=2*t")")),
+              {"link 'A', drive.law.y", "\"=2*t\"", "\"t\" is a variable", "rename the parameter"});
+  check_words(refusal(law(R"("w": 3)", R"("=2*t", "parameters": {"t": 1})")), {"\"t\" is a variable"});
+  CHECK_NOTHROW(built(law(R"("q": 3)", R"("=q*t")")));  // a law knows no q
+  const auto force = [&](const std::string& parameters) {
+    return "\"parameters\": {" + parameters + "}, " + particle +
+           R"("forces": [{"name": "F", "type": "function_force", "p": "b", "s": "ground", "at": [0, 0, 0],
+                          "force": "=-3*q"}])";
+  };
+  check_words(refusal(force(R"("q": 3)")), {"force 'F', force", "\"q\" is a variable"});
+  CHECK_NOTHROW(built(force(R"("qd": 3)")));  // not read
+  check_words(refusal("\"parameters\": {\"z\": 2}, " + particle +
+                      R"("links": [{"name": "A", "type": "function", "p": "b", "s": "ground", "at_s": [0, 0, 0],
+                                    "phi": ["=x", "=z - y"]}])"),
+              {"link 'A', phi[1]", "\"z\" is a variable"});
+}
+
 TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][scene]") {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("lockstep_include_test_" + std::to_string(getpid()));

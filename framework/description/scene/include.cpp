@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <span>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -53,10 +54,10 @@ class Renaming {
   }
 
  private:
-  static Value::List& items(Value& scene, const char* list) {
-    static Value::List none;
+  // The objects of a list; none where there is no such list.
+  static std::span<Value> items(Value& scene, const char* list) {
     Value* all = member(scene, list);
-    return all != nullptr && all->list() != nullptr ? *all->list() : none;
+    return all != nullptr && all->list() != nullptr ? std::span<Value>(*all->list()) : std::span<Value>();
   }
 
   void put(Value& v, std::string text) const {
@@ -64,8 +65,11 @@ class Renaming {
     v = Value(std::move(text));
     v.where = where;
   }
+  // "A", and "A.stop_z_low" or "A.friction", which a link brings with it.
   void text(Value* v) const {
-    if (v != nullptr && v->text() != nullptr && names_.contains(*v->text())) put(*v, prefix_ + *v->text());
+    if (v == nullptr || v->text() == nullptr) return;
+    const std::string old = *v->text();
+    if (names_.contains(old) || names_.contains(old.substr(0, old.find('.')))) put(*v, prefix_ + old);
   }
   // "A.x", "a.x@b": names stand at its beginning and after "@".
   void channel(Value* v) const {
@@ -112,6 +116,8 @@ std::string path_of(const Params& p, const std::vector<std::string>& files) {
   const auto& from = p.value("scene").where.file;
   if (path.is_relative() && from) path = fs::path(*from).parent_path() / path;
   std::error_code error;
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+    p.refuse("scene", "\"" + p.text("scene") + "\" is no file that holds a scene");
   for (const std::string& file : files)
     if (fs::equivalent(path, file, error)) p.refuse("scene", "\"" + p.text("scene") + "\" includes itself");
   if (files.size() > kMostFiles)

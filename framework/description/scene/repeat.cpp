@@ -8,6 +8,7 @@
 #include "framework/description/scene/definitions.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 constexpr int kMostCopies = 100'000;
 
 bool in_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c < 0; }
+
+// As it stands in a formula: "-1^2" is -(1^2).
+std::string in_formula(long k) { return k < 0 ? "(" + std::to_string(k) + ")" : std::to_string(k); }
 
 // The formula with the index as a number. Behind a number stands a unit, whatever its name.
 std::string with_index(const std::string& formula, const std::string& index, const std::string& number) {
@@ -39,25 +43,26 @@ std::string with_index(const std::string& formula, const std::string& index, con
 class Copy {
  public:
   Copy(Definitions& definitions, std::string index, int k)
-      : definitions_(definitions), index_(std::move(index)), number_(std::to_string(k)) {}
+      : definitions_(definitions), index_(std::move(index)), number_(in_formula(k)) {}
 
   void fill(Value& v, const std::string& context) const {
     if (const std::string* text = v.text()) {
       const Where where = v.where;
-      std::string now = filled(*text, where, context);
+      std::string now = filled(*text, is_formula(v), where, context);
       if (is_formula(v)) now = with_index(now, index_, number_);
       v = Value(std::move(now));
       v.where = where;
     } else if (Value::List* items = v.list()) {
       for (Value& each : *items) fill(each, context);
     } else if (Value::Object* members = v.object()) {
-      for (Value::Member& m : *members) m.key = filled(m.key, m.where, context), fill(m.value, context);
+      for (Value::Member& m : *members) m.key = filled(m.key, false, m.where, context), fill(m.value, context);
     }
   }
 
  private:
   // The text with "{i+1}" replaced.
-  std::string filled(const std::string& text, const Where& where, const std::string& context) const {
+  std::string filled(const std::string& text, bool formula_around, const Where& where,
+                     const std::string& context) const {
     std::string out;
     for (std::size_t i = 0;;) {
       const std::size_t open = text.find('{', i), close = text.find('}', open);
@@ -70,7 +75,8 @@ class Copy {
       if (q.is_vector || q.measured || q.v[0] != std::round(q.v[0]) || std::abs(q.v[0]) > 1e9)
         refuse(where, context,
                "\"" + text + "\": what stands in braces is " + words_of(q) + "; a whole number is expected");
-      out += std::to_string(static_cast<long>(q.v[0]));
+      const long k = static_cast<long>(q.v[0]);
+      out += formula_around ? in_formula(k) : std::to_string(k);
       i = close + 1;
     }
   }
@@ -114,6 +120,8 @@ void expand(Value& root, const Value& object, const std::string& owner, Definiti
   const std::string index = p.text("index");
   std::string problem;
   if (!expression::is_name(index, problem)) p.refuse("index", "\"" + index + "\" is no name: " + problem);
+  if (dimension_of(index))
+    p.refuse("index", "\"" + index + "\" is a unit, as in \"1 " + index + "\"; choose another name, such as \"i\"");
   if (definitions.find(index) != nullptr)
     p.refuse("index", "\"" + index + "\" is a parameter or point already; choose another name");
   const int times = p.integer("times"), from = p.integer("from");

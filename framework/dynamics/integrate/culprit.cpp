@@ -12,8 +12,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kNotable = 1e-2;     // relative change
-constexpr double kContradict = 1e-6;  // residual of a row that cannot hold together with others
+constexpr double kNotable = 1e-2;  // relative change
 
 // What links and forces say at one state.
 struct Said {
@@ -107,7 +106,7 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
 std::string who_varies(Dynamics& dynamics, const State& state, double after) {
   try {
     const Solution& now = dynamics.evaluate(state);
-    if (const SolveReport report = now.full_report(); report.worst_row >= 0 && report.residual > kContradict)
+    if (const SolveReport report = now.full_report(); report.worst_row >= 0 && report.contradictory)
       return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): two laws "
                          "may part, or the mechanism is locked",
                          dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual);

@@ -150,9 +150,8 @@ SingularPassage::Redundant SingularPassage::where_redundant(Dynamics& dynamics, 
   dynamics.normalize(off);
   try {
     const SolveReport before = look_at(y), away = look_at(off), after = look_at(y);
-    const bool independent = after.detector < kRedundant &&
-                             after.detector<kFell * before.detector, contradictory = away.residual> kContradict &&
-                             before.residual < kFell * kContradict;
+    const bool independent = after.detector < kRedundant && after.detector < kFell * before.detector;
+    const bool contradictory = away.residual > kContradict && before.residual < kFell * kContradict;
     return independent || contradictory ? Redundant::on_constraints : Redundant::everywhere;
   } catch (const Error&) {  // what cannot be evaluated off the constraints answers nothing
     return Redundant::everywhere;

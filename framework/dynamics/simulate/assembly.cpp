@@ -212,16 +212,17 @@ std::string not_given(const System& system, const State& given, const State& ass
   return text::join(names);
 }
 
-// Whether the start poses fit the links but for those that laws move: a mechanism drawn in its zero position, which its
-// laws take to where they begin.
+// Whether the start poses fit the links but for their drives: a mechanism drawn in its zero position, which its drives
+// take to where they begin.
 bool only_laws_move(Dynamics& dynamics, const State& given) {
   constexpr double kFits = 1e-6;  // m
   const Evaluation& e = dynamics.gather(given);
   VecX C, Cd;
   e.residuals(C, Cd);
   for (const RowEntry& entry : e.rows().entries) {
-    const Jointed* joint = dynamics.system().links()[static_cast<std::size_t>(entry.link)]->jointed();
-    if (joint && !joint->imposed().empty()) C.segment(entry.first_row, entry.m).setZero();
+    const Lock& link = *dynamics.system().links()[static_cast<std::size_t>(entry.link)];
+    for (int k = 0; k < entry.m; ++k)
+      if (link.row(entry.own[static_cast<std::size_t>(k)]).drive >= 0) C[entry.first_row + k] = 0;
   }
   return e.norm(C) < kFits;
 }

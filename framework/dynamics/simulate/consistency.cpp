@@ -128,17 +128,17 @@ PositionJump::PositionJump(Dynamics& dynamics, const State& state) {
   dynamics.gather(state).residuals(before_, Cd);
 }
 
-void PositionJump::refuse(Dynamics& dynamics, const State& state, double limit) const {
+std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
   const Evaluation& at = dynamics.gather(state);
   VecX C, Cd;
   at.residuals(C, Cd);
   C -= before_;
   const double jump = at.norm(C);
-  if (!(jump <= limit))
-    throw AssemblyError(fmt::format(
-        "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
-        "let it pass from one value to the other in a time (types ramp, cycloidal, spline)",
-        state.t, largest_row(at, C), jump, limit));
+  if (jump <= limit) return "";
+  return fmt::format(
+      "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
+      "let it pass from one value to the other in a time (types ramp, cycloidal, spline)",
+      state.t, largest_row(at, C), jump, limit);
 }
 
 }  // namespace lockstep

@@ -28,8 +28,8 @@ class PositionJump {
  public:
   /// Before the jump.
   PositionJump(Dynamics&, const State&);
-  /// After it: throws AssemblyError, naming the row that jumped most, if one did by more than the limit.
-  void refuse(Dynamics&, const State&, double limit) const;
+  /// After it: why no motion follows, naming the row that jumped most, if one did by more than the limit; else "".
+  std::string refusal(Dynamics&, const State&, double limit) const;
 
  private:
   VecX before_;

@@ -66,6 +66,7 @@ struct StepLoop::Parts {
   std::size_t started = 0, told = 0;  // observers that were started, and told of the present phase
   struct {
     bool landed = false, met = false, touched = false, jump = false, due = false, moved = false;
+    std::string refusal{};  // why no motion follows the jump; "" where one does
   } ended;            // how the last step ended
   std::string cause;  // of the changes at its end
 };
@@ -135,14 +136,16 @@ const SimulationReport& StepLoop::run_until(double t) {
       while (!report_.stopped && state_.t < t) advance(t, 0);
       output_end();
     } catch (const SolveError& e) {
+      warn_of_turns();
       finish(Errors::dropped);
       throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
     } catch (...) {
+      warn_of_turns();
       finish(Errors::dropped);
       throw;
     }
-    finish(Errors::thrown);
     warn_of_turns();
+    finish(Errors::thrown);
   });
   return report_;
 }
@@ -233,7 +236,7 @@ void StepLoop::advance(double limit, double largest) {
       *parts_;
   const auto who = [&] {  // links and forces are compared over ten steps
     const std::string words =
-        who_varies(dynamics_, state_, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state_.t))));
+        who_varies(dynamics_, state_, std::max(10 * parts_->clock.advised(), 1e-9 * std::max(1.0, std::abs(state_.t))));
     return words.empty() ? words : "; " + words;
   };
   const auto with_culprit = [&](auto&& ask) {
@@ -243,12 +246,12 @@ void StepLoop::advance(double limit, double largest) {
       throw StepError(error.what() + who(), state_.t);
     }
   };
-  const std::string slow = with_culprit([&] { return clock.watch_pace(state_.t, report_.steps); });
+  const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
   if (!slow.empty()) warn(slow + who());
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
-  const double wanted = with_culprit([&] { return clock.step_towards(t0, target, largest); });
+  const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest); });
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
@@ -259,9 +262,9 @@ void StepLoop::advance(double limit, double largest) {
     const bool met = !events.empty() && events.locate(state_);
     if ((met || touched) && state_.t < target.reach) landed = false;
     const bool jump = landed && target.jump;
+    ended = {.landed = landed, .met = met, .touched = touched, .jump = jump};
     if (jump) cross_jump(target.t);
     dynamics_.accept(state_);
-    ended = {.landed = landed, .met = met, .touched = touched, .jump = jump};
     cause = touched ? "an impact" : jump ? "the jump of a law" : "";
   } catch (...) {
     state_ = interval.from();
@@ -303,6 +306,7 @@ void StepLoop::conclude() {
       ask_progress();
       [[fallthrough]];
     case Phase::jump:
+      if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");
         if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
@@ -350,7 +354,7 @@ void StepLoop::cross_jump(double t) {
     dynamics_.normalize(state_);
   }
   state_.t = t;
-  jump.refuse(dynamics_, state_, options_.start_limit);
+  parts_->ended.refusal = jump.refusal(dynamics_, state_, options_.start_limit);
 }
 
 void StepLoop::begin_method() {
@@ -534,11 +538,13 @@ void StepLoop::warn_of_turns() {
   constexpr double kMost = 1;  // rad
   if (!(report_.largest_turn > kMost) || warned_of_turns_) return;
   warned_of_turns_ = true;
+  const char* next = method_->info().adaptive ? "bound them (--step)"
+                                              : "take a smaller step (--step), or a method that chooses its own "
+                                                "(--integrator dopri5)";
   warn(
       fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
-                  "seldom accurate: take a smaller step (--step), or a method that chooses its own (--integrator "
-                  "dopri5)",
-                  report_.turned_most, report_.largest_turn, method_->info().name, kMost));
+                  "seldom accurate: {}",
+                  report_.turned_most, report_.largest_turn, method_->info().name, kMost, next));
 }
 
 void StepLoop::warn(const std::string& text) {

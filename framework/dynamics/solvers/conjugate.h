@@ -1,6 +1,8 @@
 // Conjugate gradients, for what the proximal iteration leaves where bodies differ much in mass.
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include <lockstep/body.h>
@@ -13,15 +15,15 @@ namespace lockstep {
 ///
 ///   z = (S + E)^-1 r,   p = z + (r . z)/(r . z)_before p,   lambda += (r . z)/(p . S p) p
 ///
-/// Redundant directions, where S is zero, stay as they are. Off the constraints redundant rows are only nearly so, and to
-/// meet them would be wrong: S is small there without a reason. So the directions that are solved for are those which
-/// the masses explain.
+/// Redundant directions, where S is zero, stay as they are. Off the constraints redundant rows contradict one another a
+/// little, and meeting them would take huge multipliers. So the directions that are solved for are those which differences
+/// of mass explain. Of factors that answer -(S + E)^-1 r both signs are turned, which leaves the steps as they are.
 class ConjugateGradients {
  public:
-  static constexpr int kMost = 40;  ///< iterations
+  static constexpr int kMost = 40;  ///< iterations, and one more a row
 
   void size(int n_rows) {
-    for (VecX* v : {&r_, &z_, &p_, &q_, &way_}) v->setZero(n_rows);
+    for (VecX* v : {&r_, &z_, &p_, &q_, &way_, &best_way_, &back_}) v->setZero(n_rows);
   }
   /// Sets what is solved for: `eps`: E relative to S; `spread`: mass of the lightest body over that of the heaviest.
   void set(double eps, double spread) { longest_ = 1 + eps / (kShare * spread); }
@@ -29,40 +31,52 @@ class ConjugateGradients {
   bool needed() const { return longest_ > 1 + kSlow; }
   /// From the present solution: residual(r) writes its residual, solve(r, z) z, step(p, length) moves the solution by
   /// length p and measures it, worst() is its largest residual in units of what is met. Ends where that is 1 or less;
-  /// otherwise false, and the solution is not worse than before.
+  /// otherwise false, and the solution is the best that was found.
   template <class Residual, class Solve, class Step, class Worst>
   bool iterate(int& corrections, Residual&& residual, Solve&& solve, Step&& step, Worst&& worst) {
-    const double at_first = worst();
-    double before = 0, now = at_first;
-    way_.setZero();
-    for (int i = 0; i < kMost && now > 1; ++i, ++corrections) {
+    double best = worst(), now = best, before = 0;
+    way_.setZero(), best_way_.setZero();
+    refused_ = false;
+    const Eigen::Index most = kMost + r_.size();
+    for (Eigen::Index i = 0, idle = 0; i < most && idle < kIdle && best > 1; ++i, ++corrections) {
       residual(r_);
       solve(r_, z_);
       const double rz = r_.dot(z_);
-      p_ = i > 0 ? z_ + rz / before * p_ : z_;
+      if (!std::isfinite(rz)) break;
+      if (i == 0 || idle > 0) p_.setZero();  // round-off spoils directions: begin anew where one brought nothing
+      p_ = z_ + (i == 0 ? 0.0 : rz / before) * p_;
       before = rz;
       step(p_, 1.0);
       residual(q_);
       q_ = r_ - q_;  // S p
       const double length = rz / p_.dot(q_);
-      if (!(length > 0) || !(length < longest_)) {
+      refused_ = !(length > 0) || !(length < longest_);
+      if (refused_) {
         step(p_, -1.0);
         break;
       }
       step(p_, length - 1.0);
       way_ += length * p_;
       now = worst();
+      idle = now < best ? 0 : idle + 1;
+      if (idle == 0) best = now, best_way_ = way_;
+      if (!(now < kLost * best)) break;
     }
-    if (now <= 1) return true;
-    if (!(now <= at_first)) step(way_, -1.0);
-    return false;
+    if (way_ != best_way_) back_ = best_way_ - way_, step(back_, 1.0);
+    return best <= 1;
   }
+  /// Whether the last call came to a direction that the masses do not explain: rows that depend on others, and that
+  /// may contradict them.
+  bool refused() const { return refused_; }
 
  private:
   static constexpr double kShare = 1e-3;  // of `spread`: S is not less of its usual size, away from singular positions
-  static constexpr double kSlow = 1e-3;   // a correction that leaves less of an error is fast enough
-  double longest_ = 1;                    // (S + E)/S
-  VecX r_, z_, p_, q_, way_;
+  static constexpr Eigen::Index kIdle = 4;  // iterations that bring nothing
+  static constexpr double kLost = 1e3;      // of the best residual: what has grown more can't be taken back exactly
+  static constexpr double kSlow = 1e-3;     // a correction that leaves less of an error is fast enough
+  double longest_ = 1;                      // (S + E)/S
+  bool refused_ = false;
+  VecX r_, z_, p_, q_, way_, best_way_, back_;
 };
 
 }  // namespace lockstep

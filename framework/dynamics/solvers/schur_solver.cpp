@@ -289,7 +289,7 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   if (met) return report;
   if (gradients_.needed()) {
     if (conjugate(report.corrections, measure)) return report;
-    before_ = 0;  // what is left now stays
+    before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
   }
   find_worst();
   report.residual = worst_;

@@ -171,7 +171,7 @@ class StopRule {
           report.corrections, [&](VecX& r) { r = r_c_; }, [&](const VecX& r, VecX& z) { solve(zero_, r, da_, z); },
           step, worst);
       if (rows_met && !forces_met_) corrected(), measured(), within(kkt.pattern);
-      before_ = 0;  // what is left now stays
+      before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
     }
     report.residual = largest_;
     report.worst_row = worst_row_;

@@ -68,8 +68,8 @@ struct MobilityReport {
 };
 
 /// Counts degrees of freedom: the rank of the rows, loop by loop, with rotations as lengths (System::length) and every
-/// row of length 1; pivots below 1e-9 are zero. Where more than 300 rows lie on common loops, those below 1e-4 are, and
-/// their dependent rows are told as one set. It allocates: for descriptions, not for runs. Throws NonFiniteError.
+/// row of length 1; pivots below 1e-9 are zero. Where more than 300 rows lie on common loops, singular values below 1e-6
+/// are, and their dependent rows are told as one set. It allocates: for descriptions, not for runs. Throws NonFiniteError.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
 
 }  // namespace lockstep

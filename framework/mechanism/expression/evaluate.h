@@ -23,15 +23,27 @@ int side(const Jet<N, T, D>& a) {
   return 0;
 }
 
-/// Notes no decision.
+/// Notes no decision. `term`: the one that decides.
 struct NoWitness {
-  void decided(int) {}
+  void decided(int /*what*/, int /*term*/) {}
 };
-/// Makes one number of all decisions of an evaluation.
+/// Makes one number of the decisions of one term of an evaluation.
 struct Decisions {
+  int term;
   std::uint64_t hash = 1469598103934665603u;
-  void decided(int what) { hash = (hash ^ static_cast<std::uint64_t>(what + 7)) * 1099511628211u; }
+  void decided(int what, int by) {
+    if (by == term) hash = (hash ^ static_cast<std::uint64_t>(what + 7)) * 1099511628211u;
+  }
 };
+
+/// The whole number nearest to a, of two the one away from zero. Of a jet that moves between two: what it is just
+/// afterwards.
+template <class T>
+double nearest(const T& a) {
+  const double v = lockstep::value_of(a);
+  const int s = std::abs(v - std::trunc(v)) == 0.5 ? side(a - T(v)) : 0;
+  return s > 0 ? std::ceil(v) : s < 0 ? std::floor(v) : std::round(v);
+}
 
 /// a^n by products, so that a may be zero.
 template <class T>
@@ -43,6 +55,14 @@ T whole_power(const T& a, int n) {
     if (n > 1) square = square * square;
   }
   return result;
+}
+
+/// a^p.
+template <class T>
+T power_of(const T& a, double p) {
+  using std::pow;
+  if (p == std::round(p) && std::abs(p) <= 64) return whole_power(a, int(p));
+  return pow(a, p);
 }
 
 template <class T, class Witness>
@@ -59,7 +79,7 @@ class TermEvaluation {
 
  private:
   T of(int i) {
-    using std::exp, std::log, std::pow;
+    using std::exp, std::log;
     const Term& t = terms_[static_cast<std::size_t>(i)];
     switch (t.kind) {
       case Term::Kind::constant:
@@ -77,56 +97,60 @@ class TermEvaluation {
       case Term::Kind::negate:
         return -of(t.a);
       case Term::Kind::power:
-        if (t.value == std::round(t.value) && std::abs(t.value) <= 64) return whole_power(of(t.a), int(t.value));
-        return pow(of(t.a), t.value);
+        return power_of(of(t.a), t.value);
       case Term::Kind::raise:
         return exp(of(t.b) * log(of(t.a)));
       case Term::Kind::choose:
-        return holds(t.a) ? of(t.b) : of(t.c);
+        return holds(t.a, i) ? of(t.b) : of(t.c);
       case Term::Kind::call:
-        return call(t);
+        return call(i);
       default:
-        return T(holds(i) ? 1.0 : 0.0);
+        return T(holds(i, i) ? 1.0 : 0.0);
     }
   }
 
-  int decide(const T& a) {
+  int decide(const T& a, int by) {
     lost_ = lost_ || std::isnan(lockstep::value_of(a));
     const int s = side(a);
-    return witness_.decided(s), s;
+    return witness_.decided(s, by), s;
   }
 
-  bool holds(int i) {
+  // Term i as a condition of term `of_term`, which tells a number from zero.
+  bool holds(int i, int of_term) {
     const Term& t = terms_[static_cast<std::size_t>(i)];
     switch (t.kind) {
       case Term::Kind::less:
-        return decide(of(t.a) - of(t.b)) < 0;
+        return decide(of(t.a) - of(t.b), i) < 0;
       case Term::Kind::less_equal:
-        return decide(of(t.a) - of(t.b)) <= 0;
+        return decide(of(t.a) - of(t.b), i) <= 0;
       case Term::Kind::equal:
-        return decide(of(t.a) - of(t.b)) == 0;
+        return decide(of(t.a) - of(t.b), i) == 0;
       case Term::Kind::negation:
-        return !holds(t.a);
+        return !holds(t.a, i);
       case Term::Kind::conjunction:
-        return holds(t.a) && holds(t.b);
+        return holds(t.a, i) && holds(t.b, i);
       case Term::Kind::disjunction:
-        return holds(t.a) || holds(t.b);
+        return holds(t.a, i) || holds(t.b, i);
       default:
-        return decide(of(i)) != 0;
+        return decide(of(i), of_term) != 0;
     }
   }
 
   // The whole number at or below a; of a jet on a whole number that falls, the one below.
-  double below(const T& a) {
+  double below(const T& a, int by) {
     const double at = lockstep::value_of(a), v = std::floor(at);
     const double n = at == v && side(a - T(v)) < 0 ? v - 1 : v;
+    return whole(n, by);
+  }
+  double whole(double n, int by) {
     // far whole numbers may share a mark: neighbours differ
-    return witness_.decided(std::abs(n) < 1e9 ? int(n) : 0), n;
+    return witness_.decided(std::abs(n) < 1e9 ? int(n) : 0, by), n;
   }
 
-  T call(const Term& t) {
+  T call(int i) {
     using std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::sin, std::sinh,
         std::sqrt, std::tan, std::tanh;
+    const Term& t = terms_[static_cast<std::size_t>(i)];
     const T x = of(t.a);
     switch (t.function) {
       case Function::sin:
@@ -156,26 +180,26 @@ class TermEvaluation {
       case Function::log:
         return log(x);
       case Function::abs:
-        return decide(x) < 0 ? T(-x) : x;
+        return decide(x, i) < 0 ? T(-x) : x;
       case Function::sign:
-        return T(double(decide(x)));
+        return T(double(decide(x, i)));
       case Function::floor:
-        return T(below(x));
+        return T(below(x, i));
       case Function::ceil:
-        return T(-below(-x));
+        return T(-below(-x, i));
       case Function::round:
-        return T(below(x + 0.5));
+        return T(whole(nearest(x), i));
       case Function::mod: {
         const T y = of(t.b);
-        return x - y * below(x / y);
+        return x - y * below(x / y, i);
       }
       case Function::min: {
         const T y = of(t.b);
-        return decide(x - y) <= 0 ? x : y;
+        return decide(x - y, i) <= 0 ? x : y;
       }
       case Function::max: {
         const T y = of(t.b);
-        return decide(x - y) >= 0 ? x : y;
+        return decide(x - y, i) >= 0 ? x : y;
       }
       case Function::hypot: {
         const T y = of(t.b);

@@ -88,7 +88,7 @@ struct Node {
 class LOCKSTEP_API Expression {
  public:
   /// Reads a formula, with or without "=" before it. `variables`: names that stand for no unit, so that "2 t" is no two
-  /// tonnes. Throws ModelError with the formula, the column and what was expected.
+  /// tonnes, and "1 s/t" a second by t. Throws ModelError with the formula, the column and what was expected.
   explicit Expression(std::string text, std::span<const std::string> variables = {});
 
   const std::string& text() const { return text_; }

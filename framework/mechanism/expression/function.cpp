@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/switches.h"
@@ -132,6 +133,10 @@ class FormulaCompiler {
   int named(const Node& n) {
     for (std::size_t k = 0; k < variables_.size(); ++k)
       if (variables_[k] == n.name) {
+        if (find(n.name) != nullptr)
+          e_.refuse(n, "\"" + n.name +
+                           "\" is a variable of this formula and a parameter or point as well; rename the " +
+                           "parameter or point");
         Term t;
         t.kind = Kind::variable, t.a = static_cast<int>(k);
         out_.push_back(t);
@@ -187,6 +192,7 @@ FormulaFunction::FormulaFunction(const std::string& text, const std::vector<std:
   const Expression e(text, names);
   FormulaCompiler(e, variables, constants, terms_).compile(e.root());
   has_switches_ = std::any_of(terms_.begin(), terms_.end(), switches);
+  if (has_switches_) warned_ = std::make_shared<std::atomic<bool>>(false);
   if (is_constant() && !std::isfinite(terms_.back().value)) e.refuse(0, "its value is not finite");
 }
 
@@ -210,14 +216,21 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
       other[i] |= other[static_cast<std::size_t>(parts[k])];
     }
   }
-  const std::size_t first = out.size(), root = terms_.size() - 1;
-  const auto search = [&](std::size_t i) { find_switches(terms_, static_cast<int>(i), time, t0, t1, out); };
-  if (!other[root]) {
-    if (timed[root]) search(root);
-  } else {
-    for (std::size_t i = 0; i < terms_.size(); ++i)
-      if (switches(terms_[i]) && timed[i] && !other[i]) search(i);
+  const std::size_t first = out.size();
+  bool all = true;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (!switches(terms_[i]) || !timed[i] || other[i]) continue;
+    const Found found = find_switches(terms_, static_cast<int>(i), time, t0, t1, out);
+    if (found == Found::too_many || out.size() - first > kMostSwitches)
+      throw ModelError("formula \"" + text_ + "\" switches more than " + std::to_string(kMostSwitches) +
+                       " times between t = " + text::brief(t0) + " and " + text::brief(t1) +
+                       " s; let it switch less often, or run a shorter time");
+    all = all && found == Found::all;
   }
+  if (!all && warned_ && !warned_->exchange(true))
+    log_warning("switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
+                " and " + text::brief(t1) +
+                " s: over a span, what it compares cannot be told apart; write it with fewer comparisons, min and max");
   const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
   std::sort(begin, out.end());
   out.erase(std::unique(begin, out.end()), out.end());

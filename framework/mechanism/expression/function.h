@@ -1,6 +1,8 @@
 // A formula of variables, such as the time, evaluated on numbers, on jets and on intervals.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,12 +66,13 @@ class LOCKSTEP_API FormulaFunction {
 
   /// The value; T: double, Time, a jet.
   template <class T>
-  T operator()(std::span<const T> variables) const;
+  LOCKSTEP_API T operator()(std::span<const T> variables) const;
 
   /// Whether a comparison, |a|, min, max, sign, floor, ceil, round or mod is in it.
   bool has_switches() const { return has_switches_; }
   /// Appends the instants in (t0, t1) at which one of these switches, of a formula whose only variable that counts is
-  /// number `time`; those that depend on others switch where they will.
+  /// number `time`; those that depend on others switch where they will. Warns, once, where some may be missed; throws
+  /// ModelError where there are more than a million.
   void breakpoints(int time, double t0, double t1, std::vector<double>& out) const;
 
  private:
@@ -77,6 +80,7 @@ class LOCKSTEP_API FormulaFunction {
   std::string text_;
   std::vector<Term> terms_;
   bool has_switches_ = false;
+  std::shared_ptr<std::atomic<bool>> warned_;  // of switches that were not found; once, copies included
 };
 
 extern template LOCKSTEP_API double FormulaFunction::operator()(std::span<const double>) const;

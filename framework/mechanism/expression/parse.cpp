@@ -252,7 +252,12 @@ class ExpressionParser {
     return e_.root();
   }
 
+  bool is_variable(std::string_view word) const {
+    return std::find(variables_.begin(), variables_.end(), word) != variables_.end();
+  }
+
   // Length of the unit that begins at `from`: its symbol, power, and what follows by blanks or "/"; 0 where none does.
+  // It ends before a variable: "1 s/t" is 1 s by t.
   std::size_t unit_length(std::size_t from) const {
     const std::string_view rest = std::string_view(text_).substr(from);
     std::size_t whole = 0, end = 0;
@@ -268,6 +273,7 @@ class ExpressionParser {
       if (begin == rest.size() || !begins_name(rest[begin])) break;
       end = begin;
       while (end < rest.size() && (begins_name(rest[end]) || is_digit(rest[end]))) ++end;
+      if (is_variable(rest.substr(begin, end - begin))) break;
       const bool power =
           end + 1 < rest.size() && rest[end] == '^' &&
           (is_digit(rest[end + 1]) || (rest[end + 1] == '-' && end + 2 < rest.size() && is_digit(rest[end + 2])));
@@ -297,7 +303,7 @@ class ExpressionParser {
 
   void unit(std::size_t of) {
     const std::string first(word());
-    const bool variable = std::find(variables_.begin(), variables_.end(), first) != variables_.end();
+    const bool variable = is_variable(first);
     const std::size_t length = variable ? 0 : unit_length(at_);
     if (length == 0)
       fail(at_, variable ? "\"" + first + "\" stands behind a number; write a product with \"*\""

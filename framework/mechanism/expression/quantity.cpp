@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/math.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/expression/evaluate.h"
 
 namespace lockstep::expression {
 namespace {
@@ -274,7 +275,7 @@ class Evaluation {
       case Function::ceil:
         return pure(false), y = std::ceil(x), q;
       case Function::round:
-        return pure(false), y = std::round(x), q;
+        return pure(false), y = nearest(x), q;
       case Function::mod:
         like();
         if (a[1].v[0] == 0) refuse(n, "mod by zero");

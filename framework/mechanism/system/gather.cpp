@@ -19,7 +19,8 @@ void check_particles(const System& system, const Inputs& in, const VecX& f) {
         return k;
     return -1;
   };
-  if (turned(f) < 0) return;
+  const bool particles = system.n_velocities() < (system.plane() ? 3 : 6) * system.n_slots();
+  if (!particles || turned(f) < 0) return;
   VecX one(f.size());
   for (const auto& force : system.forces()) {
     if (!force->acts(in)) continue;

@@ -79,20 +79,29 @@ Dependencies by_circuits(int n_columns, int n_rows, const Triplets& Jt) {
   return out;
 }
 
-// J Jt + eps 1 = L D L^T: a row that depends on others leaves a pivot of size eps. What eps (J Jt + eps 1)^-1 leaves of
-// a vector lies in the dependencies, and of a few vectors at random one has a share of every row that takes part.
-Dependencies by_pivots(int n_columns, int n_rows, const Triplets& triplets) {
-  constexpr double kEps = 1e-12, kSmall = 1e-8, kTakesPart = 1e-3;
-  constexpr int kVectors = 8;
-  Eigen::SparseMatrix<double> Jt(n_columns, n_rows), one(n_rows, n_rows);
-  Jt.setFromTriplets(triplets.begin(), triplets.end());
+using Sparse = Eigen::SparseMatrix<double>;
+
+Sparse shifted(const Sparse& S, double by) {
+  Sparse one(S.rows(), S.cols());
   one.setIdentity();
-  const Eigen::SparseMatrix<double> S = Eigen::SparseMatrix<double>(Jt.transpose() * Jt) + kEps * one;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(S);
-  const VecX D = ldlt.vectorD();
+  return S + by * one;
+}
+
+// Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many negative numbers in D as
+// J Jt has values below theta (Sylvester's law of inertia). What eps (J Jt + eps 1)^-1 leaves of a vector lies in the
+// dependencies, and of a few vectors at random one has a share of every row that takes part.
+Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
+  constexpr double kTheta = 1e-12, kEps = 1e-13, kTakesPart = 1e-3;
+  constexpr int kVectors = 8;
+  Sparse Jt(n_columns, n_rows);
+  Jt.setFromTriplets(triplets.begin(), triplets.end());
+  const Sparse S = Jt.transpose() * Jt;
+  const Eigen::SimplicialLDLT<Sparse> below(shifted(S, -kTheta));
+  if (below.info() != Eigen::Success) throw SolveError("the rank of the rows could not be found: a pivot is zero");
   Dependencies out;
-  out.rank = static_cast<int>((D.array() > kSmall).count());
+  out.rank = static_cast<int>((below.vectorD().array() > 0).count());
   if (out.rank == n_rows) return out;
+  const Eigen::SimplicialLDLT<Sparse> ldlt(shifted(S, kEps));
   std::minstd_rand random(1);
   VecX left = VecX::Zero(n_rows);
   for (int k = 0; k < kVectors; ++k) {
@@ -112,7 +121,7 @@ Dependencies by_pivots(int n_columns, int n_rows, const Triplets& triplets) {
 Dependencies find_dependencies(int n_columns, int n_rows, const Triplets& Jt) {
   for (const auto& t : Jt)
     if (!std::isfinite(t.value())) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
-  return n_rows <= kDense ? by_circuits(n_columns, n_rows, Jt) : by_pivots(n_columns, n_rows, Jt);
+  return n_rows <= kDense ? by_circuits(n_columns, n_rows, Jt) : by_inertia(n_columns, n_rows, Jt);
 }
 
 }  // namespace lockstep

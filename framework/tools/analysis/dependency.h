@@ -30,7 +30,7 @@ inline constexpr double kDependent = 1e-9;
 inline constexpr double kNearlyDependent = 1e-5;
 
 /// Jt: the matrix transposed, its columns the rows, of length 1 or zero; in triplets, since most of it is zero. Beyond
-/// 300 rows they are factored sparsely: pivots below 1e-4 are zero then, and all dependent rows are one set. Throws
+/// 300 rows they are factored sparsely: singular values below 1e-6 are zero then, and all dependent rows are one set. Throws
 /// NonFiniteError where a number is not finite.
 Dependencies find_dependencies(int n_columns, int n_rows, const std::vector<Eigen::Triplet<double>>& Jt);
 

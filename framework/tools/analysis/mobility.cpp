@@ -35,8 +35,10 @@ std::vector<int> ends_of(const System& system, const RowEntry& e) {
 // share, what the rows of one of them carry is balanced within it, since it does not reach the ground otherwise.
 std::vector<std::vector<int>> loops_of(const System& system, const RowTable& table) {
   std::map<Ends, std::vector<int>> entries;  // by the two slots that they join
+  std::vector<std::vector<int>> groups;
   for (std::size_t k = 0; k < table.entries.size(); ++k) {
     const std::vector<int> ends = ends_of(system, table.entries[k]);
+    if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size(); ++j) entries[{ends[i], ends[j]}].push_back(static_cast<int>(k));
   }
@@ -49,10 +51,11 @@ std::vector<std::vector<int>> loops_of(const System& system, const RowTable& tab
   std::vector<std::size_t> component(n);
   const std::size_t n_groups = boost::biconnected_components(
       graph, boost::make_iterator_property_map(component.begin(), get(boost::edge_index, graph)));
-  std::vector<std::vector<int>> groups(n_groups);
+  const std::size_t first = groups.size();
+  groups.resize(first + n_groups);
   n = 0;
   for (const auto& [ends, at] : entries) {
-    std::vector<int>& group = groups[component[n++]];
+    std::vector<int>& group = groups[first + component[n++]];
     group.insert(group.end(), at.begin(), at.end());
   }
   for (std::vector<int>& group : groups) {

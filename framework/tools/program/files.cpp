@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <thread>
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
@@ -48,63 +50,67 @@ void check_writable(const std::string& file) {
 
 namespace {
 
-// Calls visit(text) for every text in a value.
+// Calls visit(value, key, its folder) for every value, whose folder is that of the file in which it stands.
 template <class Visit>
-void for_each_text(const Value& value, Visit&& visit) {
-  if (const std::string* text = value.text()) visit(*text);
+void for_each_value(const Value& value, const std::string& key, const fs::path& folder, Visit&& visit) {
+  const fs::path own = value.where.file ? fs::path(*value.where.file).parent_path() : folder;
+  visit(value, key, own);
   if (const Value::List* list = value.list())
-    for (const Value& item : *list) for_each_text(item, visit);
+    for (const Value& item : *list) for_each_value(item, key, own, visit);
   if (const Value::Object* object = value.object())
-    for (const auto& member : *object) for_each_text(member.value, visit);
+    for (const auto& member : *object) for_each_value(member.value, member.key, own, visit);
+}
+
+// Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
+// and what keys "file" name.
+template <class Visit>
+void for_each_file(const Scene& scene, Visit&& visit) {
+  std::string last;
+  for_each_value(scene.root, "", fs::path(scene.file).parent_path(),
+                 [&](const Value& value, const std::string& key, const fs::path& folder) {
+                   if (value.where.file && *value.where.file != last && *value.where.file != scene.file)
+                     visit(value, fs::path(*value.where.file), *value.where.file);
+                   if (value.where.file) last = *value.where.file;
+                   if (const std::string* name = value.text(); name != nullptr && key == "file")
+                     visit(value, folder / *name, *name);
+                 });
+}
+
+// Throws UsageError where one of these results would replace a file that the scene is read from. Texts of other keys may
+// name files too, in types of plugins: they count where they end like a result.
+void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
+  std::error_code error;
+  const auto refuse_if_result = [&](const fs::path& input) {
+    if (!fs::is_regular_file(input, error)) return;
+    for (const fs::path& result : results)
+      if (fs::exists(result, error) && fs::equivalent(input, result, error))
+        throw UsageError("the results would replace '" + result.string() +
+                         "', from which the scene is read; name another file (--record, --report)");
+  };
+  refuse_if_result(scene.file);
+  for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { refuse_if_result(file); });
+  for (const Value* root : {&scene.root, &scene.written})
+    for_each_value(*root, "", fs::path(scene.file).parent_path(),
+                   [&](const Value& value, const std::string&, const fs::path& folder) {
+                     const std::string* text = value.text();
+                     if (text == nullptr || text->empty() || text->size() > 4096) return;
+                     const fs::path name = fs::path(*text).filename();
+                     if (std::ranges::any_of(results, [&](const fs::path& r) { return r.filename() == name; }))
+                       refuse_if_result(folder / *text);
+                   });
 }
 
 }  // namespace
 
 void check_overwrites(const std::string& csv, const Scene& scene) {
-  std::error_code error;
   const fs::path base = fs::path(csv).replace_extension();
-  const auto refuse_if_output = [&](const fs::path& input) {
-    if (!fs::is_regular_file(input, error)) return;
-    for (const fs::path& output : {fs::path(csv), fs::path(csv + ".partial"), fs::path(base.string() + ".svg"),
-                                   fs::path(base.string() + ".png")})
-      if (fs::exists(output, error) && fs::equivalent(input, output, error))
-        throw UsageError("the results would replace '" + output.string() +
-                         "', from which the scene is read; name another file (--record results.csv)");
-  };
-  refuse_if_output(scene.file);
-  for (const Value* root : {&scene.root, &scene.written})
-    for_each_text(*root, [&](const std::string& text) {
-      if (!text.empty() && text.size() < 4096) refuse_if_output(fs::path(scene.file).parent_path() / text);
-    });
+  refuse_inputs({csv, csv + ".partial", base.string() + ".svg", base.string() + ".png"}, scene);
 }
-
-namespace {
-
-// Calls visit(value, file, its name as written) for every file that a scene is read from: those that it includes, and values of
-// keys "file", which are named from where they stand.
-template <class Visit>
-void for_each_file(const Value& value, Visit&& visit) {
-  const fs::path own = value.where.file ? fs::path(*value.where.file) : fs::path();
-  visit(value, own, own.string());
-  if (const Value::List* list = value.list())
-    for (const Value& item : *list) for_each_file(item, visit);
-  if (const Value::Object* object = value.object())
-    for (const auto& member : *object) {
-      if (const std::string* name = member.value.text(); name != nullptr && member.key == "file")
-        visit(member.value, own.parent_path() / *name, *name);
-      for_each_file(member.value, visit);
-    }
-}
-
-}  // namespace
 
 void check_files(const Scene& scene) {
   std::error_code error;
   const fs::path folder = fs::weakly_canonical(fs::absolute(scene.file).parent_path(), error);
-  fs::path last = scene.file;
-  for_each_file(scene.root, [&](const Value& value, const fs::path& named, const std::string& written) {
-    if (named.empty() || named == last) return;
-    last = named;
+  for_each_file(scene, [&](const Value& value, const fs::path& named, const std::string& written) {
     const fs::path file = fs::weakly_canonical(named, error);
     const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (end == folder.end()) return;
@@ -157,20 +163,12 @@ std::string report_path(const std::string& report, const std::string& csv, const
     if (file == taken.lexically_normal())
       throw UsageError("the report would replace '" + taken.string() + "', another result; name it " +
                        fs::path(file).replace_extension(".html").string());
-  const auto refuse_if_input = [&](const fs::path& input) {
-    std::error_code none;
-    if (fs::is_regular_file(input, none) && fs::exists(file, none) && fs::equivalent(input, file, none))
-      throw UsageError("the report would replace '" + file.string() +
-                       "', from which the scene is read; name another file");
-  };
-  refuse_if_input(scene.file);
-  for_each_text(scene.root, [&](const std::string& text) {
-    if (!text.empty() && text.size() < 4096) refuse_if_input(fs::path(scene.file).parent_path() / text);
-  });
+  refuse_inputs({file}, scene);
   check_writable(file.string());
   return file.string();
 }
 
+// What opens it may stay until the browser is closed: it is waited for as long as it takes to fail.
 std::string open_in_browser(const std::string& file) {
   std::string program = "xdg-open", path = fs::absolute(file).string();
   char* const words[] = {program.data(), path.data(), nullptr};
@@ -178,9 +176,13 @@ std::string open_in_browser(const std::string& file) {
   const int failed = posix_spawnp(&child, program.c_str(), nullptr, nullptr, words, environ);
   if (failed == ENOENT) return "xdg-open is not installed (apt install xdg-utils); open the file with a browser";
   if (failed != 0) return std::string("xdg-open cannot be started: ") + std::strerror(failed);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "" : "xdg-open found no browser; open the file with one";
+  for (int tenths = 0; tenths < 15; ++tenths) {
+    int status = 0;
+    if (waitpid(child, &status, WNOHANG) == child)
+      return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "" : "xdg-open found no browser; open the file with one";
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return "";
 }
 
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,

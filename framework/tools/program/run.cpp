@@ -245,8 +245,10 @@ int run_command(const Arguments& args) {
   const Ended ended = go(sim, m.run.until, args.quiet, seconds);
   const std::exception_ptr unwritten = write_rest(file);
   if (ended.error) {
-    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                          : rows_of(recorder->table()) + " up to there are in " + file.partial();
+    const std::string written = unwritten
+                                    ? "the rows up to there could not be written: " + thrown_words(unwritten)
+                                    : rows_of(recorder->table()) + " up to there " +
+                                          (recorder->table().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
     write_unfinished(report, sim, ended.error);
     std::rethrow_exception(ended.error);

@@ -1,6 +1,7 @@
 #include "framework/tools/report/outline.h"
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <unordered_map>
 
 #include <lockstep/system.h>
@@ -31,17 +32,24 @@ const char* word(Solid::Kind kind) {
   return kind == Solid::Kind::box ? "box" : kind == Solid::Kind::sphere ? "sphere" : "cylinder";
 }
 
-Json solids_of(const Body& body, const std::vector<Solid>& solids) {
-  Json list = Json::array();
-  for (const Solid& s : solids)
-    if (s.body == body.name) list.push_back({{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}});
-  return list;
-}
+/// Solids and looks by the names of their bodies.
+struct Shown {
+  std::unordered_map<std::string, Json> solids, looks;
+  Shown(const std::vector<Solid>& all, const std::vector<Look>& seen) {
+    for (const Solid& s : all)
+      solids.try_emplace(s.body, Json::array())
+          .first->second.push_back({{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}});
+    for (const Look& look : seen) looks[look.body] = {{"color", look.color}, {"opacity", look.opacity}};
+  }
+};
 
-Json body_of(const Body& body, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
-  Json json{{"name", body.name}, {"fixed", body.fixed}, {"home", of(body.home)}, {"solids", solids_of(body, solids)}};
-  for (const Look& look : looks)
-    if (look.body == body.name) json["look"] = {{"color", look.color}, {"opacity", look.opacity}};
+Json body_of(const Body& body, const Shown& shown) {
+  const auto solids = shown.solids.find(body.name);
+  Json json{{"name", body.name},
+            {"fixed", body.fixed},
+            {"home", of(body.home)},
+            {"solids", solids != shown.solids.end() ? solids->second : Json::array()}};
+  if (const auto look = shown.looks.find(body.name); look != shown.looks.end()) json["look"] = look->second;
   if (body.fixed) return json;
   const Mat3& J = body.mass.J;
   json["mass"] = body.mass.mass;
@@ -88,7 +96,8 @@ Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const st
   Json json{{"gravity", of(system.gravity())}, {"plane", system.plane().n}, {"length", system.length()}};
   for (const char* list : {"bodies", "markers", "links", "forces", "loads", "moving", "moved_markers"})
     json[list] = Json::array();
-  for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, solids, looks));
+  const Shown shown(solids, looks);
+  for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, shown));
   for (const Marker& m : system.markers())
     json["markers"].push_back({{"name", m.name}, {"body", body(m.body)}, {"at", of(m.local)}});
   for (const auto& link : system.links()) json["links"].push_back(link_of(*link, system, marker, frames));
