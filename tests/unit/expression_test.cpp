@@ -419,7 +419,10 @@ TEST_CASE("too many switches are refused with the formula", "[unit][expression]"
 
 TEST_CASE("halves are rounded away from zero, of what moves as it is just afterwards", "[unit][expression]") {
   const FormulaFunction still("=round(x)", {"x"}), falling("=round(-x)", {"x"});
-  const auto fixed = [&](double x) { return at(still, x).v; };
+  const auto fixed = [&](double x) {
+    const Time at_rest(x);
+    return still(std::span<const Time>(&at_rest, 1)).v;
+  };
   for (const double x : {-2.5, 2.5, 0.49999999999999994, -0.49999999999999994, 0.5, -0.5, 4503599627370497.0})
     CHECK(fixed(x) == std::round(x));
   CHECK(at(still, 2.5).v == 3);

@@ -2,15 +2,13 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
 namespace {
 
-// Off the constraints redundant rows differ by their violations: in this multiple of the violation, relative to the
-// length of the mechanism, what is left over is none of the laws' doing.
-constexpr double kLeftPerViolation = 200;
 constexpr double kOn = 1e-7;  // of that length: nearer than this is on the constraints
 
 }  // namespace

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 
 namespace {
 
+constexpr double kContradict = 1e-6;  // residual of a row that cannot hold together with others
 constexpr double kNotable = 1e-2;  // relative change
 
 // What links and forces say at one state.
@@ -105,8 +107,10 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
 
 std::string who_varies(Dynamics& dynamics, const State& state, double after) {
   try {
+    const double off = dynamics.violation(state) / dynamics.system().length();
     const Solution& now = dynamics.evaluate(state);
-    if (const SolveReport report = now.full_report(); report.worst_row >= 0 && report.contradictory)
+    if (const SolveReport report = now.full_report();
+        report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
       return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): two laws "
                          "may part, or the mechanism is locked",
                          dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual);

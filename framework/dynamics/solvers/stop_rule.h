@@ -20,6 +20,9 @@ inline constexpr double kScaleFloor = 1e-3;       ///< relative to the largest s
 /// A residual that stalls above this fraction of its scale is a contradiction. States off the constraints, such as the
 /// stages of an integrator, leave up to about 1e-3 (a step with a larger violation is rejected) and are not one.
 inline constexpr double kContradiction = 1e-2;
+/// Off the constraints redundant rows differ by their violations: in this multiple of the violation, relative to the
+/// length of the mechanism, what is left over is none of the laws' doing.
+inline constexpr double kLeftPerViolation = 200;
 inline constexpr int kMaxCorrections = 3;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
