@@ -7,14 +7,9 @@
 #include <exception>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include "framework/dynamics/integrate/culprit.h"
-#include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/consistency.h"
-#include "framework/dynamics/simulate/contact_manager.h"
-#include "framework/dynamics/simulate/event_locator.h"
-#include "framework/dynamics/simulate/step_interval.h"
-#include "framework/dynamics/simulate/user_code.h"
+#include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
 
@@ -48,28 +43,6 @@ void check_formulation(Dynamics& dynamics, const State& state, const IntegratorI
 }
 
 }  // namespace
-
-struct StepLoop::Parts {
-  explicit Parts(StepLoop& of)
-      : clock(of.system(), *of.method_, of.options_),
-        interval(of.dynamics_, *of.method_),
-        events(of.dynamics_, interval),
-        contacts(of.dynamics_, interval, of.options_.start_limit) {}
-
-  Clock clock;
-  StepInterval interval;
-  EventLocator events;
-  ContactManager contacts;
-  StateRate crossing;    // scratch for cross_jump
-  State before_change;   // in the coordinates of the formulation: turns are counted on from there
-  State before_events;
-  std::size_t started = 0, told = 0;  // observers that were started, and told of the present phase
-  struct {
-    bool landed = false, met = false, touched = false, jump = false, due = false, moved = false;
-    std::string refusal{};  // why no motion follows the jump; "" where one does
-  } ended;            // how the last step ended
-  std::string cause;  // of the changes at its end
-};
 
 template <class Act>
 void StepLoop::exclusively(const char* what, Act&& act) {
@@ -371,185 +344,6 @@ void StepLoop::begin_method() {
     guess = named(*method_, t, [&] { return method_->first_step(dynamics_, state_, horizon); });
   clock.begin(t, guess);
   events.watch(state_);
-}
-
-// Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
-bool StepLoop::fire_events() {
-  EventLocator& events = parts_->events;
-  const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
-  std::size_t first = 0;
-  while (first < events.size() && !due(first)) ++first;
-  if (first == events.size()) return false;
-  parts_->before_events = state_;
-  bool changed = false;
-  try {
-    changed = apply_events(first);
-  } catch (...) {
-    state_ = parts_->before_events;
-    throw;
-  }
-  bool rewound = false;
-  for (std::size_t i = first; i < events.size(); ++i) {
-    if (!due(i)) continue;
-    rewound = rewound || events.due(i, state_.t) == EventLocator::Due::by_condition;
-    if (events[i].stop) {
-      report_.stopped = true;
-      report_.stopped_by += (report_.stopped_by.empty() ? "" : ", ") + events[i].name;
-    }
-    events.done(i, state_.t);
-  }
-  parts_->ended.moved = parts_->ended.moved || changed;
-  if (changed || rewound) begin_method();
-  return changed;
-}
-
-bool StepLoop::apply_events(std::size_t first) {
-  const EventLocator& events = parts_->events;
-  std::string names;
-  for (std::size_t i = first; i < events.size(); ++i) {
-    const Event& e = events[i];
-    if (events.due(i, state_.t) == EventLocator::Due::no) continue;
-    if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
-    if (state_.coordinates) parts_->before_change = state_, dynamics_.to_slots(state_);
-    apply(e);
-    names += (names.empty() ? "event '" : ", '") + e.name + "'";
-  }
-  if (names.empty()) return false;
-  make_consistent(names);
-  parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;
-  return true;
-}
-
-void StepLoop::apply(const Event& e) {
-  std::vector<std::string> engaged;
-  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
-    if (const Force* force = force_named(system(), name)) {
-      state_.z[force->switch_memory()] = on ? 1 : 0;
-      return;
-    }
-    if (on) engaged.push_back(name);
-    const Lock& link = system().link(name);
-    const auto number = static_cast<std::size_t>(link.number());
-    state_.modes[number] = on && !link.unilateral();
-    state_.watched[number] = on && link.unilateral();
-  };
-  for (const std::string& name : e.activate) put(name, true);
-  for (const std::string& name : e.deactivate) put(name, false);
-  if (e.change) {
-    const double t = state_.t;
-    user_code("event", e.name, t, [&] { e.change(state_); });
-    if (state_.t != t)
-      throw ModelError(
-          fmt::format("event '{}': its change set the time from {:.9g} s to {:.9g} s; it may change "
-                      "coordinates, velocities and integrated states",
-                      e.name, t, state_.t));
-    system().check_size(state_);
-  }
-  if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
-    throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
-                         state_.t);
-  dynamics_.normalize(state_);
-  engage_links(dynamics_, state_, engaged);
-  check_links(dynamics_, state_, engaged, "event '" + e.name + "'", options_.start_limit);
-  parts_->contacts.check_sides(state_, engaged,
-                               "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
-}
-
-void StepLoop::settle_contacts() {
-  const ContactManager::Settled settled = parts_->contacts.settle(state_);
-  if (settled.impact) ++report_.impacts;
-  if (!settled.resting.empty()) make_consistent(settled.resting);
-  if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds
-  if (settled.restart) begin_method();
-}
-
-void StepLoop::make_consistent(const std::string& cause) {
-  lockstep::make_consistent(dynamics_, state_, cause, options_.start_limit);
-  if (!parts_->events.empty()) parts_->events.watch(state_);
-}
-
-// Calls all observers that were not called in this phase yet.
-template <class Call>
-void StepLoop::tell(Call&& call) {
-  std::size_t& told = parts_->told;
-  while (told < observers_.size()) {
-    Observer& o = *observers_[told++];
-    user_code("observer", "", state_.t, [&] { call(o); });
-  }
-  told = 0;
-}
-
-void StepLoop::tell_jumped() {
-  Sample sample(dynamics_, state_, parts_->interval.report());
-  sample.cause = parts_->cause;
-  tell([&](Observer& o) { o.jumped(sample); });
-}
-
-void StepLoop::ask_progress() {
-  if (!progress || user_code("progress", "", state_.t, [&] { return progress(state_); })) return;
-  report_.stopped = true;
-  report_.stopped_by = "the caller";
-}
-
-void StepLoop::output_inside() {
-  Clock& clock = parts_->clock;
-  StepInterval& interval = parts_->interval;
-  const double t0 = interval.from().t;
-  for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
-    if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
-}
-
-void StepLoop::output(const Sample& sample) {
-  parts_->clock.note_output(sample.state.t);
-  tell([&](Observer& o) { o.output(sample); });
-}
-
-void StepLoop::output_end() {
-  if (!parts_->clock.end_due(state_.t)) return;
-  phase_ = Phase::last;
-  conclude();
-}
-
-// Of the observers that were started. Their errors are dropped if another is in flight.
-void StepLoop::finish(Errors of_observers) {
-  std::exception_ptr first;
-  const Sample sample(dynamics_, state_, parts_->interval.report());
-  for (std::size_t i = 0; i < parts_->started; ++i) {
-    try {
-      user_code("observer", "", state_.t, [&] { observers_[i]->finish(sample); });
-    } catch (...) {
-      if (!first) first = std::current_exception();
-    }
-  }
-  if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
-}
-
-// Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
-void StepLoop::measure_turns(double h) {
-  if (!measures_turns_) return;
-  const Inputs& in = dynamics_.inputs(state_);
-  for (int k = 0; k < system().n_slots(); ++k) {
-    const double turn = h * in.slot(k).w.norm();
-    if (turn > report_.largest_turn) report_.largest_turn = turn, report_.turned_most = system().body_of_slot(k).name;
-  }
-}
-
-void StepLoop::warn_of_turns() {
-  constexpr double kMost = 1;  // rad
-  if (!(report_.largest_turn > kMost) || warned_of_turns_) return;
-  warned_of_turns_ = true;
-  const char* next = method_->info().adaptive ? "bound them (--step)"
-                                              : "take a smaller step (--step), or a method that chooses its own "
-                                                "(--integrator dopri5)";
-  warn(
-      fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
-                  "seldom accurate: {}",
-                  report_.turned_most, report_.largest_turn, method_->info().name, kMost, next));
-}
-
-void StepLoop::warn(const std::string& text) {
-  report_.warnings.push_back(text);
-  log_warning(text);
 }
 
 }  // namespace lockstep

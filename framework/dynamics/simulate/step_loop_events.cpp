@@ -1,0 +1,105 @@
+// What changes the state between two steps: events, and the links that come into force by them or by contact.
+#include <spdlog/fmt/fmt.h>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/step_loop_parts.h"
+
+namespace lockstep {
+
+// Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
+bool StepLoop::fire_events() {
+  EventLocator& events = parts_->events;
+  const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
+  std::size_t first = 0;
+  while (first < events.size() && !due(first)) ++first;
+  if (first == events.size()) return false;
+  parts_->before_events = state_;
+  bool changed = false;
+  try {
+    changed = apply_events(first);
+  } catch (...) {
+    state_ = parts_->before_events;
+    throw;
+  }
+  bool rewound = false;
+  for (std::size_t i = first; i < events.size(); ++i) {
+    if (!due(i)) continue;
+    rewound = rewound || events.due(i, state_.t) == EventLocator::Due::by_condition;
+    if (events[i].stop) {
+      report_.stopped = true;
+      report_.stopped_by += (report_.stopped_by.empty() ? "" : ", ") + events[i].name;
+    }
+    events.done(i, state_.t);
+  }
+  parts_->ended.moved = parts_->ended.moved || changed;
+  if (changed || rewound) begin_method();
+  return changed;
+}
+
+bool StepLoop::apply_events(std::size_t first) {
+  const EventLocator& events = parts_->events;
+  std::string names;
+  for (std::size_t i = first; i < events.size(); ++i) {
+    const Event& e = events[i];
+    if (events.due(i, state_.t) == EventLocator::Due::no) continue;
+    if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
+    if (state_.coordinates) parts_->before_change = state_, dynamics_.to_slots(state_);
+    apply(e);
+    names += (names.empty() ? "event '" : ", '") + e.name + "'";
+  }
+  if (names.empty()) return false;
+  make_consistent(names);
+  parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;
+  return true;
+}
+
+void StepLoop::apply(const Event& e) {
+  std::vector<std::string> engaged;
+  const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
+    if (const Force* force = force_named(system(), name)) {
+      state_.z[force->switch_memory()] = on ? 1 : 0;
+      return;
+    }
+    if (on) engaged.push_back(name);
+    const Lock& link = system().link(name);
+    const auto number = static_cast<std::size_t>(link.number());
+    state_.modes[number] = on && !link.unilateral();
+    state_.watched[number] = on && link.unilateral();
+  };
+  for (const std::string& name : e.activate) put(name, true);
+  for (const std::string& name : e.deactivate) put(name, false);
+  if (e.change) {
+    const double t = state_.t;
+    user_code("event", e.name, t, [&] { e.change(state_); });
+    if (state_.t != t)
+      throw ModelError(
+          fmt::format("event '{}': its change set the time from {:.9g} s to {:.9g} s; it may change "
+                      "coordinates, velocities and integrated states",
+                      e.name, t, state_.t));
+    system().check_size(state_);
+  }
+  if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
+    throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
+                         state_.t);
+  dynamics_.normalize(state_);
+  engage_links(dynamics_, state_, engaged);
+  check_links(dynamics_, state_, engaged, "event '" + e.name + "'", options_.start_limit);
+  parts_->contacts.check_sides(state_, engaged,
+                               "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
+}
+
+void StepLoop::settle_contacts() {
+  const ContactManager::Settled settled = parts_->contacts.settle(state_);
+  if (settled.impact) ++report_.impacts;
+  if (!settled.resting.empty()) make_consistent(settled.resting);
+  if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds
+  if (settled.restart) begin_method();
+}
+
+void StepLoop::make_consistent(const std::string& cause) {
+  lockstep::make_consistent(dynamics_, state_, cause, options_.start_limit);
+  if (!parts_->events.empty()) parts_->events.watch(state_);
+}
+
+}  // namespace lockstep

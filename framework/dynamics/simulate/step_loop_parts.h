@@ -1,0 +1,49 @@
+// What a step loop is made of, for the files that it is written in.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/clock.h"
+#include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/dynamics/simulate/event_locator.h"
+#include "framework/dynamics/simulate/step_interval.h"
+#include "framework/dynamics/simulate/user_code.h"
+
+namespace lockstep {
+
+struct StepLoop::Parts {
+  explicit Parts(StepLoop& of)
+      : clock(of.system(), *of.method_, of.options_),
+        interval(of.dynamics_, *of.method_),
+        events(of.dynamics_, interval),
+        contacts(of.dynamics_, interval, of.options_.start_limit) {}
+
+  Clock clock;
+  StepInterval interval;
+  EventLocator events;
+  ContactManager contacts;
+  StateRate crossing;   // scratch for cross_jump
+  State before_change;  // in the coordinates of the formulation: turns are counted on from there
+  State before_events;
+  std::size_t started = 0, told = 0;  // observers that were started, and told of the present phase
+  struct {
+    bool landed = false, met = false, touched = false, jump = false, due = false, moved = false;
+    std::string refusal{};  // why no motion follows the jump; "" where one does
+  } ended;                  // how the last step ended
+  std::string cause;        // of the changes at its end
+};
+
+// Calls all observers that were not called in this phase yet.
+template <class Call>
+void StepLoop::tell(Call&& call) {
+  std::size_t& told = parts_->told;
+  while (told < observers_.size()) {
+    Observer& o = *observers_[told++];
+    user_code("observer", "", state_.t, [&] { call(o); });
+  }
+  told = 0;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,84 @@
+// What a step loop tells: observers their phases, the host its warnings.
+#include <spdlog/fmt/fmt.h>
+
+#include <exception>
+
+#include <lockstep/log.h>
+#include "framework/dynamics/simulate/step_loop_parts.h"
+
+namespace lockstep {
+
+void StepLoop::tell_jumped() {
+  Sample sample(dynamics_, state_, parts_->interval.report());
+  sample.cause = parts_->cause;
+  tell([&](Observer& o) { o.jumped(sample); });
+}
+
+void StepLoop::ask_progress() {
+  if (!progress || user_code("progress", "", state_.t, [&] { return progress(state_); })) return;
+  report_.stopped = true;
+  report_.stopped_by = "the caller";
+}
+
+void StepLoop::output_inside() {
+  Clock& clock = parts_->clock;
+  StepInterval& interval = parts_->interval;
+  const double t0 = interval.from().t;
+  for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
+    if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
+}
+
+void StepLoop::output(const Sample& sample) {
+  parts_->clock.note_output(sample.state.t);
+  tell([&](Observer& o) { o.output(sample); });
+}
+
+void StepLoop::output_end() {
+  if (!parts_->clock.end_due(state_.t)) return;
+  phase_ = Phase::last;
+  conclude();
+}
+
+// Of the observers that were started. Their errors are dropped if another is in flight.
+void StepLoop::finish(Errors of_observers) {
+  std::exception_ptr first;
+  const Sample sample(dynamics_, state_, parts_->interval.report());
+  for (std::size_t i = 0; i < parts_->started; ++i) {
+    try {
+      user_code("observer", "", state_.t, [&] { observers_[i]->finish(sample); });
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+}
+
+// Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
+void StepLoop::measure_turns(double h) {
+  if (!measures_turns_) return;
+  const Inputs& in = dynamics_.inputs(state_);
+  for (int k = 0; k < system().n_slots(); ++k) {
+    const double turn = h * in.slot(k).w.norm();
+    if (turn > report_.largest_turn) report_.largest_turn = turn, report_.turned_most = system().body_of_slot(k).name;
+  }
+}
+
+void StepLoop::warn_of_turns() {
+  constexpr double kMost = 1;  // rad
+  if (!(report_.largest_turn > kMost) || warned_of_turns_) return;
+  warned_of_turns_ = true;
+  const char* next = method_->info().adaptive ? "bound them (--step)"
+                                              : "take a smaller step (--step), or a method that chooses its own "
+                                                "(--integrator dopri5)";
+  warn(
+      fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
+                  "seldom accurate: {}",
+                  report_.turned_most, report_.largest_turn, method_->info().name, kMost, next));
+}
+
+void StepLoop::warn(const std::string& text) {
+  report_.warnings.push_back(text);
+  log_warning(text);
+}
+
+}  // namespace lockstep
