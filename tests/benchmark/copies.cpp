@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include "framework/tools/batch/batch.h"
 #include <lockstep/solvers.h>
 #include <lockstep/error.h>

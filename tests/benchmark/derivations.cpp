@@ -6,7 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/assembly.h>
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include <lockstep/solvers.h>
 #include <lockstep/joints.h>
 #include <lockstep/charts.h>

@@ -4,7 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/assembly.h>
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include <lockstep/newton.h>
 #include <lockstep/charts.h>
 #include <lockstep/recorder.h>

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include <lockstep/lockstep.h>
 #include <lockstep/recorder.h>
 #include "samples/shared/output.h"

@@ -4,7 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
 #include <lockstep/joints.h>

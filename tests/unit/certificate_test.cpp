@@ -1,5 +1,5 @@
 // Digits of channels, on tables written down by hand.
-#include "framework/tools/analysis/certificate.h"
+#include "framework/tools/precision/certificate.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // The rules of what counts, on runs written down by hand.
-#include "framework/tools/analysis/pareto.h"
+#include "framework/tools/precision/pareto.h"
 
 #include "tests/support/catch.h"
 

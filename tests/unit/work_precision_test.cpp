@@ -1,5 +1,5 @@
 // Work against precision on a mechanism whose motion is known, with an integrator that lies and one that fails.
-#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/precision/work_precision_chart.h"
 
 #include <algorithm>
 #include <fstream>

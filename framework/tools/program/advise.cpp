@@ -6,8 +6,8 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
-#include "framework/tools/analysis/pareto.h"
-#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/precision/pareto.h"
+#include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/progress.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include <lockstep/text.h>
-#include "framework/tools/analysis/certificate.h"
+#include "framework/tools/precision/certificate.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/sweep/scene_run.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/files.h"

@@ -6,7 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {

@@ -4,7 +4,7 @@
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {

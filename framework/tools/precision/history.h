@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/recorder.h>
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/pareto.h"
+#include "framework/tools/precision/pareto.h"
 
 #include <algorithm>
 #include <cmath>

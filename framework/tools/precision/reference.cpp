@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/reference.h"
+#include "framework/tools/precision/reference.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/reference.h"
+#include "framework/tools/precision/reference.h"
 
 namespace lockstep {
 namespace {

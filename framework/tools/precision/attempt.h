@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/tools/analysis/history.h"
+#include "framework/tools/precision/history.h"
 
 namespace lockstep {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "framework/tools/analysis/work_precision.h"
+#include "framework/tools/precision/work_precision.h"
 
 namespace lockstep {
 

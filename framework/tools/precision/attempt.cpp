@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/attempt.h"
+#include "framework/tools/precision/attempt.h"
 
 #include <spdlog/fmt/fmt.h>
 

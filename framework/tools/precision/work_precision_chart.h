@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/analysis/pareto.h"
+#include "framework/tools/precision/pareto.h"
 #include "framework/tools/charts/chart_grid.h"
 
 namespace lockstep {

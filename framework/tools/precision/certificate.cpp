@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/certificate.h"
+#include "framework/tools/precision/certificate.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/tools/analysis/attempt.h"
+#include "framework/tools/precision/attempt.h"
 
 namespace lockstep {
 

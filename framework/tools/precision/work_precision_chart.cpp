@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/precision/work_precision_chart.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/work_precision_chart.h"
+#include "framework/tools/precision/work_precision_chart.h"
 
 namespace lockstep {
 namespace {

@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/history.h"
+#include "framework/tools/precision/history.h"
 
 #include <algorithm>
 #include <cmath>
