@@ -22,6 +22,11 @@ install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
 if(NOT CMAKE_CROSSCOMPILING)  # the program writes it when it is built
   install(FILES ${PROJECT_BINARY_DIR}/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
+  install(FILES ${PROJECT_BINARY_DIR}/lockstep.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${PROJECT_BINARY_DIR}/completions/lockstep
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  install(FILES ${PROJECT_BINARY_DIR}/completions/_lockstep
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 endif()
 install(FILES LICENSE README.md framework/CHANGELOG.md framework/mechanism/lock/THEORY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

@@ -30,3 +30,20 @@ ${template_texts}  };
 
 }  // namespace lockstep
 ")
+
+# The scene of `lockstep demo`, which so needs no installed file.
+set(demo_file ${PROJECT_SOURCE_DIR}/samples/scenes/four_bar.json)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${demo_file})
+file(READ ${demo_file} demo_text)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/framework/tools/program/demo_scene.cpp @ONLY CONTENT
+"// Written by the configuration from samples/scenes/four_bar.json.
+#include \"framework/tools/program/demo.h\"
+
+namespace lockstep {
+
+std::string_view demo_scene() {
+  return R\"lockstep(${demo_text})lockstep\";
+}
+
+}  // namespace lockstep
+")

@@ -114,7 +114,7 @@ TEST_CASE("the schema, list and describe name every type of the registry", "[uni
       for (const Key& key : found.info.keys) CHECK(described.find("\n  " + key.name + " ") != std::string::npos);
     }
   CHECK_THROWS_AS(shelf_contents(registry, "linkz"), SceneError);
-  CHECK_THROWS_WITH(find_descriptions(registry, "revolut"), Catch::Matchers::Contains("did you mean \"revolute\""));
+  CHECK(find_descriptions(registry, "revolut").empty());
 }
 
 }  // namespace schema_test

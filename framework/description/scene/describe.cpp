@@ -107,25 +107,38 @@ std::vector<Description> shelf_contents(const Registry& registry, const std::str
   return all;
 }
 
-std::vector<Description> find_descriptions(const Registry& registry, const std::string& name) {
-  std::vector<Description> found;
-  std::vector<std::string> known;
-  const auto look = [&](const Description& d) {
-    known.push_back(d.info.name);
-    if (d.info.name == name) found.push_back(d);
-  };
-  for (const char* shelf : {"laws", "links", "forces", "integrators", "solvers"})
-    for (Description& d : shelf_contents(registry, shelf)) {
-      for (const SceneTable& table : scene_tables())
-        if (table.shelf == d.shelf) {
-          d.info.keys = keys_together(table.info.keys, d.info.keys);
-          d.parts = table.parts;
-        }
-      look(d);
+namespace {
+
+// With the keys that all of its kind share.
+Description with_shared_keys(Description d) {
+  for (const SceneTable& table : scene_tables())
+    if (table.shelf == d.shelf) {
+      d.info.keys = keys_together(table.info.keys, d.info.keys);
+      d.parts = table.parts;
     }
-  for (const SceneTable& table : scene_tables()) look({"scene", table.info, "built in", table.parts});
-  if (found.empty()) refuse({}, "describe", "unknown name \"" + name + "\"" + text::suggestion(name, known));
+  return d;
+}
+
+std::vector<Description> all_descriptions(const Registry& registry) {
+  std::vector<Description> all;
+  for (const char* shelf : {"laws", "links", "forces", "integrators", "solvers"})
+    for (Description& d : shelf_contents(registry, shelf)) all.push_back(with_shared_keys(std::move(d)));
+  for (const SceneTable& table : scene_tables()) all.push_back({"scene", table.info, "built in", table.parts});
+  return all;
+}
+
+}  // namespace
+
+std::vector<Description> find_descriptions(const Registry& registry, const std::string& name) {
+  std::vector<Description> found = all_descriptions(registry);
+  std::erase_if(found, [&](const Description& d) { return d.info.name != name; });
   return found;
+}
+
+std::vector<std::string> describable_words(const Registry& registry) {
+  std::vector<std::string> names;
+  for (const Description& d : all_descriptions(registry)) names.push_back(d.info.name);
+  return names;
 }
 
 std::string form_words(const Key& key, const std::vector<Part>& parts) {

@@ -25,9 +25,12 @@ LOCKSTEP_API std::vector<std::string> shelf_names();
 /// another name.
 LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std::string& shelf);
 
-/// Everything of this name: a type on any shelf, or an object of scene files ("body", "run"). Throws SceneError with
-/// the closest name when there is none.
+/// Everything of this name: a type on any shelf, or an object of scene files ("body", "run"). Empty where there
+/// is none.
 LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
+
+/// The names that find_descriptions() knows.
+LOCKSTEP_API std::vector<std::string> describable_words(const Registry&);
 
 /// Text for a terminal: help, keys with form, unit, default and help.
 LOCKSTEP_API std::string describe(const Description&);

@@ -2,6 +2,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include <lockstep/text.h>
@@ -9,6 +10,7 @@
 #include "framework/tools/precision/pareto.h"
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
+#include "framework/tools/program/benchmark_json.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/run_report.h"
@@ -94,6 +96,69 @@ void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
   fmt::print("give more time (--budget), or take a wider error\n");
 }
 
+/// The answer: null where nothing met the error, or nothing else did.
+struct Advice {
+  const CostAtError *best = nullptr, *second = nullptr;
+};
+
+// A run that no finer one confirmed may be accurate by chance.
+Advice advice_of(const std::vector<CostAtError>& all) {
+  if (all.empty()) return {};
+  const auto first = [&](auto&& holds) {
+    const auto found = std::find_if(all.begin(), all.end(), holds);
+    return found == all.end() ? nullptr : &*found;
+  };
+  Advice advice{first([](const CostAtError& c) { return c.confirmed; })};
+  if (advice.best == nullptr) advice.best = &all.front();
+  const std::string best = type_of(advice.best->run->integrator);
+  advice.second = first([&](const CostAtError& c) { return type_of(c.run->integrator) != best && c.confirmed; });
+  if (advice.second == nullptr) advice.second = first([&](const CostAtError& c) { return c.run != advice.best->run; });
+  return advice;
+}
+
+/// What an answer is about.
+struct Question {
+  const Arguments& args;
+  const Loaded& loaded;
+  const SceneBenchmark& benchmark;
+  ErrorKind kind;
+  double error;
+
+  std::string block(const WorkPrecisionRun& run) const {
+    return run_block(settings_of(loaded.scene.run, run, loaded.registry), run, benchmark.options.largest_step);
+  }
+};
+
+void print_advice(const Question& q, const WorkPrecision& result, const Advice& advice) {
+  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result.runs.size(),
+             q.benchmark.trajectory.length, result.reference, result.second, result.agreement.of(q.kind),
+             unit_of(q.kind));
+  if (advice.best == nullptr) return print_nearest(result, q.kind, q.error);
+  print_choice("cheapest", *advice.best, q.kind);
+  if (advice.second != nullptr)
+    print_choice("runner-up", *advice.second, q.kind);
+  else
+    fmt::print("runner-up  none: no other combination met it in the time\n");
+  if (!advice.best->confirmed) fmt::print("not confirmed by a finer run; give more time with --budget\n");
+  fmt::print("\n  {}\n\nor in the scene's \"run\" (without any other of these keys):\n{}",
+             command_line(q.args, *advice.best->run), indented(q.block(*advice.best->run)));
+}
+
+void print_json(const Question& q, const WorkPrecision& result, const Advice& advice) {
+  using nlohmann::ordered_json;
+  const auto choice = [&](const CostAtError* c) {
+    if (c == nullptr) return ordered_json(nullptr);
+    ordered_json j = json_of(*c);
+    j["command"] = command_line(q.args, *c->run), j["run"] = ordered_json::parse(q.block(*c->run));
+    return j;
+  };
+  ordered_json j = {
+      {"scene", q.loaded.scene.file}, {"title", q.benchmark.title},      {"error", q.error},
+      {"of", to_string(q.kind)},      {"cheapest", choice(advice.best)}, {"runner_up", choice(advice.second)}};
+  j.update(json_of(result));
+  fmt::print("{}\n", j.dump(1, ' ', false, ordered_json::error_handler_t::replace));
+}
+
 }  // namespace
 
 int advise_command(const Arguments& args) {
@@ -105,40 +170,21 @@ int advise_command(const Arguments& args) {
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
   benchmark.options.target = error, benchmark.options.target_kind = kind;
-  fmt::print("{}\n", benchmark.title);
+  if (!args.json) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
   if (!report.empty())
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]",
                       fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), true);
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
-  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result->runs.size(),
-             benchmark.trajectory.length, result->reference, result->second, result->agreement.of(kind), unit_of(kind));
-  if (all.empty()) {
-    print_nearest(*result, kind, error);
-    return interrupt.asked() ? kExitInterrupted : kExitFailure;
-  }
-  // A run that no finer one confirmed may be accurate by chance.
-  const auto sure = std::find_if(all.begin(), all.end(), [](const CostAtError& c) { return c.confirmed; });
-  const CostAtError& best = sure != all.end() ? *sure : all.front();
-  print_choice("cheapest", best, kind);
-  const auto runner_up = [&](auto&& is_other) {
-    const auto found = std::find_if(all.begin(), all.end(), is_other);
-    return found == all.end() ? nullptr : &*found;
-  };
-  const CostAtError* second = runner_up(
-      [&](const CostAtError& c) { return type_of(c.run->integrator) != type_of(best.run->integrator) && c.confirmed; });
-  if (second == nullptr) second = runner_up([&](const CostAtError& c) { return c.run != best.run; });
-  if (second != nullptr)
-    print_choice("runner-up", *second, kind);
+  const Question question{args, loaded, benchmark, kind, error};
+  const Advice advice = advice_of(all);
+  if (args.json)
+    print_json(question, *result, advice);
   else
-    fmt::print("runner-up  none: no other combination met it in the time\n");
-  if (sure == all.end()) fmt::print("not confirmed by a finer run; give more time with --budget\n");
-  fmt::print("\n  {}\n\nor in the scene's \"run\" (without any other of these keys):\n{}",
-             command_line(args, *best.run),
-             indented(run_block(settings_of(loaded.scene.run, *best.run, loaded.registry), *best.run,
-                                benchmark.options.largest_step)));
-  return interrupt.asked() ? kExitInterrupted : kExitOk;
+    print_advice(question, *result, advice);
+  if (interrupt.asked()) return kExitInterrupted;
+  return advice.best != nullptr ? kExitOk : kExitFailure;
 }
 
 }  // namespace lockstep

@@ -9,6 +9,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -235,13 +236,21 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
 }
 
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Arguments& args, const Interrupt& interrupt) {
-  const bool quiet = args.quiet;
+  const bool quiet = args.quiet || args.json;
   bool headed = false;
+  Progress progress(benchmark.options.budget, args.quiet, Counts::budget);
+  const double begin = thread_seconds();
+  const FewMessages none(0);  // what coarse settings do to a run is what is measured
   benchmark.options.progress = [&](const std::string& what) {
-    if (!quiet && what.rfind("reference", 0) == 0) fmt::print(stderr, "  {}\n", what);
+    if (!quiet && what.rfind("reference", 0) == 0) {
+      progress.finish();
+      fmt::print(stderr, "  {}\n", what);
+    }
+    progress.at(thread_seconds() - begin);
   };
   benchmark.options.measured = [&](const WorkPrecisionRun& run) {
     if (quiet || run.interrupted) return;
+    progress.finish();
     if (!headed) fmt::print("{}\n", run_heading());
     headed = true;
     fmt::print("{}\n", run_line(run));
@@ -253,7 +262,9 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   auto result = std::make_unique<WorkPrecision>();
   try {
     *result = work_precision(benchmark.trajectory, benchmark.options);
+    progress.finish();
   } catch (const Error&) {
+    progress.finish();
     if (!interrupt.asked()) throw;
     fmt::print(stderr, "lockstep: interrupted before the reference was there; nothing is written\n");
     return nullptr;

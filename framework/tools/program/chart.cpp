@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
-#include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/charts/gnuplot.h"
+#include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
+#include "framework/tools/program/benchmark_json.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
 
@@ -97,6 +99,63 @@ std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& 
   return files;
 }
 
+// What was measured, and which method and form is the cheapest at which error.
+void print_all(const WorkPrecision& result, const SceneBenchmark& benchmark) {
+  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
+             result.runs.size(), benchmark.trajectory.length, result.reference, result.second,
+             result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction);
+  if (benchmark.imposed)
+    fmt::print(
+        "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
+        "step;\n"
+        "the integrators' pictures compare them without stabilisation\n");
+  print_cheapest(result);
+  for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
+    print_winners(result, by);
+  print_failures(result, benchmark);
+}
+
+/// The files of a chart, and why there are no pictures.
+struct ChartFiles {
+  std::string table;
+  std::vector<std::string> pictures{};
+  std::string no_pictures{};
+};
+
+ChartFiles write_files(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark) {
+  ChartFiles files{base + ".csv"};
+  write_runs(files.table, result);
+  if (result.runs.empty())
+    files.no_pictures = "no run was measured";
+  else if (find_gnuplot().empty())
+    files.no_pictures = "gnuplot is not installed (apt install gnuplot-nox)";
+  else
+    files.pictures = draw_all(base, result, benchmark);
+  return files;
+}
+
+void print_files(const ChartFiles& files) {
+  fmt::print("files: {}\n", files.table);
+  if (!files.no_pictures.empty()) fmt::print("       no pictures: {}\n", files.no_pictures);
+  for (const std::string& file : files.pictures) fmt::print("       {}, and as .svg\n", file);
+}
+
+void print_json(const Loaded& loaded, const WorkPrecision& result, const SceneBenchmark& benchmark,
+                const ChartFiles& files) {
+  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", benchmark.title}};
+  j.update(json_of(result));
+  j["cheapest"] = nlohmann::ordered_json::array();
+  for (const double limit : kLimits)
+    if (const std::vector<CostAtError> costs = costs_at_error(result, limit); !costs.empty()) {
+      nlohmann::ordered_json cheapest = {{"limit", limit}};
+      cheapest.update(json_of(costs.front()));
+      j["cheapest"].push_back(std::move(cheapest));
+    }
+  j["files"] = files.pictures;
+  j["files"].insert(j["files"].begin(), files.table);
+  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 }  // namespace
 
 int chart_command(const Arguments& args) {
@@ -112,34 +171,20 @@ int chart_command(const Arguments& args) {
 
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
-  fmt::print("{}\n", benchmark.title);
+  if (!args.json) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
-  write_runs(base + ".csv", *result);
-  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
-             result->runs.size(), benchmark.trajectory.length, result->reference, result->second,
-             result->agreement.position, result->agreement.velocity, result->agreement.energy,
-             result->agreement.reaction);
-  if (benchmark.imposed)
-    fmt::print(
-        "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
-        "step;\n"
-        "the integrators' pictures compare them without stabilisation\n");
-  print_cheapest(*result);
-  for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
-    print_winners(*result, by);
-  print_failures(*result, benchmark);
-  fmt::print("files: {}.csv\n", base);
-  if (result->runs.empty())
-    fmt::print("       no pictures: no run was measured\n");
-  else if (find_gnuplot().empty())
-    fmt::print("       no pictures: gnuplot is not installed (apt install gnuplot-nox)\n");
-  else
-    for (const std::string& file : draw_all(base, *result, benchmark)) fmt::print("       {}, and as .svg\n", file);
+  const ChartFiles files = write_files(base, *result, benchmark);
+  if (args.json) {
+    print_json(loaded, *result, benchmark, files);
+  } else {
+    print_all(*result, benchmark);
+    print_files(files);
+  }
   if (!report.empty()) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
-    fmt::print("       {}\n", report);
+    if (!args.json) fmt::print("       {}\n", report);
   }
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
   return interrupt.asked() ? kExitInterrupted : kExitOk;

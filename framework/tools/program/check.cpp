@@ -18,6 +18,7 @@
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/frames_taken.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -115,9 +116,21 @@ std::string owner_of(const ChannelHelp& channel, const System& system) {
   return owner.empty() ? "the whole mechanism" : owner;
 }
 
-int list_channels(const System& system, bool as_json) {
+// `of`: the name of what they belong to; "" for all.
+void list_channels(const System& system, const std::string& of, bool as_json) {
   std::vector<ChannelHelp> all = channel_help(system);
   std::erase_if(all, [](const ChannelHelp& c) { return c.name.starts_with("ground."); });  // it never moves
+  if (!of.empty()) {
+    Names owners;
+    for (const ChannelHelp& c : all) {
+      const std::string owner = owner_of(c, system);
+      const std::size_t quote = owner.find('\'');
+      if (quote != std::string::npos) owners.push_back(owner.substr(quote + 1, owner.size() - quote - 2));
+    }
+    if (std::find(owners.begin(), owners.end(), of) == owners.end())
+      throw UsageError("--of: nothing named \"" + of + "\" has channels" + text::suggestion(of, owners));
+    std::erase_if(all, [&](const ChannelHelp& c) { return !owner_of(c, system).ends_with(" '" + of + "'"); });
+  }
   std::size_t name = 0, unit = 0;
   auto j = nlohmann::ordered_json::array();
   for (const ChannelHelp& c : all) {
@@ -126,7 +139,7 @@ int list_channels(const System& system, bool as_json) {
   }
   if (as_json) {
     fmt::print("{}\n", j.dump(1, ' '));
-    return kExitOk;
+    return;
   }
   std::string last;
   for (const ChannelHelp& c : all) {
@@ -137,7 +150,6 @@ int list_channels(const System& system, bool as_json) {
   }
   fmt::print("a body or marker seen from another: <one>.<quantity>@<other>, as in {0}.x@ground\n",
              system.bodies().empty() ? "body" : system.bodies().back().name);
-  return kExitOk;
 }
 
 /// Whether the mechanism, in space unless the scene names its plane, has joint coordinates.
@@ -270,12 +282,10 @@ MobilityReport mobility_at_start(Dynamics& dynamics, const Mechanism& m, const S
   return mobility(dynamics, start);
 }
 
-}  // namespace
-
-int check_command(const Arguments& args) {
+void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (args.channels) return list_channels(m.system, args.json);
+  if (args.channels) return list_channels(m.system, args.name, args.json);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
@@ -318,8 +328,8 @@ int check_command(const Arguments& args) {
     j["proposals"] = more;
     j["parameters"] = parameters_json(loaded.scene);
     j["frames_taken"] = taken;
-    fmt::print("{}\n", j.dump(1, ' '));
-    return kExitOk;
+    results.push_back(std::move(j));
+    return;
   }
   fmt::print("{}\n", loaded.title());
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
@@ -337,7 +347,45 @@ int check_command(const Arguments& args) {
   for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
   if (!more.empty()) fmt::print("could be left out too:\n");
   for (const std::string& text : more) fmt::print("  {}\n", text);
-  return kExitOk;
+}
+
+// Each is checked, whatever the others are; the first that fails decides the exit code.
+int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
+  int code = kExitOk;
+  Arguments one = args;
+  const auto check = [&](const std::string& scene) {
+    one.scene = scene;
+    try {
+      check_scene(one, results);
+    } catch (const Error& error) {
+      fmt::print(stderr, "{} {}\n", error_mark(), error.what());
+      results.push_back({{"scene", scene}, {"error", error.what()}});
+      if (code == kExitOk) code = exit_code_of(error);
+    }
+  };
+  check(args.scene);
+  for (const std::string& scene : args.more_scenes) {
+    if (!args.json) fmt::print("\n");
+    std::fflush(stdout);
+    check(scene);
+  }
+  return code;
+}
+
+}  // namespace
+
+int check_command(const Arguments& args) {
+  auto results = nlohmann::ordered_json::array();
+  const bool several = !args.more_scenes.empty();
+  int code = kExitOk;
+  if (several)
+    code = check_scenes(args, results);
+  else
+    check_scene(args, results);
+  using Json = nlohmann::ordered_json;
+  if (args.json && !args.channels)
+    fmt::print("{}\n", (several ? results : results.front()).dump(1, ' ', false, Json::error_handler_t::replace));
+  return code;
 }
 
 }  // namespace lockstep

@@ -15,6 +15,9 @@
 #include <lockstep/version.h>
 #include "framework/description/scene/describe.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/program/complete.h"
+#include "framework/tools/program/manual.h"
+#include "framework/tools/program/terminal.h"
 
 namespace lockstep {
 namespace {
@@ -30,6 +33,10 @@ CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* 
   return add(verb, name, to, type, help)->check(CLI::IsMember(choices));
 }
 
+CLI::Option* add_json(CLI::App& verb, Arguments& a) {
+  return verb.add_flag("--json", a.json, "print the result as JSON, and nothing else");
+}
+
 void add_plugins(CLI::App& verb, Arguments& a) {
   verb.add_option("--plugin", a.plugins, "load a plugin, by name or path; may be given several times")
       ->type_name("P")
@@ -37,7 +44,7 @@ void add_plugins(CLI::App& verb, Arguments& a) {
 }
 
 void add_scene(CLI::App& verb, Arguments& a) {
-  add(verb, "scene", a.scene, "SCENE", "the scene file (JSON)")->required();
+  add(verb, "scene", a.scene, "SCENE", "the scene file (JSON); -: from standard input")->required();
   add_plugins(verb, a);
   add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
       {"off", "auto", "x", "y", "z"});
@@ -66,6 +73,16 @@ void add_settings(CLI::App& verb, Arguments& a) {
   add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
 }
 
+// What a run writes beside its report.
+void add_run_outputs(CLI::App& verb, Arguments& a) {
+  add(verb, "--record", a.record, "FILE.csv",
+      "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
+  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file");
+  CLI::Option* quiet =
+      verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
+  add_json(verb, a)->excludes(quiet);
+}
+
 void add_run(CLI::App& verb, Arguments& a) {
   add_settings(verb, a);
   add(verb, "--report", a.report, "FILE.html", "one HTML file that shows the motion and the columns in a browser");
@@ -73,16 +90,19 @@ void add_run(CLI::App& verb, Arguments& a) {
                                        "repeat the run with a tighter tolerance and with a second method; report how "
                                        "many digits of each column agree");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
-  add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
-  verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
+  add_run_outputs(verb, a);
 }
 
 void add_report(CLI::App& verb, Arguments& a) {
   add_settings(verb, a);
   add(verb, "--out", a.report, "FILE.html", "the HTML file; default: beside the CSV, with its name");
-  add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
   verb.add_flag("--open", a.open, "show it in the browser (xdg-open)");
-  verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
+  add_run_outputs(verb, a);
+}
+
+void add_demo(CLI::App& verb, Arguments& a) {
+  add(verb, "--into", a.into, "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here");
+  verb.add_flag("--no-open", a.no_open, "only write the files, open no browser");
 }
 
 constexpr const char* kSweepFooter =
@@ -122,7 +142,8 @@ void add_sweep(CLI::App& verb, Arguments& a) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   add(verb, "--histories", a.histories, "DIR", "folder for the columns of each run, <its number>.csv");
-  verb.add_flag("--quiet", a.quiet, "print errors only");
+  CLI::Option* quiet = verb.add_flag("--quiet", a.quiet, "print errors only");
+  add_json(verb, a)->excludes(quiet);
 }
 
 // Which combinations are measured, and for how long.
@@ -147,6 +168,7 @@ void add_benchmark(CLI::App& verb, Arguments& a) {
   add(verb, "--budget", a.budget, "T", "CPU time for all runs together; default 60 s");
   add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
   verb.add_flag("--quiet", a.quiet, "do not print each run");
+  add_json(verb, a);
 }
 
 void add_chart(CLI::App& verb, Arguments& a) {
@@ -171,12 +193,13 @@ void add_advise(CLI::App& verb, Arguments& a) {
       {"position", "velocity", "energy", "reaction"});
 }
 
-void add_json(CLI::App& verb, Arguments& a) { verb.add_flag("--json", a.json, "as JSON"); }
-
 void add_check(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
   add_json(verb, a);
-  verb.add_flag("--channels", a.channels, "list every channel that the scene may record, with unit and meaning");
+  CLI::Option* channels =
+      verb.add_flag("--channels", a.channels, "list every channel that the scene may record, with unit and meaning");
+  add(verb, "--of", a.name, "NAME", "with --channels: only those of this body, marker, link or force")->needs(channels);
+  verb.add_option("more", a.more_scenes, "further scenes")->type_name("SCENE");
 }
 
 void add_assemble(CLI::App& verb, Arguments& a) {
@@ -191,9 +214,12 @@ void add_list(CLI::App& verb, Arguments& a) {
 }
 
 void add_describe(CLI::App& verb, Arguments& a) {
-  add(verb, "name", a.name, "NAME", "a name of `lockstep list`, or body, marker, link, force, event, run, ...")
+  add(verb, "name", a.name, "NAME",
+      "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, "
+      "run, ...; a key; or orientation, axis, law, formula, unit, channel, ...")
       ->required();
   add_plugins(verb, a);
+  add_json(verb, a);
 }
 
 void add_new_plugin(CLI::App& verb, Arguments& a) {
@@ -208,6 +234,22 @@ void add_plugins_list(CLI::App& verb, Arguments& a) {
   verb.add_flag("--why", a.why, "report everything: folders, files, builds, and why a plugin is refused");
   add_json(verb, a);
 }
+
+void add_completion(CLI::App& verb, Arguments& a) {
+  add(verb, "shell", a.kind, "SHELL", "bash or zsh", {"bash", "zsh"})->required();
+}
+
+int completion_command(const Arguments& args) {
+  fmt::print("{}", completion_script(args.kind));
+  return kExitOk;
+}
+
+int man_command(const Arguments& args) {
+  fmt::print("{}", manual_page(*args.line));
+  return kExitOk;
+}
+
+void add_nothing(CLI::App&, Arguments&) {}
 
 /// A verb of the program.
 struct Verb {
@@ -225,6 +267,9 @@ constexpr Verb kVerbs[] = {
      add_report, report_command,
      "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
      "Example:\n  lockstep report samples/scenes/four_bar.json --open"},
+    {"demo", "Show a moving four-bar in the browser, and leave its scene to play with", add_demo, demo_command,
+     "Writes four_bar.json, .csv, .png, .svg and .html; a four_bar.json that is there already is shown as it is.\n\n"
+     "Example:\n  lockstep demo"},
     {"sweep", "Run a scene many times with other values, one row per run", add_sweep, sweep_command, kSweepFooter},
     {"check", "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom", add_check,
      check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
@@ -244,27 +289,14 @@ constexpr Verb kVerbs[] = {
      "Example:\n  lockstep schema > scene.schema.json"},
     {"new-plugin", "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
      add_new_plugin, new_plugin_command, "Example:\n  lockstep new-plugin link wavy_rail"},
+    {"completion", "Print the script by which a shell completes lines: verbs, options, names of the scene",
+     add_completion, completion_command,
+     "Example:\n  lockstep completion bash > ~/.local/share/bash-completion/completions/lockstep"},
+    {"man", "Print the manual page", add_nothing, man_command, "Example:\n  lockstep man | man -l -"},
 };
 constexpr Verb kPluginsList = {"list", "Load each plugin of the search path; report what it brings", add_plugins_list,
                                plugins_list_command,
                                "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why"};
-
-int exit_code_of(const Error& error) {
-  using Kind = Error::Kind;
-  static const std::map<Kind, Exit> kCodes{{Kind::usage, kExitUsage},
-                                           {Kind::scene, kExitScene},
-                                           {Kind::model, kExitScene},
-                                           {Kind::plugin, kExitPlugin},
-                                           {Kind::user_code, kExitPlugin},
-                                           {Kind::assembly, kExitAssembly},
-                                           {Kind::step, kExitStep},
-                                           {Kind::solve, kExitStep},
-                                           {Kind::non_finite, kExitNonFinite},
-                                           {Kind::file, kExitFile},
-                                           {Kind::interrupted, kExitInterrupted}};
-  const auto code = kCodes.find(error.kind());
-  return code == kCodes.end() ? kExitFailure : code->second;
-}
 
 // A word of the command line without the folders of a file that it names.
 std::string without_folders(std::string word, const Arguments& args) {
@@ -315,7 +347,7 @@ int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const Error& error) {
-    fmt::print(stderr, "lockstep: {}\n", error.what());
+    fmt::print(stderr, "{} {}\n", error_mark(), error.what());
     return exit_code_of(error);
   } catch (const std::bad_alloc&) {  // without a further allocation
     std::fputs("lockstep: out of memory; record less (output, record), or run fewer copies at once\n", stderr);
@@ -327,6 +359,23 @@ int guarded(const std::function<int()>& command) {
 }
 
 }  // namespace
+
+int exit_code_of(const Error& error) {
+  using Kind = Error::Kind;
+  static const std::map<Kind, Exit> kCodes{{Kind::usage, kExitUsage},
+                                           {Kind::scene, kExitScene},
+                                           {Kind::model, kExitScene},
+                                           {Kind::plugin, kExitPlugin},
+                                           {Kind::user_code, kExitPlugin},
+                                           {Kind::assembly, kExitAssembly},
+                                           {Kind::step, kExitStep},
+                                           {Kind::solve, kExitStep},
+                                           {Kind::non_finite, kExitNonFinite},
+                                           {Kind::file, kExitFile},
+                                           {Kind::interrupted, kExitInterrupted}};
+  const auto code = kCodes.find(error.kind());
+  return code == kCodes.end() ? kExitFailure : code->second;
+}
 
 int run_program(int argc, const char* const* argv) {
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
@@ -351,6 +400,8 @@ int run_program(int argc, const char* const* argv) {
   plugins.require_subcommand(1);
   add_verb(plugins, kPluginsList);
 
+  arguments.line = &app;
+  if (argc > 1 && std::string_view(argv[1]) == "complete") return complete_command(app, argc - 2, argv + 2);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -7,6 +7,10 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 
+namespace CLI {
+class App;
+}
+
 namespace lockstep {
 
 /// The exit codes of the program.
@@ -39,17 +43,20 @@ struct Arguments {
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
+  bool no_picture = false;        ///< CSV alone
   bool allow_files = false;       ///< the scene may read files outside of its folder
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::vector<std::string> set;   ///< NAME=VALUE
   std::string shard, histories;   ///< "2/8"; a folder
   std::string report;             ///< the HTML file
-  bool open = false;              ///< show it in the browser
+  bool open = false, no_open = false;  ///< show it in the browser; do not
   std::string command;            ///< the whole command line, files by their names alone
   std::string lanes;              ///< "off": one run at a time
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
-  std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
+  std::vector<std::string> more_scenes;  ///< after the first
+  const CLI::App* line = nullptr;        ///< the command line itself, for its manual
+  std::string kind, name, into;  ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -71,8 +78,12 @@ void override_settings(RunSettings&, const Arguments&, const Registry&);
 /// Reads the scene, loads plugins and overrides the run settings.
 Loaded load(const Arguments&);
 
+/// The code for an error.
+int exit_code_of(const Error&);
+
 int run_command(const Arguments&);
 int report_command(const Arguments&);
+int demo_command(const Arguments&);
 int check_command(const Arguments&);
 int chart_command(const Arguments&);
 int advise_command(const Arguments&);

@@ -26,10 +26,12 @@ namespace lockstep {
 namespace fs = std::filesystem;
 
 std::string csv_path(const std::string& record, const std::string& scene) {
+  if (record == "-") return record;
   const char* folder = std::getenv("LOCKSTEP_OUTPUT");
   fs::path file = record;
   if (record.empty()) {
-    file = fs::path(folder != nullptr && *folder != 0 ? folder : ".") / fs::path(scene).stem();
+    file =
+        fs::path(folder != nullptr && *folder != 0 ? folder : ".") / (scene == "-" ? "stdin" : fs::path(scene).stem());
     file += ".csv";
   }
   std::error_code error;

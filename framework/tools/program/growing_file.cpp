@@ -28,6 +28,12 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
   namespace fs = std::filesystem;
+  if (name_ == "-") {
+    in_place_ = true, partial_ = "standard output";
+    file_ = ::dup(STDOUT_FILENO);
+    if (file_ < 0) fail("cannot be written");
+    return;
+  }
   std::error_code error;
   const bool there = fs::exists(name_, error);
   in_place_ = there && !fs::is_regular_file(name_, error);

@@ -10,7 +10,7 @@ namespace lockstep {
 
 /// NAME.partial, which becomes NAME when it is done. It is locked: a second program that writes results of that name is
 /// refused. After a failure it stays, with whole lines only. Where NAME is a link, the file that it leads to is meant;
-/// what is no regular file (a device, a pipe) is written in place and never replaced.
+/// what is no regular file (a device, a pipe) is written in place and never replaced; "-" is standard output.
 class GrowingFile {
  public:
   /// Opens the file; what it holds stays until clear(), and an existing NAME until commit(). Throws FileError: it cannot

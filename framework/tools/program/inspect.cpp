@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/schema.h"
+#include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/commands.h"
 
@@ -71,14 +73,26 @@ int list_command(const Arguments& args) {
 
 int describe_command(const Arguments& args) {
   const Registry registry = make_registry(args.plugins);
-  try {
-    for (const Description& d : find_descriptions(registry, args.name)) {
-      fmt::print("{}", describe(d));
-      if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
-    }
-  } catch (const SceneError& error) {
-    throw UsageError(error.what());
+  const std::vector<Description> found = find_descriptions(registry, args.name);
+  const std::string word = describe_word(registry, args.name);
+  if (found.empty() && word.empty()) {
+    std::vector<std::string> known = describable_words(registry);
+    const std::vector<std::string> words = known_words(registry);
+    known.insert(known.end(), words.begin(), words.end());
+    throw UsageError("describe: unknown name \"" + args.name + "\"" + text::suggestion(args.name, known));
   }
+  if (args.json) {
+    Json all = Json::array();
+    for (const Description& d : found) all.push_back(json_of(d));
+    if (!word.empty()) all.push_back({{"name", args.name}, {"shelf", "words"}, {"help", word}});
+    fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+    return kExitOk;
+  }
+  for (const Description& d : found) {
+    fmt::print("{}", describe(d));
+    if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
+  }
+  fmt::print("{}{}", found.empty() || word.empty() ? "" : "\n", word);
   return kExitOk;
 }
 

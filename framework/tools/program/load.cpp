@@ -103,6 +103,19 @@ void put_shortcuts(Scene& scene, const Arguments& args) {
   });
 }
 
+// All of it, up to one byte more than the longest scene: reading it refuses that.
+std::string standard_input() {
+  constexpr std::size_t kMost = std::size_t{64} << 20;
+  std::string text;
+  char part[1 << 16];
+  while (text.size() <= kMost) {
+    const std::size_t n = std::fread(part, 1, sizeof part, stdin);
+    if (n == 0) break;
+    text.append(part, n);
+  }
+  return text;
+}
+
 }  // namespace
 
 Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required) {
@@ -120,7 +133,7 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
 
 Loaded read_with_plugins(const Arguments& args) {
   refuse_picture(args.record);
-  Scene scene = read_scene(args.scene);
+  Scene scene = args.scene == "-" ? scene_from_text(standard_input(), "standard input") : read_scene(args.scene);
   if (!args.allow_files) check_files(scene);
   Registry registry = make_registry(args.plugins, scene.plugins);
   if (!args.set.empty()) scene = with_values(scene, args.set, registry);

@@ -47,17 +47,22 @@ Interrupt::Interrupt() {
 Interrupt::~Interrupt() { handle_by(SIG_DFL); }
 bool Interrupt::asked() const { return signal_came != 0; }
 
-std::string progress_line(double t, double until, double seconds, bool bar, Counts counts) {
-  constexpr int kWidth = 30;
+std::string progress_line(double t, double until, double seconds, std::size_t width, Counts counts) {
   const double share = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
-  const int n = static_cast<int>(share * kWidth);
-  std::string line = bar ? fmt::format("[{:#<{}}{:.<{}}] ", "", n, "", kWidth - n) : "";
   const bool runs = counts == Counts::runs;
-  line += runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * share, std::floor(t), until)
-               : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * share, t, until);
-  if (seconds > 0 && t > 0)
-    line += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
-  return line;
+  std::string text;
+  if (counts == Counts::budget)
+    text = fmt::format("{:3.0f} %  {:.0f} s of {:.0f} s", 100 * share, t, until);
+  else
+    text = runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * share, std::floor(t), until)
+                : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * share, t, until);
+  if (counts != Counts::budget && seconds > 0 && t > 0)
+    text += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
+  constexpr std::size_t kLongest = 30, kShortest = 5, kFrame = 3;
+  if (width < text.size() + kFrame + kShortest) return text;
+  const std::size_t length = std::min(kLongest, width - text.size() - kFrame);
+  const auto n = static_cast<std::size_t>(share * static_cast<double>(length));
+  return fmt::format("[{:#<{}}{:.<{}}] {}", "", n, "", length - n, text);
 }
 
 Progress::Progress(double until, bool quiet, Counts counts)
@@ -75,7 +80,7 @@ void Progress::at(double t) {
   const Clock::time_point now = Clock::now();
   if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? kBarSeconds : kLineSeconds)) return;
   last_ = now;
-  const std::string line = progress_line(t, until_, seconds(), terminal_, counts_);
+  const std::string line = progress_line(t, until_, seconds(), terminal_ ? line_width() : 0, counts_);
   if (terminal_) {
     fmt::print(stderr, "\r{:<{}}", line.substr(0, line_width()), line_width());
     std::fflush(stderr);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 
 namespace lockstep {
@@ -17,7 +18,7 @@ class Interrupt {
 };
 
 /// What is counted.
-enum class Counts { seconds, runs };
+enum class Counts { seconds, runs, budget };
 
 /// Prints to standard error: on a terminal up to ten times a second, cut to its width; otherwise a line every ten
 /// seconds.
@@ -38,7 +39,8 @@ class Progress {
   Clock::time_point begin_, last_;
 };
 
-/// "[#####.....]  50 %  t = 1.2 s of 2.4 s  0.8 s/s  3 s to go", or "...  12 of 24 runs  4 runs/s  3 s to go"
-std::string progress_line(double t, double until, double seconds, bool bar, Counts counts = Counts::seconds);
+/// "[#####.....]  50 %  t = 1.2 s of 2.4 s  0.8 s/s  3 s to go", "...  12 of 24 runs  4 runs/s  3 s to go", or
+/// "...  30 s of 60 s" of a budget. `width`: columns; the bar is as long as they leave room, and left out with 0.
+std::string progress_line(double t, double until, double seconds, std::size_t width, Counts counts = Counts::seconds);
 
 }  // namespace lockstep

@@ -20,7 +20,7 @@
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
-#include "framework/tools/program/summary.h"
+#include "framework/tools/program/run_words.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -60,52 +60,6 @@ Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
   return ended;
 }
 
-std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
-std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
-
-// What is printed of a run that ended.
-std::string end_words(StepLoop& sim, const RunSettings& run, const Summary& summary, const Audit& audit, double seconds,
-                      bool interrupted) {
-  std::string words;
-  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
-    words += fmt::format(format, std::forward<Args>(args)...);
-  };
-  const SimulationReport& r = sim.report();
-  const std::string rejected =
-      sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
-  say("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
-      counted(r.steps, "step", "steps"), run.integrator.type, rejected, seconds);
-  if (r.manifold_steps > 0)
-    say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
-        "for\n",
-        r.manifold_steps, counted(r.steps, "step", "steps"));
-  if (std::isfinite(r.stiff_since))
-    say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
-        "cheaper (--integrator radau5 or generalized_alpha)\n",
-        r.stiff_since);
-  const auto& links = sim.system().links();
-  const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
-    return link->unilateral() && sim.state().modes[link->number()];
-  });
-  if (r.impacts > 0 || resting > 0)
-    say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
-        resting == 1 ? "is" : "are");
-  if (r.stopped && !r.stopped_by.empty() && !interrupted) say("  stopped    by '{}'\n", r.stopped_by);
-  say("{}", summary.text());
-  say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
-  if (!sim.system().links().empty())
-    say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
-        r.largest_violation,
-        audit.drifted ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
-                      : "");
-  return words;
-}
-
-// Methods of fixed steps promise no error: what they do to the energy is only said.
-bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
-  return audit.drifted || (audit.energy == Audit::Energy::not_conserved && method.adaptive);
-}
-
 // Without a report no energies are integrated, and drift alone is judged.
 Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   Audit audit;
@@ -118,23 +72,47 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   return audit;
 }
 
+/// Where the words of a run go.
+class Words {
+ public:
+  /// Nowhere with --quiet and --json; to standard error where standard output takes the rows.
+  explicit Words(const Arguments& args)
+      : to_(args.quiet || args.json ? nullptr
+            : args.record == "-"    ? stderr
+                                    : stdout) {}
+  explicit operator bool() const { return to_ != nullptr; }
+  template <class... Args>
+  void say(fmt::format_string<Args...> format, Args&&... args) const {
+    if (to_ == nullptr) return;
+    fmt::print(to_, format, std::forward<Args>(args)...);
+    std::fflush(to_);
+  }
+
+ private:
+  std::FILE* to_;
+};
+
 // The table first: it is reported even if the picture fails.
-void print_files(const std::string& csv, const std::string& title, const Table& table, const RunSettings& run,
-                 bool quiet) {
-  if (!quiet) {
-    fmt::print("  files      {} ({})\n", csv, rows_of(table));
-    std::fflush(stdout);
-  }
+std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table,
+                                     const RunSettings& run, const Arguments& args, const Words& words) {
+  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(table));
+  if (args.no_picture || args.record == "-") return {csv};
   const Drawing drawing = draw_columns(csv, title, table, run.draw);
-  if (quiet) {
-    if (drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
-    return;
-  }
-  for (const std::string& picture : drawing.files) fmt::print("             {}\n", picture);
-  if (drawing.files.empty()) fmt::print("             no picture: {}\n", drawing.reason);
+  if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
+  for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
+  if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
   const std::size_t n = table.n_columns() - 1;
   if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
-    fmt::print("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
+    words.say("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
+  std::vector<std::string> files{csv};
+  files.insert(files.end(), drawing.files.begin(), drawing.files.end());
+  return files;
+}
+
+void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_json result) {
+  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.title()}, {"command", args.command}};
+  j.update(result);
+  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 // Springs that push away from where they should hold.
@@ -196,7 +174,7 @@ void show(const Arguments& args, const RunReport& report) {
 int report_command(const Arguments& args) {
   Arguments with_report = args;
   if (with_report.report.empty()) {
-    const std::filesystem::path csv = csv_path(args.record, args.scene);
+    const std::filesystem::path csv = csv_path(args.record == "-" ? "" : args.record, args.scene);
     with_report.report = std::filesystem::path(csv).replace_extension(".html").string();
   }
   return run_command(with_report);
@@ -204,6 +182,9 @@ int report_command(const Arguments& args) {
 
 int run_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
+  if (args.json && args.record == "-")
+    throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
+  const Words words(args);
   Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
@@ -222,13 +203,13 @@ int run_command(const Arguments& args) {
   if (!args.quiet) audit.emplace(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = m.system.start();
-  if (!args.quiet) fmt::print("{}\n", loaded.title());
+  words.say("{}\n", loaded.title());
   if (m.run.assemble) {
     const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds);
-    if (!args.quiet && assembled.is_notable()) fmt::print("  assembled  {}\n", assembled.text());
-    if (!args.quiet && assembled.largest_move > 1e-6)
+    if (assembled.is_notable()) words.say("  assembled  {}\n", assembled.text());
+    if (assembled.largest_move > 1e-6)
       for (const std::string& text : frames_taken(loaded.scene))
-        fmt::print("  taken      {}, as no place is given\n", text);
+        words.say("  taken      {}, as no place is given\n", text);
   }
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
@@ -251,18 +232,32 @@ int run_command(const Arguments& args) {
                                           (recorder->table().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
     write_unfinished(report, sim, ended.error);
+    if (args.json)
+      print_json(args, loaded,
+                 {{"status", "failed"},
+                  {"t", sim.state().t},
+                  {"error", thrown_words(ended.error)},
+                  {"rows", recorder->table().n_rows()},
+                  {"files", {file.partial()}}});
     std::rethrow_exception(ended.error);
   }
   const Audit found = audit ? audit->result() : drift_alone(sim, m.run.limits);
-  const std::string words = audit ? end_words(sim, m.run, summary, found, seconds, ended.interrupted) : "";
-  fmt::print("{}", words);
+  const EndedRun end{sim, m.run, found, seconds, ended.interrupted};
+  const std::string lines = audit ? end_words(end, summary) : "";
+  words.say("{}", lines);
   if (unwritten) std::rethrow_exception(unwritten);
   file.commit();
-  print_files(csv, loaded.title(), recorder->table(), m.run, args.quiet);
+  std::vector<std::string> files = print_files(csv, loaded.title(), recorder->table(), m.run, args, words);
   if (report) {
-    report.write(sim, words, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
-    if (!args.quiet) fmt::print("             {}\n", report.file());
+    report.write(sim, lines, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
+    words.say("             {}\n", report.file());
+    files.push_back(report.file());
     show(args, report);
+  }
+  if (args.json) {
+    nlohmann::ordered_json j = json_of(end, recorder->table());
+    j["files"] = files;
+    print_json(args, loaded, std::move(j));
   }
   if (args.certify && !ended.interrupted) print_certificate(loaded, args, m.run, recorder->table());
   if (ended.interrupted)

@@ -8,14 +8,18 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
+#include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
@@ -75,6 +79,26 @@ struct Plan {
   }
   std::string setting(long run) const { return setting_text(variables, grid.at(run)); }
 };
+
+// A run as an object: the values that it has, and what they gave.
+nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& variables,
+                                  const std::vector<std::size_t>& choice, const Table& columns, const SweepRun& run) {
+  using nlohmann::ordered_json;
+  const auto finite = [](double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr); };
+  ordered_json j = {{"run", number},
+                    {"status", run.failed ? "failed: " + run.status : run.status},
+                    {"values", ordered_json::object()}};
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    j["values"][variables[k].path] = ordered_json::parse(write_json(variables[k].values[choice[k]]));
+  j["steps"] = run.steps, j["cpu"] = run.cpu, j["columns"] = ordered_json::object();
+  if (run.failed) return j;
+  j["t"] = run.t;
+  for (std::size_t k = 0; k < run.columns.size(); ++k)
+    j["columns"][columns.columns()[k + 1].name] = {{"final", finite(run.columns[k].last)},
+                                                   {"min", finite(run.columns[k].least)},
+                                                   {"max", finite(run.columns[k].most)}};
+  return j;
+}
 
 // Refuses a variable that the scene does not have, if no run can be built with it.
 void refuse_misplaced(const Plan& plan, const std::string& reason) {
@@ -149,6 +173,7 @@ void make_folder(const std::string& folder) {
 }
 
 struct Tally {
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array();  // with --json
   long done = 0, failed = 0, histories = 0, in_lanes = 0;
   std::string alone{};  // why the mechanism does not run in lanes
 };
@@ -280,6 +305,8 @@ class Sweep {
     const long n = number(done.k);
     rows_.append(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     rows_.write();
+    if (plan_.arguments.json)
+      tally_.runs.push_back(sweep_json(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
@@ -337,6 +364,16 @@ void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
   if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
 }
 
+void print_json(const Plan& plan, const Tally& tally, const std::string& csv) {
+  const nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
+                                    {"title", plan.loaded.title()},
+                                    {"done", tally.done},
+                                    {"failed", tally.failed},
+                                    {"file", csv},
+                                    {"runs", tally.runs}};
+  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 // Rows survive an error: the file that grew stays, and the message names it.
 Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
   try {
@@ -356,7 +393,7 @@ void write_report(const Plan& plan, const std::string& csv, const std::string& r
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
   write_runs_report(report, text_of(plan.arguments, plan.loaded), contents_of(csv), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false);
-  if (!plan.arguments.quiet) fmt::print("             {}\n", report);
+  if (!plan.arguments.quiet && !plan.arguments.json) fmt::print("             {}\n", report);
 }
 
 }  // namespace
@@ -371,9 +408,15 @@ int sweep_command(const Arguments& args) {
   GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
-  if (!args.quiet) print_heading(plan, sweep.n_runs());
-  const Tally tally = run_and_commit(sweep, rows);
-  if (!args.quiet) print_end(plan, tally, csv);
+  if (!args.quiet && !args.json) print_heading(plan, sweep.n_runs());
+  const Tally tally = [&] {
+    const FewMessages few(kMostReasons);
+    return run_and_commit(sweep, rows);
+  }();
+  if (args.json)
+    print_json(plan, tally, csv);
+  else if (!args.quiet)
+    print_end(plan, tally, csv);
   if (!report.empty()) write_report(plan, csv, report);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);

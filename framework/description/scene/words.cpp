@@ -1,0 +1,127 @@
+#include "framework/description/scene/words.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+
+#include <lockstep/text.h>
+#include "framework/description/scene/describe.h"
+#include "framework/mechanism/params/units.h"
+
+namespace lockstep {
+namespace {
+
+struct Word {
+  const char *name, *text;
+};
+
+// Forms that a value may have.
+constexpr Word kForms[] = {
+    {"number",
+     R"_(a number in SI units, a text with a unit, or a formula of the scene's parameters
+  0.012    "12 mm"    "=2*crank + 5 mm"
+)_"},
+    {"vector3",
+     R"_(three numbers in SI units or texts with units, the name of one of the scene's "points", or a formula
+  [0, 0.2, 0]    [0, "20 cm", 0]    "A"    "=A + [crank, 0, 0]"
+)_"},
+    {"axis",
+     R"_(a direction: "x", "y" or "z", one of these with a minus, or a vector of any length but zero
+  "z"    "-y"    [1, 1, 0]
+)_"},
+    {"orientation",
+     R"_(how axes lie in others, in one of five ways; a quaternion has its scalar first
+  [1, 0, 0, 0]
+  {"axis": "z", "angle": "30 deg"}
+  {"angles": ["10 deg", "20 deg", "30 deg"], "sequence": "zxz"}
+  {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+  {"x": [1, 1, 0], "z": [0, 0, 1]}    two of x, y, z: where these axes point
+)_"},
+    {"law",
+     R"_(a law y(t): an object with its type and keys (`lockstep list laws`), or a number for a constant
+  {"type": "sine", "omega": "2 rad/s", "amplitude": "10 mm"}
+  {"type": "formula", "y": "=0.1*sin(3*t)"}
+  "30 mm"
+)_"},
+    {"translation law",
+     R"_(a law of a vector: an object with its type and keys (`lockstep list laws`), or [x, y, z] for a constant
+  {"type": "components", "x": {"type": "ramp", "slope": "1 m/s"}}
+)_"},
+    {"rotation law",
+     R"_(a law of a turn: an object with its type and keys (`lockstep list laws`), or an orientation for a constant
+  {"type": "axis_rotation", "axis": "z", "law": {"type": "ramp", "slope": "60 rpm"}}
+)_"},
+    {"channel",
+     R"_(a name of something that a scene can record, draw, and watch in an event: "crank.x", "A.reaction_x",
+"energy.total"; "crank.x@rocker" is seen from another body. `lockstep check SCENE --channels` lists all of a scene.
+  "record": ["crank.x", {"torque": "motor.drive_torque"}]
+)_"},
+    {"formula",
+     R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. As a value of a scene
+it reads "parameters" and "points" and knows units; in a law it reads t, in a function joint x y z rx ry rz e1 e2 e3 and t.
+  "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)"
+)_"},
+    {"unit",
+     R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad with n u m c d k M before them; deg, rev, turn, rpm,
+min, h, t, in, ft; products, powers and one run of divisors. A unit of another quantity is refused at its place.
+  "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad"
+)_"}};
+
+std::vector<Unit> all_units() {
+  std::vector<Unit> all;
+  for (int k = static_cast<int>(Unit::length); k < static_cast<int>(Unit::any); ++k)
+    all.push_back(static_cast<Unit>(k));
+  return all;
+}
+
+// Calls visit(owner, key, parts) for each key of each object and each type.
+void for_each_key(const Registry& registry,
+                  const std::function<void(const std::string&, const Key&, const std::vector<Part>&)>& visit) {
+  for (const SceneTable& table : scene_tables())
+    for (const Key& key : table.info.keys) visit(table.info.name, key, table.parts);
+  for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"})
+    for (const Description& d : shelf_contents(registry, shelf))
+      for (const Key& key : d.info.keys) visit(d.info.name, key, {});
+}
+
+// "stops, a key of link: list of objects: see ...", owners of the same meaning together.
+std::string key_lines(const Registry& registry, const std::string& word) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> meanings;
+  for_each_key(registry, [&](const std::string& owner, const Key& key, const std::vector<Part>& parts) {
+    if (key.name != word) return;
+    const std::string form = form_words(key, parts);
+    const std::string meaning = key.help + (form.empty() ? "" : " (" + form + ")");
+    auto same = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == meaning; });
+    if (same == meanings.end()) same = meanings.insert(meanings.end(), {meaning, {}});
+    if (std::find(same->second.begin(), same->second.end(), owner) == same->second.end()) same->second.push_back(owner);
+  });
+  std::string text;
+  for (const auto& [meaning, owners] : meanings) text += "  of " + text::join(owners) + ": " + meaning + "\n";
+  return text.empty() ? "" : word + ": a key\n" + text;
+}
+
+}  // namespace
+
+std::string describe_word(const Registry& registry, const std::string& word) {
+  std::string text;
+  for (const Word& form : kForms)
+    if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text;
+  for (const Unit unit : all_units())
+    if (word == name_of(unit))
+      text += word + ": a quantity in " + si_unit(unit) + ", or a text with a unit: \"" + example_of(unit) + "\"\n";
+  return text + key_lines(registry, word);
+}
+
+std::vector<std::string> known_words(const Registry& registry) {
+  std::vector<std::string> all;
+  for (const Word& form : kForms) all.emplace_back(form.name);
+  for (const Unit unit : all_units()) all.push_back(name_of(unit));
+  for_each_key(registry,
+               [&](const std::string&, const Key& key, const std::vector<Part>&) { all.push_back(key.name); });
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,18 @@
+// Words of scene files that are no objects and no types: keys, forms of values, units, channels.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/registry.h>
+
+namespace lockstep {
+
+/// What such a word means, and where it stands: "stops", "orientation", "stiffness", "record"; "" for another word.
+LOCKSTEP_API std::string describe_word(const Registry&, const std::string& word);
+
+/// All that describe_word() knows.
+LOCKSTEP_API std::vector<std::string> known_words(const Registry&);
+
+}  // namespace lockstep

@@ -1,0 +1,62 @@
+// The verb demo: a mechanism that moves, from nothing but the program.
+#include "framework/tools/program/demo.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <lockstep/error.h>
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/run_report.h"
+
+namespace lockstep {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A scene that is there already, with the changes that somebody made to it, stays.
+std::string scene_in(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const fs::path file = folder / "four_bar.json";
+  if (fs::exists(file, error)) {
+    if (contents_of(file.string()) != demo_scene())
+      fmt::print("{} is there already and is shown as it is\n", file.string());
+    return file.string();
+  }
+  std::ofstream out(file, std::ios::binary);
+  out << demo_scene();
+  out.close();
+  if (!out)
+    throw FileError("file '" + file.string() + "' cannot be written; go to a folder that can, or name one (--into)");
+  return file.string();
+}
+
+std::string default_folder() {
+  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
+  return (fs::path(folder != nullptr && *folder != 0 ? folder : ".") / "lockstep_demo").lexically_normal().string();
+}
+
+}  // namespace
+
+int demo_command(const Arguments& args) {
+  const fs::path folder = args.into.empty() ? default_folder() : args.into;
+  Arguments run = args;
+  run.scene = scene_in(folder);
+  run.record = (folder / "four_bar.csv").string();
+  run.report = (folder / "four_bar.html").string();
+  run.open = !args.no_open;
+  if (run.until.empty()) run.until = "2.5";
+  const int code = run_command(run);
+  fmt::print(
+      "\nNext:\n"
+      "  lockstep report {0} --set crank=\"80 mm\" --open     another crank\n"
+      "  lockstep check {0}                              what it consists of\n"
+      "  lockstep describe scene                         what a scene may hold\n",
+      run.scene);
+  return code;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,11 @@
+// The scene that `lockstep demo` shows.
+#pragma once
+
+#include <string_view>
+
+namespace lockstep {
+
+/// Text of a scene file; the program holds it.
+std::string_view demo_scene();
+
+}  // namespace lockstep

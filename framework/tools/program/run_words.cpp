@@ -1,0 +1,144 @@
+#include "framework/tools/program/run_words.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <lockstep/sweep.h>
+#include "framework/tools/program/method_specs.h"
+
+namespace lockstep {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+// Numbers that are none, NaN and infinities, are null.
+Json number_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+const char* verdict_of(const Audit& audit) {
+  switch (audit.energy) {
+    case Audit::Energy::conserved:
+      return "conserved";
+    case Audit::Energy::not_conserved:
+      return "not conserved";
+    default:
+      return "not judged";
+  }
+}
+
+Json energy_of(const Audit& audit) {
+  Json instants = Json::array();
+  for (const Audit::Instant& i : audit.instants)
+    instants.push_back(
+        {{"cause", i.cause}, {"count", i.count}, {"first", i.first}, {"last", i.last}, {"energy", i.energy}});
+  return {{"verdict", verdict_of(audit)},
+          {"imbalance", number_of(audit.imbalance)},
+          {"exchanged", number_of(audit.scale)},
+          {"limit", audit.limits.energy},
+          {"change", number_of(audit.end - audit.start)},
+          {"drives", number_of(audit.drives)},
+          {"supplied", number_of(audit.supplied)},
+          {"dissipated", number_of(audit.dissipated)},
+          {"instants", std::move(instants)},
+          {"unbooked_forces", audit.unbooked_forces}};
+}
+
+Json columns_of(const Table& table) {
+  Json all = Json::array();
+  const SweepRun ranges = recorded_run(table);
+  for (std::size_t k = 0; k < ranges.columns.size(); ++k) {
+    const Column& column = table.columns()[k + 1];
+    const ColumnRange& r = ranges.columns[k];
+    all.push_back({{"name", column.name},
+                   {"unit", column.unit},
+                   {"final", number_of(r.last)},
+                   {"min", number_of(r.least)},
+                   {"max", number_of(r.most)}});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
+
+std::string end_words(const EndedRun& ended, const Summary& summary) {
+  StepLoop& sim = ended.sim;
+  const Audit& audit = ended.audit;
+  std::string words;
+  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    words += fmt::format(format, std::forward<Args>(args)...);
+  };
+  const SimulationReport& r = sim.report();
+  const std::string rejected =
+      sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
+  say("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
+      counted(r.steps, "step", "steps"), ended.settings.integrator.type, rejected, ended.seconds);
+  if (r.manifold_steps > 0)
+    say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
+        "for\n",
+        r.manifold_steps, counted(r.steps, "step", "steps"));
+  if (std::isfinite(r.stiff_since))
+    say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
+        "cheaper (--integrator radau5 or generalized_alpha)\n",
+        r.stiff_since);
+  const auto& links = sim.system().links();
+  const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
+    return link->unilateral() && sim.state().modes[link->number()];
+  });
+  if (r.impacts > 0 || resting > 0)
+    say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
+        resting == 1 ? "is" : "are");
+  if (r.stopped && !r.stopped_by.empty() && !ended.interrupted) say("  stopped    by '{}'\n", r.stopped_by);
+  say("{}", summary.text());
+  say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
+  if (!sim.system().links().empty())
+    say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
+        r.largest_violation,
+        audit.drifted ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
+                      : "");
+  return words;
+}
+
+bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
+  return audit.drifted || (audit.energy == Audit::Energy::not_conserved && method.adaptive);
+}
+
+Json json_of(const EndedRun& ended, const Table& table) {
+  StepLoop& sim = ended.sim;
+  const RunSettings& run = ended.settings;
+  const Audit& audit = ended.audit;
+  const SimulationReport& r = sim.report();
+  const WorkCount& work = sim.dynamics().work();
+  const char* status = ended.interrupted ? "interrupted" : is_wrong(audit, sim.integrator().info()) ? "wrong" : "ok";
+  Json method = {{"integrator", to_word(run.integrator)}};
+  if (sim.integrator().info().adaptive)
+    method["tolerance"] = run.tolerance.relative;
+  else
+    method["step"] = run.step;
+  method["formulation"] = to_string(run.formulation), method["solver"] = to_word(run.solver);
+  Json j = {
+      {"status", status},
+      {"t", sim.state().t},
+      {"until", run.until},
+      {"seconds", ended.seconds},
+      {"method", std::move(method)},
+      {"steps", r.steps},
+      {"rejected", r.rejected},
+      {"evaluations", work.evaluations},
+      {"factors", work.factors},
+      {"impacts", r.impacts},
+      {"stopped_by", r.stopped_by},
+      {"energy", energy_of(audit)},
+      {"drift",
+       {{"violation", number_of(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
+      {"warnings", r.warnings},
+      {"rows", table.n_rows()},
+      {"columns", columns_of(table)}};
+  return j;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,36 @@
+// What is said of a run that ended: as lines for people, and as JSON for programs.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include <lockstep/step_loop.h>
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/summary.h"
+
+namespace lockstep {
+
+/// "1 row", "2 rows".
+std::string rows_of(const Table&);
+
+/// A run that ended, whichever way.
+struct EndedRun {
+  StepLoop& sim;
+  const RunSettings& settings;
+  const Audit& audit;
+  double seconds = 0;        ///< of computing, by the clock
+  bool interrupted = false;  ///< by the user
+};
+
+/// What is printed of it.
+std::string end_words(const EndedRun&, const Summary&);
+
+/// Whether its result is off: it drifted, or a method that controls its error did not conserve energy. Methods of fixed
+/// steps promise no error: what they do to the energy is only said.
+bool is_wrong(const Audit&, const IntegratorInfo&);
+
+/// The same as an object: status, method, counts, energy, drift, and each recorded column's last, least and largest
+/// value.
+nlohmann::ordered_json json_of(const EndedRun&, const Table&);
+
+}  // namespace lockstep

@@ -1,0 +1,242 @@
+// The program, as other programs use it: JSON, standard streams, completion, the manual.
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <lockstep/recorder.h>
+#include "framework/tools/program/progress.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace runner_output_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
+const std::string kPendulum = std::string(paths::kScenes) + "/pendulum.json";
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+
+std::vector<std::string> completed(const std::string& words) { return lines_of(call("complete " + words).text); }
+
+bool has(const std::vector<std::string>& all, const std::string& word) {
+  return std::find(all.begin(), all.end(), word) != all.end();
+}
+
+}  // namespace
+
+TEST_CASE("run --json prints its result, and nothing else", "[runner]") {
+  const Called r = call("run '" + kFourBar + "' --json --no-picture --record as_json.csv");
+  CHECK(r.exit == 0);
+  const json j = json::parse(r.text);
+  CHECK(j["status"] == "ok");
+  CHECK(j["t"] == Approx(0.7));
+  CHECK(j["rows"] == 71);
+  CHECK(j["energy"]["verdict"] == "conserved");
+  CHECK_FALSE(j["drift"]["drifted"].get<bool>());
+  CHECK(j["method"]["integrator"] == "dop853");
+  CHECK(j["columns"][0]["name"] == "theta");
+  CHECK(j["columns"][0]["unit"] == "rad");
+  CHECK(j["columns"][0]["final"] == Approx(read_csv(kRunnerFolder + "/as_json.csv").last("theta")));
+  CHECK(j["files"].size() == 1);
+  CHECK_FALSE(fs::exists(kRunnerFolder + "/as_json.png"));
+}
+
+TEST_CASE("run --json tells of a run that failed, and of one that is wrong", "[runner]") {
+  const Called failed =
+      call("run '" + kFourBar + "' --json --set run.max_steps=3 --no-picture --record cut.csv 2>/dev/null");
+  CHECK(failed.exit == 6);
+  const json f = json::parse(failed.text);
+  CHECK(f["status"] == "failed");
+  CHECK(contains(f["error"].get<std::string>(), "max_steps"));
+  CHECK(f["t"].get<double>() < 0.7);
+
+  const Called off = call("run '" + kPendulum +
+                          "' --json --integrator rk4 --step 0.2 --formulation omega --stabilization none --no-picture "
+                          "--record drifts.csv 2>/dev/null");
+  CHECK(off.exit == 9);
+  const json w = json::parse(off.text);
+  CHECK(w["status"] == "wrong");
+  CHECK(w["drift"]["drifted"].get<bool>());
+  CHECK(w["drift"]["violation"].get<double>() > w["drift"]["limit"].get<double>());
+}
+
+TEST_CASE("a dash is standard input, and standard output", "[runner]") {
+  const Called r = shell("lockstep run - --record - 2>words.txt <'" + kFourBar + "'");
+  CHECK(r.exit == 0);
+  const std::vector<std::string> lines = lines_of(r.text);
+  REQUIRE(lines.size() == 72);
+  CHECK(lines.front().starts_with("t [s],theta [rad]"));
+  std::ofstream(kRunnerFolder + "/piped.csv") << r.text;
+  CHECK(read_csv(kRunnerFolder + "/piped.csv").last("theta") == Approx(7.3).epsilon(1e-12));
+  std::stringstream words;
+  words << std::ifstream(kRunnerFolder + "/words.txt").rdbuf();
+  CHECK(contains(words.str(), "energy balance"));
+  const Called broken = shell("echo '{' | lockstep check -");
+  CHECK(broken.exit == 3);
+  CHECK(contains(broken.text, "standard input"));
+  CHECK(call("run '" + kFourBar + "' --record - --json").exit == 2);
+}
+
+TEST_CASE("check takes several scenes, and goes on after one that is wrong", "[runner]") {
+  const Called r = call("check --json '" + kFourBar + "' missing.json '" + kPendulum + "' 2>/dev/null");
+  CHECK(r.exit == 8);
+  const json j = json::parse(r.text);
+  REQUIRE(j.size() == 3);
+  CHECK(j[0]["freedoms"] == 0);
+  CHECK(contains(j[1]["error"].get<std::string>(), "missing.json"));
+  CHECK(j[2]["freedoms"] == 1);
+}
+
+TEST_CASE("check --channels --of lists those of one thing", "[runner]") {
+  const Called r = call("check '" + kFourBar + "' --channels --of crank --json");
+  CHECK(r.exit == 0);
+  const json j = json::parse(r.text);
+  CHECK(j.size() > 30);
+  for (const json& channel : j) CHECK(channel["of"] == "body 'crank'");
+  const Called wrong = call("check '" + kFourBar + "' --channels --of crnk");
+  CHECK(wrong.exit == 2);
+  CHECK(contains(wrong.text, "did you mean \"crank\""));
+}
+
+TEST_CASE("sweep, chart, advise and describe print JSON", "[runner]") {
+  const json s =
+      json::parse(call("sweep '" + kFourBar + "' --vary crank='80 mm,100 mm' --json --record sweep_json.csv").text);
+  REQUIRE(s["runs"].size() == 2);
+  CHECK(s["runs"][1]["values"]["crank"] == Approx(0.1));
+  CHECK(s["runs"][1]["columns"]["theta"]["final"] == Approx(7.3));
+  CHECK(s["runs"][0]["status"] == "ok");
+
+  const json c =
+      json::parse(call("chart '" + kPendulum +
+                       "' --until 0.2 --integrators rk4,dopri5 --formulations omega --stabilizations project "
+                       "--solvers schur --tolerances 1e-3:1e-6 --steps 2ms:1ms --budget 20 --json --quiet --out charts")
+                      .text);
+  CHECK(c["runs"].size() >= 4);
+  CHECK(c["runs"][0]["error"]["position"].is_number());
+  CHECK(c["cheapest"].size() >= 1);
+
+  const json a = json::parse(call("advise '" + kPendulum +
+                                  "' --until 0.2 --integrators dopri5 --formulations omega --stabilizations project "
+                                  "--solvers schur --error 1e-4 --budget 20 --json --quiet")
+                                 .text);
+  CHECK(a["cheapest"]["error"]["position"].get<double>() <= 1e-4);
+  CHECK(contains(a["cheapest"]["command"].get<std::string>(), "--tolerance"));
+
+  const json d = json::parse(call("describe revolute --json").text);
+  CHECK(d[0]["shelf"] == "links");
+  const json w = json::parse(call("describe stops --json").text);
+  CHECK(contains(w[0]["help"].get<std::string>(), "ends of the travel"));
+}
+
+TEST_CASE("demo writes a scene and its report, and keeps a scene that is there", "[runner]") {
+  const fs::path folder = fs::path(kRunnerFolder) / "demo";
+  fs::remove_all(folder);
+  const Called r = call("demo --no-open --into demo");
+  CHECK(r.exit == 0);
+  for (const char* file : {"four_bar.json", "four_bar.csv", "four_bar.html"}) CHECK(fs::exists(folder / file));
+  std::stringstream sample, written;
+  sample << std::ifstream(kFourBar).rdbuf(), written << std::ifstream(folder / "four_bar.json").rdbuf();
+  CHECK(written.str() == sample.str());
+  std::ofstream(folder / "four_bar.json", std::ios::app) << "\n";
+  const Called again = call("demo --no-open --into demo");
+  CHECK(again.exit == 0);
+  CHECK(contains(again.text, "shown as it is"));
+}
+
+TEST_CASE("completion knows verbs, options, choices, types and names of the scene", "[runner]") {
+  CHECK(has(completed("''"), "run"));
+  CHECK_FALSE(has(completed("''"), "complete"));
+  CHECK(completed("run --tol") == std::vector<std::string>{"--tolerance"});
+  CHECK(has(completed("run --planar ''"), "auto"));
+  CHECK(completed("run --integrator=rada") == std::vector<std::string>{"--integrator=radau5"});
+  CHECK(completed("run --integrator rada") == std::vector<std::string>{"radau5"});
+  CHECK(completed("run ''").front() == ":files");
+  CHECK(has(completed("describe revo"), "revolute"));
+  CHECK(has(completed("describe orie"), "orientation"));
+  CHECK(has(completed("list ''"), "solvers"));
+  CHECK(has(completed("plugins ''"), "list"));
+  CHECK(completed("run '" + kFourBar + "' --set cran") == std::vector<std::string>{"crank="});
+  CHECK(completed("check '" + kFourBar + "' --channels --of cr") == std::vector<std::string>{"crank"});
+  CHECK(completed("run missing.json --set ''").empty());
+  CHECK(completed("nonsense --what ''").empty());
+}
+
+TEST_CASE("the script for bash completes words as bash cuts them", "[runner]") {
+  const auto replies = [](const std::string& line, const std::string& words, int at) {
+    std::ofstream(kRunnerFolder + "/complete.sh")
+        << "source <(lockstep completion bash)\n"
+        << "COMP_LINE='" << line << "' COMP_POINT=${#COMP_LINE} COMP_WORDS=(" << words << ") COMP_CWORD=" << at << "\n"
+        << "_lockstep\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
+    return lines_of(shell("bash complete.sh").text);
+  };
+  CHECK(replies("lockstep advi", "lockstep advi", 1) == std::vector<std::string>{"advise"});
+  CHECK(replies("lockstep run --integrator=rada", "lockstep run --integrator = rada", 4) ==
+        std::vector<std::string>{"radau5"});
+  CHECK(replies("lockstep run --planar ", "lockstep run --planar ''", 3).size() == 5);
+  std::ofstream(kRunnerFolder + "/only_this.json") << "{}";
+  CHECK(replies("lockstep run only_th", "lockstep run only_th", 2) == std::vector<std::string>{"only_this.json"});
+}
+
+TEST_CASE("the manual has every verb and every option", "[runner]") {
+  const std::string page = call("man").text;
+  CHECK(page.starts_with(".TH LOCKSTEP 1"));
+  for (const std::string& verb : completed("''")) {
+    INFO(verb);
+    if (verb == "plugins") continue;  // its own verbs are named
+    std::string name = verb;
+    if (const std::size_t dash = name.find('-'); dash != std::string::npos) name.insert(dash, "\\");
+    CHECK(contains(page, ".SS \"lockstep " + name));
+    for (std::string option : completed(verb + " --")) {
+      if (option == "--help") continue;
+      std::string escaped;
+      for (const char c : option) escaped += c == '-' ? std::string("\\-") : std::string(1, c);
+      CHECK(contains(page, "\\fB" + escaped + "\\fR"));
+    }
+  }
+  if (shell("command -v groff >/dev/null").exit == 0)
+    CHECK(shell("lockstep man | groff -man -ww -Tutf8 2>&1 >/dev/null").text.empty());
+}
+
+TEST_CASE("a line of progress fits its terminal", "[runner]") {
+  for (const std::size_t width : {79u, 60u, 50u})
+    for (const Counts counts : {Counts::seconds, Counts::runs, Counts::budget})
+      for (const double t : {0.0, 1.23456789e-5, 3.3, 999999.0}) {
+        const std::string line = progress_line(t, 1e6, 12345.6, width, counts);
+        INFO(line);
+        CHECK((line.size() <= width || line.front() != '['));
+      }
+  const std::string usual = progress_line(1.2, 2.4, 3, 79);
+  CHECK(usual.size() <= 79);
+  CHECK(usual.starts_with("[####"));
+  CHECK(progress_line(1.2, 2.4, 3, 0).front() != '[');
+}
+
+TEST_CASE("what many runs say of themselves is not printed for each", "[runner]") {
+  const Called r = call("chart '" + kPendulum +
+                        "' --integrators semi_implicit_euler --formulations omega --stabilizations "
+                        "project --solvers schur --steps 0.1:0.05 --budget 5 --quiet --out charts");
+  CHECK_FALSE(contains(r.text, "warning"));
+  const Called s = call("sweep '" + kPendulum +
+                        "' --vary gravity.1=-9:-10:12 --integrator semi_implicit_euler --step 0.2 "
+                        "--lanes off --record many.csv");
+  std::size_t n = 0;
+  for (std::size_t at = s.text.find("warning"); at != std::string::npos; at = s.text.find("warning", at + 1)) ++n;
+  CHECK(n <= 6);
+}
+
+}  // namespace runner_output_test

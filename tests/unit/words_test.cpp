@@ -1,0 +1,78 @@
+// What `describe` says of words that are no types.
+#include "framework/description/scene/words.h"
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include "tests/support/catch.h"
+
+namespace words_test {
+
+using namespace lockstep;
+
+namespace {
+
+// The examples stand in lines that begin with two blanks, four blanks apart.
+std::vector<std::string> examples_of(const std::string& form, const Registry& registry) {
+  std::vector<std::string> all;
+  std::istringstream lines(describe_word(registry, form));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  ") || line.starts_with("  of ")) continue;
+    for (std::size_t begin = 2; begin < line.size();) {
+      const std::size_t end = std::min(line.find("    ", begin), line.size());
+      all.push_back(line.substr(begin, end - begin));
+      begin = end + 4;
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("every key, form and unit of a scene is described", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  CHECK(known_words(registry).size() > 200);
+  for (const std::string& word : known_words(registry)) {
+    INFO(word);
+    CHECK(describe_word(registry, word).starts_with(word + ": "));
+  }
+  CHECK(describe_word(registry, "stops").find("of link: ends of the travel") != std::string::npos);
+  CHECK(describe_word(registry, "stiffness").find("in N/m") != std::string::npos);
+  CHECK(describe_word(registry, "stifness").empty());
+}
+
+TEST_CASE("the examples in the description of a form can be read where it stands", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  const std::string body = R"({"name": "b", "mass": 1, "inertia": [1, 1, 1])",
+                    hinge = R"({"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0])";
+  const std::string with_body = R"("bodies": [)" + body + R"(}], "links": [)";
+  const std::pair<std::string, std::string> places[] = {
+      {"number", R"("bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [@, 0, 0]}}])"},
+      {"vector3", R"("bodies": [)" + body + R"(, "position": @}])"},
+      {"orientation", R"("bodies": [)" + body + R"(, "orientation": @}])"},
+      {"axis", with_body + hinge + R"(, "axis": @}])"},
+      {"law", with_body + R"({"name": "A", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0],
+                             "drive": {"axis": "z", "law": @}}])"},
+      {"translation law", with_body + R"({"name": "A", "type": "spherical", "p": "b", "s": "ground", "at": [0, 0, 0],
+                                         "move": @}])"},
+      {"rotation law", with_body + R"({"name": "A", "type": "fixed", "p": "b", "s": "ground", "at": [0, 0, 0],
+                                      "turn": @}])"}};
+  for (const auto& [form, place] : places) {
+    const std::vector<std::string> examples = examples_of(form, registry);
+    CHECK_FALSE(examples.empty());
+    for (const std::string& example : examples) {
+      if (example.find_first_of("[{\"0123456789") != 0) continue;  // a remark on the example before it
+      std::string members = place;
+      members.replace(members.find('@'), 1, example);
+      const std::string text =
+          R"({"lockstep": 1, "parameters": {"crank": "100 mm"}, "points": {"A": [0, 0, 0]}, )" + members + "}";
+      INFO(text);
+      CHECK_NOTHROW(build_mechanism(scene_from_text(text, "example.json"), registry));
+    }
+  }
+}
+
+}  // namespace words_test
