@@ -3,7 +3,9 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME lockstep)
 set(CPACK_PACKAGE_VENDOR lockstep)
-set(CPACK_PACKAGE_CONTACT "The authors of lockstep <lockstep@localhost>")
+set(LOCKSTEP_MAINTAINER "The authors of lockstep <lockstep@example.org>" CACHE STRING
+    "Who answers for Debian packages that are made here: Name <address>")
+set(CPACK_PACKAGE_CONTACT "${LOCKSTEP_MAINTAINER}")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -33,9 +35,9 @@ set(CPACK_DEBIAN_PLUGINS_PACKAGE_DEPENDS "${library_package} ${same}")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "The library itself, for programs and plugins that were built with it.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
-    "Headers, CMake package and pkg-config file, for host programs and for plugins: joints, laws of motion, forces\nand integrators of your own.")
+    "Headers, CMake package and pkg-config file, for host programs and for\nplugins: joints, laws of motion, forces and integrators of your own.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
-    "The program lockstep, which runs, checks, charts and sweeps scenes in JSON; scenes to begin with; the theory.")
+    "The program lockstep, which runs, checks, charts and sweeps scenes in\nJSON; scenes to begin with; the theory.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION
     "Joints, laws and integrators that the program and host programs load by name.")
 
@@ -46,4 +48,12 @@ if(DPKG_SHLIBDEPS)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib ${PROJECT_BINARY_DIR}/plugins)
 endif()
+# Copyright, changelogs, compressed manual pages; and what tells ldconfig and other packages of the library.
+string(TIMESTAMP CPACK_LOCKSTEP_DAY "%a, %d %b %Y %H:%M:%S +0000" UTC)
+set(CPACK_LOCKSTEP_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/framework/cmake/debian_files.cmake)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
+file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/triggers)
 include(CPack)

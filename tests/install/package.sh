@@ -63,6 +63,13 @@ test "$(wc -l <"$place/four_bar.csv")" -gt 10
 "$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
 for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
 
+for name in "${names[@]}"; do for file in copyright changelog.gz; do test -s "$root/usr/share/doc/$name/$file"; done; done
+gzip -cd "$root/usr/share/man/man1/lockstep.1.gz" | grep -F '.SS "lockstep demo' >/dev/null
+bash -n "$root/usr/share/bash-completion/completions/lockstep"
+if command -v lintian >/dev/null; then
+  lintian --allow-root --fail-on error "${files[@]}" >"$place/lintian.txt" 2>&1 || { cat "$place/lintian.txt" && exit 1; }
+fi
+
 throw_away --purge "${names[@]}" >"$place/dpkg.txt" 2>&1 || {
   cat "$place/dpkg.txt"
   exit 1

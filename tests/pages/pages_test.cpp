@@ -272,6 +272,12 @@ TEST_CASE("the tables of the pages name every type", "[pages]") {
   compare("framework/docs/solvers.md", "| solver |", registry.solvers.names());
 }
 
+TEST_CASE("the reference of scenes is what the program writes", "[pages]") {
+  const std::string written = in_folder("lockstep reference").text;
+  INFO("write it anew: lockstep reference > framework/docs/reference.md");
+  CHECK(file_text(paths::kSource + std::string("/framework/docs/reference.md")) == written);
+}
+
 TEST_CASE("the tables of the pages name classes and members that exist", "[pages]") {
   const std::string include = paths::kSource + std::string("/framework/include/lockstep");
   std::string headers;

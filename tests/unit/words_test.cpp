@@ -7,6 +7,8 @@
 
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
+#include "framework/description/scene/describe.h"
+#include "framework/description/scene/examples.h"
 #include "tests/support/catch.h"
 
 namespace words_test {
@@ -73,6 +75,45 @@ TEST_CASE("the examples in the description of a form can be read where it stands
       CHECK_NOTHROW(build_mechanism(scene_from_text(text, "example.json"), registry));
     }
   }
+}
+
+TEST_CASE("the example of every type can be built", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  const std::string
+      bodies =
+          R"({"lockstep": 1, "bodies": [{"name": "arm", "mass": 1, "inertia": [1, 1, 1]}, {"name": "b", "mass": 1, "inertia": [1, 1, 1]},
+                   {"name": "c", "mass": 1, "inertia": [1, 1, 1]}], )",
+      hinges = R"({"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]},
+                  {"name": "B", "type": "revolute", "p": "b", "s": "ground", "at": [1, 0, 0]},
+                  {"name": "C", "type": "revolute", "p": "c", "s": "ground", "at": [2, 0, 0]})";
+  const std::pair<std::string, std::string> places[] = {
+      {"links", bodies + R"("links": [@]})"},
+      {"forces", bodies + R"("links": [)" + hinges + R"(], "forces": [@]})"},
+      {"laws",
+       bodies +
+           R"("links": [{"name": "L", "type": "lock", "mask": "x y z e1 e2", "p": "arm", "s": "ground", "at": [0, 0, 0], "drive": {"axis": "rz", "law": @}}]})"},
+      {"translation_laws",
+       bodies +
+           R"("links": [{"name": "L", "type": "spherical", "p": "arm", "s": "ground", "at": [0, 0, 0], "move": @}]})"},
+      {"rotation_laws",
+       bodies + R"("links": [{"name": "L", "type": "fixed", "p": "arm", "s": "ground", "at": [0, 0, 0], "turn": @}]})"},
+      {"integrators", bodies + R"("run": {"integrator": @, "step": 0.01}})"},
+      {"solvers", bodies + R"("run": {"solver": @}})"}};
+  int n = 0;
+  for (const auto& [shelf, place] : places)
+    for (const Description& d : shelf_contents(registry, shelf)) {
+      if (d.shelf != shelf) continue;  // laws are listed with those of translations and rotations
+      std::string text = place;
+      const std::string example = example_of(d);
+      const bool couples = shelf == "links" && example_pairs(d.info.name) > 1;
+      text.replace(text.find('@'), 1, couples ? hinges + ", " + example : example);
+      INFO(text);
+      CHECK_FALSE(example.empty());
+      CHECK_NOTHROW(build_mechanism(scene_from_text(text, "example.json"), registry));
+      CHECK(describe(d).find(example) != std::string::npos);
+      ++n;
+    }
+  CHECK(n > 60);
 }
 
 }  // namespace words_test

@@ -4,12 +4,13 @@
 #include <string_view>
 #include <utility>
 
-#include "framework/mechanism/params/read.h"
-#include "framework/mechanism/params/units.h"
+#include <lockstep/text.h>
+#include "framework/description/scene/examples.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
-#include <lockstep/text.h>
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -161,7 +162,8 @@ std::string describe(const Description& d) {
     form = std::min<std::size_t>(24, std::max(form, split_form(key, d.parts).first.size()));
     fallback = std::min<std::size_t>(20, std::max(fallback, default_words(key).size()));
   }
-  if (d.info.keys.empty()) return text + "  it takes no keys\n";
+  const std::string object = example_of(d), example = object.empty() ? "" : "example:\n  " + object + "\n";
+  if (d.info.keys.empty()) return text + "  it takes no keys\n" + example;
   text += "keys:\n";
   for (const Key& key : d.info.keys) {
     const auto [words, where] = split_form(key, d.parts);
@@ -170,7 +172,7 @@ std::string describe(const Description& d) {
     if (key.help.find(where) == std::string::npos) line += "; see " + where;
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
-  return text;
+  return text + example;
 }
 
 }  // namespace lockstep

@@ -1,6 +1,7 @@
 #include "framework/description/scene/write.h"
 
 #include <cmath>
+#include <utility>
 
 #include "framework/mechanism/params/read.h"
 #include <lockstep/text.h>
@@ -90,6 +91,36 @@ std::string write_json(const Value& v) {
   std::string out;
   write(v, 0, out);
   return out + "\n";
+}
+
+namespace {
+
+void write_in_line(const Value& v, std::string& out) {
+  const char* between = "";
+  if (const Value::List* items = v.list()) {
+    out += '[';
+    for (const Value& item : *items) out += std::exchange(between, ", "), write_in_line(item, out);
+    out += ']';
+  } else if (const Value::Object* members = v.object()) {
+    out += '{';
+    for (const auto& member : *members) {
+      out += std::exchange(between, ", ");
+      write_text(member.key, out);
+      out += ": ";
+      write_in_line(member.value, out);
+    }
+    out += '}';
+  } else {
+    write_plain(v, out);
+  }
+}
+
+}  // namespace
+
+std::string write_json_line(const Value& value) {
+  std::string out;
+  write_in_line(value, out);
+  return out;
 }
 
 }  // namespace lockstep

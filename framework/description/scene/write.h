@@ -12,4 +12,7 @@ namespace lockstep {
 /// reads back as the same double, whatever the locale. Throws SceneError for NaN or infinity, which JSON cannot hold.
 LOCKSTEP_API std::string write_json(const Value&);
 
+/// The same in one line, without a newline at its end.
+LOCKSTEP_API std::string write_json_line(const Value&);
+
 }  // namespace lockstep

@@ -287,6 +287,8 @@ constexpr Verb kVerbs[] = {
      "Example:\n  lockstep describe revolute"},
     {"schema", "Print the JSON Schema of scene files, for editors", add_plugins, schema_command,
      "Example:\n  lockstep schema > scene.schema.json"},
+    {"reference", "Print the reference of scenes as a page in Markdown: every object, type, key and unit", add_plugins,
+     reference_command, "Example:\n  lockstep reference > reference.md"},
     {"new-plugin", "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
      add_new_plugin, new_plugin_command, "Example:\n  lockstep new-plugin link wavy_rail"},
     {"completion", "Print the script by which a shell completes lines: verbs, options, names of the scene",

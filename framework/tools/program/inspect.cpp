@@ -1,4 +1,4 @@
-// The verbs list, describe and schema.
+// The verbs list, describe, reference and schema.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -6,6 +6,8 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
+#include "framework/description/scene/examples.h"
+#include "framework/description/scene/reference.h"
 #include "framework/description/scene/schema.h"
 #include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
@@ -23,11 +25,13 @@ Json json_of(const Description& d) {
     if (const Value* v = key.default_value()) k["default"] = Json::parse(write_json(*v));
     keys.push_back(std::move(k));
   }
-  return {{"name", d.info.name},
-          {"shelf", d.shelf},
-          {"origin", d.origin},
-          {"help", d.info.help},
-          {"keys", std::move(keys)}};
+  Json j = {{"name", d.info.name},
+            {"shelf", d.shelf},
+            {"origin", d.origin},
+            {"help", d.info.help},
+            {"keys", std::move(keys)}};
+  if (const std::string example = example_of(d); !example.empty()) j["example"] = Json::parse(example);
+  return j;
 }
 
 // What a scene gets if it names none.
@@ -93,6 +97,11 @@ int describe_command(const Arguments& args) {
     if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
   }
   fmt::print("{}{}", found.empty() || word.empty() ? "" : "\n", word);
+  return kExitOk;
+}
+
+int reference_command(const Arguments& args) {
+  fmt::print("{}", scene_reference(make_registry(args.plugins)));
   return kExitOk;
 }
 

@@ -1,0 +1,133 @@
+#include "framework/description/scene/examples.h"
+
+#include <algorithm>
+#include <map>
+
+#include "framework/description/scene/json.h"
+#include "framework/description/scene/write.h"
+
+namespace lockstep {
+namespace {
+
+const std::map<std::string, const char*>& samples() {
+  static const std::map<std::string, const char*> all = {
+      {"link lock", R"({"mask": "x z e2"})"},
+      {"link stop", R"({"coordinate": "rz", "low": -0.5})"},
+      {"link screw", R"({"lead": 0.2, "slip": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
+      {"link rack_and_pinion", R"({"radius": 0.3})"},
+      {"link gear", R"({"teeth_1": 20, "teeth_2": 30})"},
+      {"link belt", R"({"radius_1": 0.2, "radius_2": 0.3})"},
+      {"link differential", R"({"ratio": 2.5})"},
+      {"link cam_roller", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]},
+                             "roller": 0.1})"},
+      {"link cam_flat", R"({"radius": {"type": "fourier", "omega": 1, "offset": 0.4, "cosines": [0.05]}})"},
+      {"link point_on_curve", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                  "y": {"type": "sine", "omega": 1, "amplitude": 0.3}}})"},
+      {"link path_follower", R"({"path": {"type": "components", "x": {"type": "ramp", "slope": 2},
+                                 "y": {"type": "sine", "omega": 1, "amplitude": 0.3}},
+                                 "turning": {"type": "axis_rotation", "axis": [1, 2, 2],
+                                             "law": {"type": "sine", "omega": 1, "amplitude": 0.5}}})"},
+      {"link function", R"~({"phi": ["=x*y + 0.3*z - R*sin(2*t) + (t > 0.7 ? 2*(t - 0.7)^2 : 0)",
+                                    "=rz - 2*x*e1*e2 + max(0, t - 1.1)"], "parameters": {"R": "100 mm"}})~"},
+      {"law formula", R"~({"y": "=0.1*sin(w*t) + (t > 1 ? 2*(t - 1)^2 : 0)", "parameters": {"w": 3}})~"},
+      {"law constant", R"({"value": 0.3})"},
+      {"law ramp", R"({"slope": 2, "t0": 0.2})"},
+      {"law sine", R"({"omega": 3, "phase": 0.4})"},
+      {"law fourier", R"({"omega": 2, "cosines": [1, 0.3], "sines": [0.2, 0.7]})"},
+      {"law polynomial", R"({"coefficients": [1, 2, -0.5, 0.3]})"},
+      {"law poly345", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law cycloid", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law harmonic_rise", R"({"rise": 0.3, "duration": 1.1, "t0": 0.2})"},
+      {"law trapezoid", R"({"distance": 1, "speed": 2, "duration": 0.8, "t0": 0.3})"},
+      {"law spline", R"({"points": [[0, 1], [0.5, 3], [1.2, 2], [2, 2.5]], "outside": "hold"})"},
+      {"law sequence", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}],
+                           "durations": [0.7, 0.9], "outside": "run_on"})"},
+      {"law repeat", R"({"law": {"type": "cycloid", "rise": 1, "duration": 0.4}, "period": 0.6})"},
+      {"law sum", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}]})"},
+      {"law product", R"({"laws": [{"type": "ramp", "slope": 1}, {"type": "sine", "omega": 2}]})"},
+      {"law scale", R"({"law": {"type": "sine", "omega": 2}, "factor": 3, "offset": 1})"},
+      {"law shift", R"({"law": {"type": "cycloid", "rise": 1, "duration": 0.4}, "delay": 0.3})"},
+      {"translation law constant", R"({"value": [1, 2, 3]})"},
+      {"translation law components", R"({"x": {"type": "sine", "omega": 2}, "z": {"type": "ramp", "slope": 1}})"},
+      {"translation law along", R"({"axis": [1, 2, 2], "law": {"type": "sine", "omega": 2}})"},
+      {"translation law path", R"({"points": [[0, 0, 0, 0], [0.7, 1, 0.5, 0], [1.5, 1, 2, 1], [2, 0, 1, 1]],
+                                   "outside": "hold"})"},
+      {"rotation law constant", R"({"orientation": {"axis": [1, 2, 2], "angle": 0.7}})"},
+      {"rotation law axis_rotation", R"({"axis": [1, 2, 2], "law": {"type": "sine", "omega": 2}})"},
+      {"rotation law spline_rotation", R"({"points": [[0, [1, 0, 0, 0]], [1, {"axis": "x", "angle": 0.8}],
+                                  [2, {"axis": [1, 1, 0], "angle": 1.2}]], "outside": "hold"})"},
+      {"rotation law product", R"({"first": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}},
+                                   "second": {"type": "axis_rotation", "axis": "z", "law": {"type": "sine", "omega": 2}}})"},
+      {"force joint_friction", R"({"mu": 0.2, "mu_static": 0.3, "radius": 0.05, "viscous_turn": 0.1})"},
+      {"force function_force", R"~({"torque": "=-3*q^3 - 0.5*qd*abs(qd) + sin(2*t) + (t > 0.6 ? 2 : 0)"})~"},
+      {"force applied_force", R"({"force": [1, 2, 3]})"},
+      {"force applied_torque", R"({"torque": [1, 2, 3]})"},
+      {"force spring_damper", R"({"stiffness": 30, "damping": 2, "free_length": 0.1, "preload": 4})"},
+      {"force torsion_spring_damper", R"({"stiffness": 30, "damping": 2, "free_angle": 0.1, "preload": 4})"},
+      {"force force_motor", R"({"force": {"type": "sine", "omega": 2}})"},
+      {"force torque_motor", R"({"torque": {"type": "sine", "omega": 2}})"},
+      {"force bushing", R"({"stiffness": [10, 20, 30], "damping": [1, 2, 3], "torsion_stiffness": [4, 5, 6],
+                            "torsion_damping": [0.1, 0.2, 0.3]})"},
+  };
+  return all;
+}
+
+std::string kind_of(const std::string& shelf) {
+  if (shelf == "links") return "link";
+  if (shelf == "laws") return "law";
+  if (shelf == "translation_laws") return "translation law";
+  if (shelf == "rotation_laws") return "rotation law";
+  return shelf == "forces" ? "force" : "";
+}
+
+// What a link or force is given beside its own keys.
+Value::Object with_places(const Description& d) {
+  const auto text = [](const char* words) { return Value(std::string(words)); };
+  const Value origin(Value::List{Value(0.0), Value(0.0), Value(0.0)});
+  const int pairs = d.shelf == "links" ? example_pairs(d.info.name) : 1;
+  Value::Object all{{"name", text(d.shelf == "links" ? (pairs > 1 ? "gears" : "C") : "F"), {}},
+                    {"type", Value(d.info.name), {}}};
+  if (d.info.name == "joint_friction") {
+    all.push_back({"link", text("A"), {}});
+  } else if (pairs > 1) {
+    Value::List links;
+    for (int k = 0; k < pairs; ++k) links.push_back(Value(std::string(1, static_cast<char>('A' + k))));
+    all.push_back({"pairs", Value(links), {}});
+  } else {
+    all.push_back({"p", text("arm"), {}});
+    all.push_back({"s", text("ground"), {}});
+    const bool apart = d.info.name == "spring_damper" || d.info.name == "distance";
+    if (apart) all.push_back({"at_p", Value(Value::List{Value(1.0), Value(0.0), Value(0.0)}), {}});
+    all.push_back({apart ? "at_s" : "at", origin, {}});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string example_keys(const std::string& kind, const std::string& type) {
+  const auto at = samples().find(kind + " " + type);
+  return at == samples().end() ? "{}" : at->second;
+}
+
+int example_pairs(const std::string& type) {
+  static const std::map<std::string, int> pairs = {{"gear", 2}, {"belt", 2}, {"differential", 3}};
+  const auto at = pairs.find(type);
+  return at == pairs.end() ? 1 : at->second;
+}
+
+std::string example_of(const Description& d) {
+  if (d.shelf == "scene") return "";
+  const std::string kind = kind_of(d.shelf), keys = example_keys(kind, d.info.name);
+  const bool needs = std::any_of(d.info.keys.begin(), d.info.keys.end(), [](const Key& key) {
+    return key.required() && key.name != "name" && key.name != "type";
+  });
+  if (needs && keys == "{}") return "";
+  Value::Object all =
+      kind == "link" || kind == "force" ? with_places(d) : Value::Object{{"type", Value(d.info.name), {}}};
+  const Value own = read_json(keys, "example of " + d.info.name);
+  for (const auto& member : *own.object()) all.push_back(member);
+  return write_json_line(Value(std::move(all)));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,113 @@
+#include "framework/description/scene/reference.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "framework/description/scene/describe.h"
+#include "framework/description/scene/examples.h"
+#include "framework/description/scene/words.h"
+#include "framework/description/scene/write.h"
+#include "framework/mechanism/params/units.h"
+
+namespace lockstep {
+namespace {
+
+// In a cell of a table a bar would end it.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
+}
+
+std::string form_cell(const Key& key, const std::vector<Part>& parts) {
+  const std::string words = form_words(key, parts);
+  return cell(words.substr(0, words.find(": see ")));
+}
+
+std::string default_cell(const Key& key) {
+  if (key.required()) return "required";
+  if (key.default_value() == nullptr) return "";
+  return "`" + cell(write_json_line(*key.default_value())) + "`";
+}
+
+// Where the objects under a key are described.
+std::string seen_cell(const Key& key, const std::vector<Part>& parts) {
+  for (const Part& part : parts)
+    if (part.key == key.name && !part.table.empty() && part.holds != Holds::typed) return " (*" + part.table + "*)";
+  return "";
+}
+
+void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vector<Part>& parts) {
+  if (keys.empty()) return;
+  out << "\n| key | value | default | |\n|---|---|---|---|\n";
+  for (const Key& key : keys)
+    out << "| `" << key.name << "` | " << form_cell(key, parts) << seen_cell(key, parts) << " | " << default_cell(key)
+        << " | " << cell(key.help) << " |\n";
+}
+
+void write_type(std::ostream& out, const Description& d, const std::string& remark) {
+  out << "\n### " << d.info.name << remark << "\n" << d.info.help << ".";
+  if (d.origin != "built in") out << " From plugin `" << d.origin << "`.";
+  out << "\n";
+  write_keys(out, d.info.keys, d.parts);
+  if (const std::string example = example_of(d); !example.empty()) out << "\nExample: `" << example << "`\n";
+}
+
+// A description of words.cpp: the first line, then lines of examples.
+void write_form(std::ostream& out, const std::string& name, const std::string& text) {
+  out << "\n### " << name << "\n";
+  std::istringstream lines(text.substr(text.find(": ") + 2));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with(": a key")) break;
+    if (line.starts_with("  "))
+      out << "\n    " << line.substr(2) << "\n";
+    else
+      out << line << "\n";
+  }
+}
+
+struct Chapter {
+  const char *name, *heading, *text;
+};
+constexpr Chapter kChapters[] = {
+    {"links", "Links", "In the scene's `links`. Each takes the keys of *link* too."},
+    {"forces", "Forces", "In the scene's `forces`. Each takes the keys of *force* too."},
+    {"laws", "Laws", "Functions of time, wherever a law stands. `y` has the unit of its use."},
+    {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},
+    {"solvers", "Linear solvers", "`run.solver`: the name, or an object with its `type` and keys."}};
+
+std::string law_remark(const Description& d) {
+  if (d.shelf == "translation_laws") return " (law of a translation)";
+  return d.shelf == "rotation_laws" ? " (law of a rotation)" : "";
+}
+
+}  // namespace
+
+std::string scene_reference(const Registry& registry) {
+  std::ostringstream out;
+  out << "# Scene reference\nEvery object, type and key of a scene, written by `lockstep reference`; how they work "
+         "together is told in "
+         "Scenes. Lengths are in m, angles in rad, unless a text gives a unit. `lockstep describe NAME` shows the same "
+         "for one of them.\n";
+  out << "\n## Objects\n";
+  for (const SceneTable& table : scene_tables()) {
+    out << "\n### " << table.info.name << "\n" << table.info.help << ".\n";
+    write_keys(out, table.info.keys, table.parts);
+  }
+  for (const Chapter& shelf : kChapters) {
+    out << "\n## " << shelf.heading << "\n" << shelf.text << "\n";
+    for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d, law_remark(d));
+  }
+  out << "\n## Values\n";
+  for (const char* form : {"number", "vector3", "axis", "orientation", "law", "translation law", "rotation law",
+                           "formula", "channel", "unit"})
+    write_form(out, form, describe_word(registry, form));
+  out << "\n| quantity | SI unit | with a unit |\n|---|---|---|\n";
+  for (int k = static_cast<int>(Unit::length); k < static_cast<int>(Unit::any); ++k) {
+    const auto unit = static_cast<Unit>(k);
+    out << "| " << name_of(unit) << " | " << si_unit(unit) << " | `\"" << example_of(unit) << "\"` |\n";
+  }
+  return out.str();
+}
+
+}  // namespace lockstep

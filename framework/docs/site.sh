@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# site.sh SOURCE BUILD_TREE [pages]: builds the site in BUILD_TREE/docs/html: the pages, the API, and a gallery with a
+# report and a picture of each sample; with "pages" without the gallery. Fails on every warning of Doxygen, on a public
+# name without a word of documentation, and on every link that leads nowhere. 77: no Doxygen here.
+set -euo pipefail
+source="$1" build="$2" only="${3:-}"
+command -v doxygen >/dev/null || { echo "skipped: there is no doxygen"; exit 77; }
+program="$build/bin/lockstep" gallery="$build/docs/gallery" html="$build/docs/html" page="$build/docs/gallery.md"
+export LOCKSTEP_PLUGIN_PATH="$build/plugins"
+rm -rf "$gallery" "$html"
+mkdir -p "$gallery"
+
+# The gallery: a page of links and pictures, in the order of the names.
+title_of() { sed -n 's/.*"title" *: *"\(\([^"\\]\|\\.\)*\)".*/\1/p' "$1" | head -n 1; }
+browser="$(command -v chromium || command -v chromium-browser || true)"
+picture_of() {  # of the first frame of a report; without a browser the plot stays
+  [ -n "$browser" ] || return 0
+  timeout 60 "$browser" --headless --no-sandbox --hide-scrollbars --window-size=1200,700 --virtual-time-budget=4000 \
+    --user-data-dir="$build/docs/browser" --screenshot="$gallery/$1.png" "file://$gallery/$1.html" >/dev/null 2>&1 || true
+}
+make_gallery() {
+  {
+    echo "# Gallery"
+    echo "Each sample of \`samples/scenes\` with its report, which moves: \`lockstep report samples/scenes/NAME.json --open\` makes it."
+  } >"$page"
+  for scene in "$source"/samples/scenes/*.json; do
+    name="$(basename "$scene" .json)"
+    code=0
+    "$program" report "$scene" --quiet --record "$gallery/$name.csv" --out "$gallery/$name.html" || code=$?
+    if [ "$code" -ne 0 ]; then echo "$name: its report ended with $code"; exit 1; fi
+    picture_of "$name"
+    {
+      printf '\n## %s\n%s\n\n' "$name" "$(title_of "$scene")"
+      if [ -s "$gallery/$name.png" ]; then
+        printf '<a href="gallery/%s.html"><img src="gallery/%s.png" alt="%s" width="600"></a>\n\n' "$name" "$name" "$name"
+      fi
+      printf '<a href="gallery/%s.html">Report</a>, <a href="gallery/%s.csv">table</a>\n' "$name" "$name"
+    } >>"$page"
+  done
+  rm -rf "$build/docs/browser" "$gallery"/*.svg
+}
+inputs=""
+if [ "$only" != pages ]; then make_gallery; inputs="INPUT += $page"; fi
+
+cd "$source"
+{ cat "$build/Doxyfile"; printf '%s\n' "$inputs"; } | doxygen - 2>"$build/docs/warnings.txt" || { cat "$build/docs/warnings.txt"; exit 1; }
+# Passed over: each README.md is a front page to Doxygen; specialisations of Eigen's templates have no scope it knows.
+expected='found more than one .mainpage|Internal inconsistency: scope for class Eigen::'
+wrong="$(grep -vE "$expected" "$build/docs/warnings.txt" | grep . | sort -u || true)"
+test -s "$html/index.html" || { echo "no page was written"; exit 1; }
+# Only in a documented namespace does Doxygen report functions and types.
+test -s "$html/namespacelockstep.html" || { echo "lockstep.h does not document the namespace"; exit 1; }
+if [ -n "$wrong" ]; then
+  printf '%s\n' "$wrong" | sed "s|$source/||g"
+  exit 1
+fi
+mv "$gallery" "$html/gallery"
+
+# Every local link leads to a file.
+cd "$html"
+lost="$(grep -oHE '(href|src)="[^"#]+' ./*.html | sed -E 's/^([^:]+):(href|src)="/\1 /' | sort -u |
+  while read -r from to; do
+    case "$to" in http:*|https:*|mailto:*|javascript:*|data:*) continue ;; esac
+    [ -e "$(printf '%b' "${to//%/\\x}")" ] || echo "$from leads to $to, which is not there"
+  done)"
+if [ -n "$lost" ]; then printf '%s\n' "$lost" | head -n 40; exit 1; fi
+echo "site: $(find . -name '*.html' | wc -l) pages in $html"
