@@ -49,6 +49,9 @@ struct Arguments {
   std::string command;            ///< the whole command line, files by their names alone
   std::string lanes;              ///< "off": one run at a time
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
+  std::string at, interval;       ///< an instant; the interval of outputs
+  std::string branches;           ///< random starts of assemble; "": branches are not looked for
+  bool nearest = false;           ///< statics takes the equilibrium that it meets first
   std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
 };
 
@@ -78,6 +81,11 @@ int chart_command(const Arguments&);
 int advise_command(const Arguments&);
 int sweep_command(const Arguments&);
 int assemble_command(const Arguments&);
+int branches_command(const Arguments&);  ///< assemble --branches
+int statics_command(const Arguments&);
+int kinematics_command(const Arguments&);
+int inverse_command(const Arguments&);
+int explain_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);
