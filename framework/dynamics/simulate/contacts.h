@@ -37,7 +37,7 @@ struct Contact {
   }
 };
 
-class Contacts {
+class LOCKSTEP_API Contacts {
  public:
   /// Collects the unilateral links.
   void lay_out(const System& system, const Stabilization& stabilization);

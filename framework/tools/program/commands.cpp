@@ -205,6 +205,37 @@ void add_check(CLI::App& verb, Arguments& a) {
 void add_assemble(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
   add_json(verb, a);
+  add(verb, "--branches", a.branches, "N",
+      "look from N random starts for all ways in which a driven scene fits together");
+}
+
+void add_statics(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  add(verb, "--at", a.at, "T", "the instant at which laws and drives are taken, s; default 0");
+  verb.add_flag("--nearest", a.nearest, "take the equilibrium that is met first, stable or not");
+  verb.add_option("--vary", a.vary,
+                  "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the equilibrium "
+                  "before")
+      ->type_name("NAME=...")
+      ->allow_extra_args(false);
+  add(verb, "--record", a.record, "FILE.csv", "write poses and reactions as CSV");
+}
+
+void add_driven(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  add(verb, "--until", a.until, "T", "the last instant, s; default: that of the scene's run");
+  add(verb, "--output", a.interval, "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole");
+  add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
+  verb.add_flag("--quiet", a.quiet, "print errors only");
+}
+
+void add_explain(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add(verb, "thing", a.name, "THING", "a body, link or force by its name; default: every body");
+  add_json(verb, a);
+  add(verb, "--at", a.at, "T", "the instant, s, to which the scene is run; default 0");
 }
 
 void add_list(CLI::App& verb, Arguments& a) {
@@ -281,6 +312,22 @@ constexpr Verb kVerbs[] = {
      "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2"},
     {"assemble", "Bring the start of a scene onto its constraints; report what moved how far", add_assemble,
      assemble_command, "Example:\n  lockstep assemble samples/scenes/four_bar.json"},
+    {"statics", "Find where a scene rests under its loads; report poses, reactions and whether it stays there",
+     add_statics, statics_command,
+     "Newton's method goes downhill, from far away too; where it fails, dynamic relaxation goes on. Velocities are "
+     "zero, drives hold their coordinates.\n\n"
+     "Example:\n  lockstep statics samples/scenes/double_pendulum.json"},
+    {"kinematics", "Follow a fully driven scene over time: positions, velocities, accelerations, without integration",
+     add_driven, kinematics_command,
+     "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or the "
+     "drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2"},
+    {"inverse",
+     "Find the forces of the drives and all reactions of a fully driven scene over time, without integration",
+     add_driven, inverse_command,
+     "Columns: those of the scene, then every drive and every reaction.\n\n"
+     "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2"},
+    {"explain", "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant",
+     add_explain, explain_command, "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1"},
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},
     {"describe", "Print what a type or an object of a scene is and which keys it takes", add_describe, describe_command,

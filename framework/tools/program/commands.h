@@ -57,6 +57,9 @@ struct Arguments {
   std::vector<std::string> more_scenes;  ///< after the first
   const CLI::App* line = nullptr;        ///< the command line itself, for its manual
   std::string kind, name, into;  ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
+  std::string at, interval;       ///< an instant; the interval of outputs
+  std::string branches;           ///< random starts of assemble; "": branches are not looked for
+  bool nearest = false;           ///< statics takes the equilibrium that it meets first
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -90,6 +93,11 @@ int advise_command(const Arguments&);
 int sweep_command(const Arguments&);
 int assemble_command(const Arguments&);
 int reference_command(const Arguments&);
+int branches_command(const Arguments&);  ///< assemble --branches
+int statics_command(const Arguments&);
+int kinematics_command(const Arguments&);
+int inverse_command(const Arguments&);
+int explain_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);

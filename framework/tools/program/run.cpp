@@ -267,6 +267,7 @@ int run_command(const Arguments& args) {
 }
 
 int assemble_command(const Arguments& args) {
+  if (!args.branches.empty()) return branches_command(args);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);

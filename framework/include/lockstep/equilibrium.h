@@ -1,0 +1,84 @@
+// Statics: where a mechanism rests under its loads, and whether it stays there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+/// A motion that the links leave free, at a position of rest.
+struct FreeMotion {
+  /// What holds it, 1/s^2: the square of its angular frequency without damping. Below zero it grows instead.
+  double stiffness = 0;
+  /// 6 per slot: m (world) and rad (slot axes). The largest of all moves, and turns times System::length(), is 1 m.
+  VecX motion;
+  std::string words;  ///< "'crank' turns about z, 'slider' moves along x"
+};
+
+/// What the free motions of a mechanism at rest do when they are disturbed.
+struct Stability {
+  /// The verdict.
+  enum class Kind {
+    stable,     ///< every free motion is held
+    neutral,    ///< some are held by nothing, and the others are held
+    unstable,   ///< at least one grows
+    not_judged  ///< too many unknowns for dense matrices
+  };
+  Kind kind = Kind::stable;  ///< the verdict
+  int freedoms = 0;          ///< number of free motions
+  double bound = 0;          ///< stiffnesses of at most this, 1/s^2, are zero
+  double softest = 0;        ///< smallest stiffness above the bound, 1/s^2; 0 where there is none
+  /// Whether the loads have a potential here. Without one (follower forces) an oscillation may grow too, and damping is
+  /// not looked at.
+  bool has_potential = true;
+  std::vector<FreeMotion> unstable,  ///< those that grow, fastest first
+      neutral;                       ///< those that nothing holds
+};
+/// "stable", "neutral", "unstable", "not judged".
+LOCKSTEP_API std::string to_string(Stability::Kind);
+
+/// Judges a state at rest: eigenvalues of K against M in the null space of the rows, K with the geometric stiffness of
+/// the links. One-sided links in force count as two-sided. `lambda`: 1 per row, at this evaluation. Zero is what lies
+/// within 1e-10 of the norm of K, as accelerations by lengths. It allocates, and is dense: up to 1200 unknowns.
+LOCKSTEP_API Stability judge_rest(const Evaluation&, const VecX& lambda);
+
+/// How an equilibrium is looked for.
+struct EquilibriumOptions {
+  /// Largest unbalanced force, relative to the largest force on a body (moments by System::length()).
+  double tolerance = 1e-10;
+  int iterations = 200;           ///< of Newton's method, at most
+  int relaxation_steps = 20'000;  ///< of dynamic relaxation, at most
+  bool nearest = false;           ///< takes what Newton's method meets first, stable or not; false: goes downhill
+};
+
+/// What was found, and how.
+struct EquilibriumReport {
+  bool relaxed = false;              ///< whether dynamic relaxation was needed
+  int iterations = 0;                ///< of Newton's method
+  int relaxation_steps = 0;          ///< of dynamic relaxation
+  double unbalanced = 0;             ///< largest unbalanced force, relative as in the options
+  double largest_force = 0;          ///< to which it is relative, N
+  double largest_move = 0;           ///< of a mass centre since the state given, m
+  std::string moved_most;            ///< its body; "" where none moved
+  VecX lambda;                       ///< multipliers, 1 per row in force
+  Stability stability;               ///< of what was found
+  std::vector<std::string> left;     ///< unstable positions of rest that were met and left, by the motion that grew
+  std::vector<std::string> pressed;  ///< one-sided links that carry load
+  std::vector<std::string> free;     ///< one-sided links that are free
+  std::vector<std::string> notes;    ///< what of the scene does not act as in a run
+  /// How it was found, in words: "Newton's method, 7 iterations".
+  LOCKSTEP_API std::string method() const;
+};
+
+/// Moves a state into equilibrium, at its time: forces and laws have their values there, drives hold their coordinates,
+/// velocities are zero, integrated states keep their values. Newton's method on rows and forces with a line search, its
+/// matrix K + s M with s as large as it takes to go downhill; where that fails, dynamic relaxation. One-sided links come
+/// into force where they are touched and are released where they would pull. The state, in the slots' own coordinates,
+/// must fit its rows nearly (assemble()). Throws SolveError where nothing is found, naming what nothing holds, and what
+/// an evaluation throws; the state is then unchanged.
+LOCKSTEP_API EquilibriumReport find_equilibrium(Dynamics&, State&, const EquilibriumOptions& options = {});
+
+}  // namespace lockstep

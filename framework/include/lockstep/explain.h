@@ -1,0 +1,73 @@
+// Accounts: what acts on a body, what a link does, what laws give, at one state.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/analysis.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+/// A force and a moment on a body, and what exerts them.
+struct Contribution {
+  std::string what;           ///< "gravity", "force 'spring'", "link 'A'", "drive A.rz"
+  Vec3 force = Vec3::Zero(),  ///< world axes, N
+      moment = Vec3::Zero();  ///< about the mass centre, world axes, N m
+};
+
+/// All that acts on a body, and what it makes of it. Bodies that are welded into one have one balance.
+struct BodyBalance {
+  std::string body;                 ///< its name; of welded ones "a + b"
+  double mass = 0;                  ///< kg
+  Vec3 center = Vec3::Zero(),       ///< mass centre, world, m
+      acceleration = Vec3::Zero();  ///< of the mass centre, world, m/s^2
+  std::vector<Contribution> parts;  ///< in the order: gravity, forces, links
+  Contribution sum;                 ///< of the parts
+  Contribution rate;                ///< of momentum, m a, and of angular momentum about the mass centre
+  double left_force = 0,            ///< |sum - rate|, N; of rounding, unless a force or link is wrong
+      left_moment = 0;              ///< and of the moments, N m
+  std::string incomplete;           ///< why moments are left out, in a plane; "" where they are not
+};
+
+/// The balance of a body at a state in the slots' own coordinates. Throws ModelError for a body that does not move, and
+/// what Dynamics::evaluate throws.
+LOCKSTEP_API BodyBalance balance_of(Dynamics&, const State&, const Body&);
+
+/// What a law gives at an instant.
+struct LawAccount {
+  std::string what;           ///< "drive rz", "translation of marker 'tool'"
+  std::string unit;           ///< of the values: "m", "rad", "m/s", "rad/s"; "" for a quaternion
+  std::vector<double> value,  ///< one number, three, or a quaternion
+      rate,                   ///< first derivative; of a rotation the angular velocity, own axes, rad/s
+      second;                 ///< second derivative; of a rotation the angular acceleration, own axes, rad/s^2
+};
+
+/// A row of a link at a state.
+struct RowAccount {
+  std::string name;       ///< "x", "e1"
+  RowKind kind;           ///< what it measures
+  double value = 0,       ///< C: m, a component of the error quaternion, or of a function
+      rate = 0,           ///< Jh v + Ct
+      multiplier = 0;     ///< N, twice N m, or of a function
+  bool is_drive = false;  ///< whether it belongs to a drive
+};
+
+/// What a link does at a state.
+struct LinkAccount {
+  std::string name, type;                ///< of the link
+  std::string on_p, on_s;                ///< bodies of its first pair
+  bool in_force = true;                  ///< whether it acts; without rows otherwise
+  bool merged = false;                   ///< whether its bodies were welded into one, so that it has no rows
+  std::vector<RowAccount> rows;          ///< of the link in force
+  LinkWrench joint,                      ///< on p's body about P, drives left out
+      drives;                            ///< of all drives
+  std::vector<LawAccount> laws;          ///< drives, imposed motion, and the laws of its markers
+  std::vector<Dependency> dependencies;  ///< sets of dependent rows that it takes part in
+};
+
+/// The account of a link at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.
+LOCKSTEP_API LinkAccount account_of(Dynamics&, const State&, const Lock&);
+
+}  // namespace lockstep

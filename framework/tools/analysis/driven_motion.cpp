@@ -1,0 +1,150 @@
+// A fully driven mechanism from pose to pose.
+#include <lockstep/kinematics.h>
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include <lockstep/lock.h>
+#include <lockstep/text.h>
+
+namespace lockstep {
+namespace {
+
+constexpr double kBranch = 0.05;         // lengths: a pose farther from the predicted one may lie on another branch
+constexpr double kContradiction = 1e-6;  // m/s, relative to the speeds beyond 1 m/s
+constexpr double kShortestShare = 1e-6;  // of the way to an instant
+
+// Nodes and weights of Gauss and Legendre on [-1, 1].
+constexpr std::array<double, 5> kNode = {-0.906179845938663992797626878299, -0.538469310105683091036314420700, 0,
+                                         0.538469310105683091036314420700, 0.906179845938663992797626878299};
+constexpr std::array<double, 5> kWeight = {0.236926885056189087514264040720, 0.478628670499366468041291514836,
+                                           0.568888888888888888888888888889, 0.478628670499366468041291514836,
+                                           0.236926885056189087514264040720};
+
+double integral(const MotionLaw& speed, double t0, double t1) {
+  double sum = 0;
+  for (std::size_t k = 0; k < kNode.size(); ++k)
+    sum += kWeight[k] * speed.at(0.5 * (t0 + t1) + 0.5 * (t1 - t0) * kNode[k]).y;
+  return 0.5 * (t1 - t0) * sum;
+}
+
+/// How far apart two poses of all slots are, m; turns by `length`.
+double distance(const State& a, const State& b, double length) {
+  double most = 0;
+  for (Eigen::Index k = 0; k + 7 <= a.q.size(); k += 7) {
+    const auto qa = a.q.segment<4>(k + 3), qb = b.q.segment<4>(k + 3);
+    const double turn = 2 * std::min((qa - qb).norm(), (qa + qb).norm());
+    most = std::max({most, (a.q.segment<3>(k) - b.q.segment<3>(k)).norm(), length * turn});
+  }
+  return most;
+}
+
+}  // namespace
+
+DrivenMotion::DrivenMotion(Dynamics& dynamics, State start) : dynamics_(dynamics), state_(std::move(start)) {
+  dynamics_.to_slots(state_);
+  if (const DriveReport driven = driven_by(dynamics_, state_); !driven.fully_driven())
+    throw ModelError("the motion is not determined by laws: " + driven.text());
+  for (const auto& link : dynamics_.system().links()) {
+    if (link->jointed() == nullptr) continue;
+    for (const Drive& drive : link->jointed()->imposed().drives)
+      if (drive.speed) speed_drives_.push_back({drive.law.get(), link->first_state() + drive.state});
+  }
+  check_states();
+  trial_ = guess_ = state_;
+  a_.setZero(state_.v.size()), jerk_.setZero(state_.v.size()), way_.setZero(state_.v.size());
+}
+
+void DrivenMotion::check_states() const {
+  const System& system = dynamics_.system();
+  if (static_cast<int>(speed_drives_.size()) == system.n_states()) return;
+  std::vector<std::string> names;
+  for (const auto& each : system.auxiliaries()) names.push_back("'" + each->name() + "'");
+  for (const auto& link : system.links())
+    if (link->n_own_states() > 0 && link->jointed() == nullptr) names.push_back("'" + link->name() + "'");
+  throw ModelError("the motion is not determined by laws: " + (names.empty() ? "something" : text::join(names)) +
+                   " is integrated over time (a controller, a work), which needs a run; leave it out");
+}
+
+void DrivenMotion::move_speed_drives(double t0, double t1) {
+  if (speed_drives_.empty()) return;
+  std::vector<double> ends = dynamics_.system().breakpoints(std::min(t0, t1), std::max(t0, t1));
+  if (t1 < t0) std::ranges::reverse(ends);
+  ends.push_back(t1);
+  for (const SpeedDrive& drive : speed_drives_) {
+    double from = t0;
+    for (const double to : ends) trial_.s[drive.state] += integral(*drive.law, from, to), from = to;
+  }
+}
+
+/// One step. False, and why, where no pose near the predicted one fits.
+bool DrivenMotion::step(double t) {
+  const double h = t - state_.t;
+  trial_ = state_;
+  way_ = state_.v + 0.5 * h * a_ + h * h / 6 * jerk_;
+  advance_state(trial_, h, way_);
+  trial_.v += h * a_ + 0.5 * h * h * jerk_;
+  trial_.t = t;
+  move_speed_drives(state_.t, t);
+  normalize_state(trial_);
+  guess_.q = trial_.q;
+  const ProjectReport moved = dynamics_.project(trial_);
+  const double length = dynamics_.system().length();
+  if (!moved.converged) {
+    why_ = "no position near the one before fits there";
+    return false;
+  }
+  if (!(moved.after_v <= kContradiction * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>()))) {
+    why_ = fmt::format("the mechanism cannot move as its laws ask there: {:.2g} m/s are left (a dead centre)",
+                       moved.after_v);
+    return false;
+  }
+  if (h != 0 && distance(guess_, trial_, length) > kBranch * length) {
+    why_ = "the next position is not reached continuously";
+    return false;
+  }
+  std::swap(state_, trial_);
+  dynamics_.accept(state_);
+  solution_ = &dynamics_.evaluate(state_);
+  if (h != 0 && steps_ > 0) jerk_ = (solution_->a - a_) / h;
+  a_ = solution_->a;
+  ++steps_;
+  return true;
+}
+
+const Solution& DrivenMotion::to(double t) {
+  if (steps_ == 0 && !step(state_.t)) refuse(state_.t);
+  const double whole = t - state_.t;
+  double h = whole;
+  while (state_.t != t) {
+    const double left = t - state_.t;
+    const bool last = std::abs(h) >= std::abs(left) * (1 - 1e-12);
+    if (step(last ? t : state_.t + h)) {
+      h *= 2;
+      continue;
+    }
+    h = 0.5 * (last ? left : h);
+    if (std::abs(h) < kShortestShare * std::abs(whole)) refuse(state_.t + h);
+  }
+  if (solution_ == nullptr || whole == 0) solution_ = &dynamics_.evaluate(state_);
+  return *solution_;
+}
+
+void DrivenMotion::refuse(double t) const {
+  const Evaluation& e = dynamics_.gather(trial_);
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  Eigen::Index worst = 0;
+  const bool off = C.size() > 0 && e.norm(C) > 1e-6 * e.system().length();
+  if (C.size() > 0) (off ? C : Cd).cwiseAbs().maxCoeff(&worst);
+  throw AssemblyError(fmt::format(
+      "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or ask for more than the "
+      "mechanism reaches",
+      t, why_, C.size() > 0 ? e.system().row_name(e.rows(), static_cast<int>(worst)) : "none"));
+}
+
+}  // namespace lockstep

@@ -1,0 +1,169 @@
+// Accounts of bodies and links from one solution of the equations of motion.
+#include <lockstep/explain.h>
+
+#include <algorithm>
+#include <ranges>
+
+#include <lockstep/error.h>
+#include <lockstep/lock.h>
+#include <lockstep/relative.h>
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+namespace {
+
+/// -J^T lambda of those rows of an entry that `takes` chooses, on one slot: force (world), moment (slot axes).
+template <class Takes>
+Vec6 reaction_on(const Evaluated& v, const RowEntry& entry, const Lock& link, int slot, Takes&& takes) {
+  Vec6 sum = Vec6::Zero();
+  const int i = entry.slots.position(slot);
+  if (i < 0) return sum;
+  for (int k = 0; k < entry.m; ++k) {
+    if (!takes(link.row(entry.own[static_cast<std::size_t>(k)]))) continue;
+    const std::array<double, 6> J = v.rows.block(entry).J(i, k);
+    sum -= v.lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
+  }
+  return sum;
+}
+
+class Ledger {
+ public:
+  Ledger(const System& system, const Evaluated& v, int slot) : system_(system), v_(v), slot_(slot) {}
+
+  void write(BodyBalance& out) const {
+    const Vec3 gravity = system_.slot(slot_).mass * system_.gravity();
+    if (!gravity.isZero(0)) out.parts.push_back({"gravity", gravity, Vec3::Zero()});
+    for (const auto& force : system_.forces()) add_force(*force, out);
+    for (const RowEntry& entry : v_.rows.entries) add_link(entry, out);
+  }
+
+ private:
+  void add(const std::string& what, const Vec6& f, BodyBalance& out) const {
+    out.parts.push_back({what, f.head<3>(), v_.in.slot(slot_).A * f.tail<3>()});
+  }
+
+  void add_force(const Force& force, BodyBalance& out) const {
+    if (!force.acts(v_.in)) return;
+    VecX all = VecX::Zero(6 * system_.n_slots());
+    WrenchSum sum(v_.in.motions, all);
+    in_context([&] { return context_of(force, v_.in.t); },
+               [&] {
+                 force.apply(v_.in, sum);
+                 if (force.reacting() != nullptr) force.reacting()->react(v_.in, Reactions(v_), sum);
+               });
+    const Vec6 on = all.segment<6>(6 * slot_);
+    if (!on.isZero(0) || std::ranges::find(force.slots(), slot_) != force.slots().end())
+      add("force '" + force.name() + "'", on, out);
+  }
+
+  void add_link(const RowEntry& entry, BodyBalance& out) const {
+    if (entry.slots.position(slot_) < 0) return;
+    const Lock& link = *system_.links()[static_cast<std::size_t>(entry.link)];
+    add("link '" + link.name() + "'", reaction_on(v_, entry, link, slot_, [](const LinkRow& r) { return r.drive < 0; }),
+        out);
+    const int n = link.driven() ? link.driven()->n_drives() : 0;
+    for (int d = 0; d < n; ++d)
+      add("drive " + link.name() + "." + link.driven()->drive(d).name,
+          reaction_on(v_, entry, link, slot_, [d](const LinkRow& r) { return r.drive == d; }), out);
+  }
+
+  const System& system_;
+  const Evaluated& v_;
+  int slot_;
+};
+
+std::vector<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+LawAccount account(std::string what, const MotionLaw& law, std::string unit, double t) {
+  const LawValue y = law.at(t);
+  return {std::move(what), std::move(unit), {y.y}, {y.yd}, {y.ydd}};
+}
+LawAccount account(std::string what, const TranslationLaw& law, double t) {
+  const TranslationValue y = law.at(t);
+  return {std::move(what), "m", numbers(y.x), numbers(y.v), numbers(y.a)};
+}
+LawAccount account(std::string what, const RotationLaw& law, double t) {
+  const RotationValue y = law.at(t);
+  return {std::move(what), "", {y.q.w, y.q.x, y.q.y, y.q.z}, numbers(y.w), numbers(y.a)};
+}
+
+void add_laws(const Lock& link, double t, std::vector<LawAccount>& out) {
+  if (const Jointed* joint = link.jointed()) {
+    for (const Drive& d : joint->imposed().drives) {
+      const std::string unit = is_rotation(d.axis) ? "rad" : "m";
+      out.push_back(account((d.speed ? "speed of drive " : "drive ") + std::string(to_string(d.axis)), *d.law,
+                            d.speed ? unit + "/s" : unit, t));
+    }
+    if (joint->imposed().move) out.push_back(account("imposed translation", *joint->imposed().move, t));
+    if (joint->imposed().turn) out.push_back(account("imposed rotation", *joint->imposed().turn, t));
+  }
+  for (const auto& [p, s] : link.pairs())
+    for (const Marker* marker : {p, s}) {
+      if (marker->translation_law)
+        out.push_back(account("translation of marker '" + marker->name + "'", *marker->translation_law, t));
+      if (marker->rotation_law)
+        out.push_back(account("rotation of marker '" + marker->name + "'", *marker->rotation_law, t));
+    }
+}
+
+}  // namespace
+
+BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body) {
+  const System& system = dynamics.system();
+  if (body.slot == kGround)
+    throw ModelError("body '" + body.name +
+                     "' does not move, so that nothing needs to balance on it; ask for a body "
+                     "that moves, or for the link that holds on to it");
+  const Solution& v = dynamics.evaluate(state);
+  const Slot& slot = system.slot(body.slot);
+  const Motion& m = v.in.slot(body.slot);
+  BodyBalance out;
+  for (const Body* part : slot.bodies) out.body += (out.body.empty() ? "" : " + ") + part->name;
+  out.mass = slot.mass, out.center = m.x, out.acceleration = v.a.segment<3>(6 * body.slot);
+  Ledger(system, v, body.slot).write(out);
+  out.sum.what = "sum", out.rate.what = "m a, rate of angular momentum";
+  for (const Contribution& part : out.parts) out.sum.force += part.force, out.sum.moment += part.moment;
+  out.rate.force = slot.mass * out.acceleration;
+  if (slot.freedoms == Freedoms::spatial)
+    out.rate.moment = m.A * (slot.J * v.a.segment<3>(6 * body.slot + 3) + cross(m.w, Vec3(slot.J * m.w)));
+  Vec3 force = out.sum.force - out.rate.force, moment = out.sum.moment - out.rate.moment;
+  if (const Plane plane = system.plane()) {
+    out.incomplete = std::string("motion in the plane with normal ") + "xyz"[plane.n] +
+                     ": forces along the normal and moments about axes in the plane are not computed";
+    force[plane.n] = 0, moment[plane.i()] = moment[plane.j()] = 0;
+  }
+  out.left_force = force.norm(), out.left_moment = moment.norm();
+  return out;
+}
+
+LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link) {
+  const System& system = dynamics.system();
+  LinkAccount out;
+  out.name = link.name(), out.type = std::string(link.type());
+  if (!link.pairs().empty())
+    out.on_p = link.pairs().front().first->body->name, out.on_s = link.pairs().front().second->body->name;
+  out.merged = system.merged(link);
+  for (Dependency& d : mobility(dynamics, state).dependencies)
+    if (std::ranges::any_of(d.rows, [&](const std::string& row) { return row.starts_with(link.name() + "."); }))
+      out.dependencies.push_back(std::move(d));
+  add_laws(link, state.t, out.laws);
+  const Solution& v = dynamics.evaluate(state);
+  const int entry = out.merged ? -1 : v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
+  out.in_force = entry >= 0;
+  if (!out.in_force) return out;
+  const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
+  VecX C, Cd;
+  v.evaluation.residuals(C, Cd);
+  for (int k = 0; k < e.m; ++k) {
+    const LinkRow& row = link.row(e.own[static_cast<std::size_t>(k)]);
+    out.rows.push_back(
+        {row.name, row.kind, C[e.first_row + k], Cd[e.first_row + k], v.lambda[e.first_row + k], row.drive >= 0});
+  }
+  if (link.pairs().empty()) return out;
+  const MarkerFrame at(*link.pairs().front().first);
+  out.joint = Reactions(v).on_body_of(at, link, v.in, Reactions::kJoint);
+  out.drives = Reactions(v).on_body_of(at, link, v.in, Reactions::kDrives);
+  return out;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,148 @@
+// The verbs statics, kinematics, inverse and explain, and assemble --branches, as a person calls them.
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/recorder.h>
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace runner_analyses_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+using Json = nlohmann::json;
+
+namespace {
+
+std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
+
+Json json_of(const std::string& words) {
+  const Called called = call(words);
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  return Json::parse(called.text);
+}
+
+}  // namespace
+
+TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][runner]") {
+  const Json j = json_of("statics " + sample("rod_pendulum") + " --json");
+  CHECK(j["stability"] == "stable");
+  CHECK(j["freedoms"] == 1);
+  CHECK(j["unbalanced"].get<double>() <= 1e-10);
+  CHECK(j["reactions"].size() == 1);
+  const Called words = call("statics " + sample("double_pendulum"));
+  CHECK(words.exit == 0);
+  CHECK(contains(words.text, "Newton's method"));
+  CHECK(contains(words.text, "stable       2 free motions, the softest"));
+  const Called standing = call("statics " + sample("rod_pendulum") + " --nearest --at 0.5 --json");
+  CHECK(standing.exit == 0);
+}
+
+// A mass on a spring hangs lower by m g/k: exact for every mass.
+TEST_CASE("runner: statics --vary draws a path, one row a value", "[plugin][runner]") {
+  const std::string scene = scene_file("hanging.json", R"("gravity": [0, -10, 0],
+    "bodies": [{"name": "load", "mass": 1, "inertia": [0.1, 0.1, 0.1], "position": [0, -1, 0]}],
+    "links": [{"name": "guide", "type": "prismatic", "p": "load", "s": "ground", "at": [0, -1, 0], "axis": "y"}],
+    "markers": [{"name": "hook", "body": "load", "at": [0, 0, 0]}, {"name": "top", "body": "ground", "at": [0, 0, 0]}],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "hook", "s": "top", "stiffness": 100,
+                "free_length": 1}], "run": {"until": 1})");
+  const Called called = call("statics " + scene + " --vary bodies.load.mass=1:4:4 --record path.csv");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Table table = read_csv(kRunnerFolder + "/path.csv");
+  REQUIRE(table.n_rows() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double mass = table["bodies.load.mass"][i];
+    CHECK(mass == static_cast<double>(i + 1));
+    CHECK(std::abs(table["load.y"][i] + 1 + mass * 10 / 100) <= 1e-11);
+    CHECK(table["stable"][i] == 1);
+    CHECK(std::abs(table["softest"][i] - 100 / mass) <= 1e-7);
+  }
+  CHECK(call("statics " + scene + " --vary bodies.load.mass=1:4:4 --json").exit == 2);
+}
+
+TEST_CASE("runner: statics names what nothing holds", "[plugin][runner]") {
+  const std::string scene = scene_file("falls.json", R"("gravity": [0, -10, 0],
+    "bodies": [{"name": "crate", "mass": 1, "inertia": [0.1, 0.1, 0.1]}], "run": {"until": 1})");
+  const Called called = call("statics " + scene);
+  CHECK(called.exit == 6);
+  CHECK(contains(called.text, "'crate' moves along -y, and nothing holds it"));
+}
+
+// What a run integrates, the laws alone give.
+TEST_CASE("runner: kinematics and inverse write what a run writes", "[plugin][runner]") {
+  REQUIRE(call("run " + sample("four_bar") + " --quiet --record by_run.csv").exit == 0);
+  REQUIRE(call("kinematics " + sample("four_bar") + " --record by_kinematics.csv").exit == 0);
+  REQUIRE(call("inverse " + sample("four_bar") + " --record by_inverse.csv").exit == 0);
+  const Table run = read_csv(kRunnerFolder + "/by_run.csv"),
+              kinematics = read_csv(kRunnerFolder + "/by_kinematics.csv"),
+              inverse = read_csv(kRunnerFolder + "/by_inverse.csv");
+  REQUIRE(kinematics.n_rows() == run.n_rows());
+  REQUIRE(inverse.n_rows() == run.n_rows());
+  for (const Column& c : run.columns()) {
+    CAPTURE(c.name);
+    double size = 1, error = 0;
+    for (std::size_t i = 0; i < run.n_rows(); ++i) {
+      size = std::max(size, std::abs(c.values[i]));
+      error =
+          std::max({error, std::abs(kinematics[c.name][i] - c.values[i]), std::abs(inverse[c.name][i] - c.values[i])});
+    }
+    CHECK(error <= 1e-7 * size);
+  }
+  CHECK(inverse.has("A.drive_rz.torque_on_p_link_z"));
+  CHECK(inverse.has("D.force_on_p_world_x"));
+  for (std::size_t i = 0; i < inverse.n_rows(); ++i)
+    CHECK(inverse["A.drive_rz.torque_on_p_link_z"][i] == inverse["drive_torque"][i]);
+}
+
+TEST_CASE("runner: kinematics needs no masses, and refuses too few drives", "[plugin][runner]") {
+  const std::string members = R"("bodies": [{"name": "arm"}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z",
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 2}}}],
+    "run": {"until": 1, "output": 0.25, "record": [)";
+  const Called moves = call("kinematics " + scene_file("massless.json", members + R"("arm.angle_z"]})") + " --json");
+  INFO(moves.text);
+  REQUIRE(moves.exit == 0);
+  CHECK(std::abs(Json::parse(moves.text)["arm.angle_z [rad]"].back().get<double>() - 2) <= 1e-12);
+  const Called forces =
+      call("kinematics " + scene_file("massless_force.json", members + R"("A.force_on_p_world_x"]})"));
+  CHECK(forces.exit == 3);
+  CHECK(contains(forces.text, "depends on masses, and arm has none"));
+  const Called few = call("kinematics " + sample("double_pendulum"));
+  CHECK(few.exit == 3);
+  CHECK(contains(few.text, "2 free motions follow from no law"));
+  CHECK(contains(few.text, "Drive "));
+}
+
+TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
+  const Json j = json_of("explain " + sample("four_bar") + " coupler --at 0.1 --json");
+  CHECK(j["body"] == "coupler");
+  CHECK(j["parts"].size() == 3);  // gravity, B, C
+  for (int k = 0; k < 2; ++k) {
+    double sum = 0;
+    for (const Json& part : j["parts"]) sum += part["force"][static_cast<std::size_t>(k)].get<double>();
+    CHECK(std::abs(sum - 1.2 * j["acceleration"][static_cast<std::size_t>(k)].get<double>()) <= 1e-9);
+  }
+  const Called link = call("explain " + sample("four_bar") + " A --planar off");
+  INFO(link.text);
+  CHECK(link.exit == 0);
+  CHECK(contains(link.text, "drive rz: value 0 rad, rate 10"));
+  CHECK(contains(link.text, "3 of the rows"));
+  const Called unknown = call("explain " + sample("four_bar") + " couplr");
+  CHECK(unknown.exit == 2);
+  CHECK(contains(unknown.text, "did you mean \"coupler\"?"));
+}
+
+TEST_CASE("runner: assemble --branches finds elbow up and elbow down", "[plugin][runner]") {
+  const Json j = json_of("assemble " + sample("four_bar") + " --branches 100 --json");
+  CHECK(j["branches"].size() == 2);
+  CHECK(call("assemble " + sample("four_bar") + " --branches none").exit == 2);
+  CHECK(call("assemble " + sample("double_pendulum") + " --branches 10").exit == 3);
+}
+
+}  // namespace runner_analyses_test

@@ -1,0 +1,247 @@
+// Fully driven mechanisms from pose to pose, against trusted histories and against runs; accounts that sum up; branches.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/branches.h>
+#include <lockstep/explain.h>
+#include <lockstep/kinematics.h>
+#include <lockstep/lockstep.h>
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/run_scene.h"
+
+namespace kinematics_test {
+
+using namespace lockstep;
+
+namespace {
+
+/// A scene of samples/scenes with its dynamics, assembled.
+struct Driven {
+  Mechanism m;
+  Dynamics dynamics;
+  State start;
+
+  explicit Driven(const std::string& scene, const std::function<void(Scene&)>& change = {})
+      : m(build_mechanism(changed(scene, change), builtin_registry())),
+        dynamics(m.system, make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization}),
+        start(m.system.start()) {
+    assemble(dynamics, start, m.start_speeds);
+  }
+  static Scene changed(const std::string& name, const std::function<void(Scene&)>& change) {
+    Scene scene = read_scene(scene_path(name));
+    if (change) change(scene);
+    return scene;
+  }
+};
+
+/// The recorded columns at the instants of the trusted history.
+Table follow(Driven& d, const Table& at) {
+  const std::unique_ptr<Recorder> recorder = make_recorder(d.m);
+  DrivenMotion motion(d.dynamics, d.start);
+  const StepReport report;
+  bool first = true;
+  for (const double t : at["t"]) {
+    motion.to(t);
+    const Sample sample(d.dynamics, motion.state(), report);
+    if (first)
+      recorder->start(sample);
+    else
+      recorder->step(sample);
+    recorder->output(sample);
+    first = false;
+  }
+  return recorder->table();
+}
+
+}  // namespace
+
+TEST_CASE("kinematics: driven references, motion and reactions, without integration", "[verification][kinematics]") {
+  const std::string name = GENERATE("four_bar", "slider_crank", "peaucellier", "hooke_single", "hooke_double", "oldham",
+                                    "robot_arm", "prismatic_law");
+  CAPTURE(name);
+  Driven d(name);
+  const Table truth = trusted(name);
+  const std::vector<ColumnError> errors = compare(follow(d, truth), truth);
+  CHECK(errors.size() > 3);
+  for (const ColumnError& e : errors) {
+    CAPTURE(e.name, e.error, e.size);
+    CHECK(e.error <= 1e-9 * std::max(1.0, e.size));
+  }
+}
+
+TEST_CASE("kinematics: a drive by speed is integrated by Gauss and Legendre", "[verification][kinematics]") {
+  System sys;
+  Body& arm = sys.add_body("arm", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+  sys.add<Revolute>("A", arm, sys.ground(), pose_at(Vec3::Zero())).drive_speed(Axis::rz, laws::law([](auto t) {
+                                                                                 return 2.0 + cos(3.0 * t);
+                                                                               }));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+  DrivenMotion motion(dynamics, sys.start());
+  for (const double t : {0.3, 0.7, 1.1, 0.9}) {  // back too
+    const Solution& v = motion.to(t);
+    const Vec3 x = rotation(body_pose(arm, motion.state()).q).col(0);
+    const double angle = 2 * t + std::sin(3 * t) / 3;
+    CHECK((x - Vec3(std::cos(angle), std::sin(angle), 0)).norm() <= 1e-9);
+    CHECK(v.in.slot(arm.slot).w[2] == Approx(2 + std::cos(3 * t)).epsilon(1e-12));
+    CHECK(v.a[6 * arm.slot + 5] == Approx(-3 * std::sin(3 * t)).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("kinematics: too few drives are named with coordinates that would do, too many with those to release",
+          "[verification][kinematics]") {
+  Driven few("double_pendulum");
+  const DriveReport report = driven_by(few.dynamics, few.start);
+  CHECK(report.freedoms == 2);
+  CHECK(report.to_drive.size() == 2);
+  CHECK(report.free.size() == 2);
+  for (const std::string& coordinate : report.to_drive) CHECK(coordinate.ends_with(".rz"));
+  const std::string words = testing::message_of<ModelError>([&] { DrivenMotion(few.dynamics, few.start); });
+  CHECK(words.find("2 free motions") != std::string::npos);
+  CHECK(words.find("Drive " + report.to_drive[0]) != std::string::npos);
+
+  Driven four_bar("four_bar");
+  const double speed = body_twist(four_bar.m.system.body("rocker"), four_bar.start).w[2];
+  Driven many("four_bar", [&](Scene& scene) {
+    for (auto& [key, value, where] : *scene.root.object())
+      if (key == "links")
+        value.list()->back().object()->push_back(
+            {"drive",
+             Value(Value::Object{
+                 {"axis", Value("rz"), {}},
+                 {"law", Value(Value::Object{{"type", Value("ramp"), {}}, {"slope", Value(speed), {}}}), {}}}),
+             {}});
+  });
+  const DriveReport too_many = driven_by(many.dynamics, many.start);
+  CHECK(too_many.freedoms == 0);
+  REQUIRE(too_many.too_many.size() == 1);
+  CHECK(too_many.too_many.front() == std::vector<std::string>{"A.rz", "D.rz"});
+  CHECK(too_many.text().find("A.rz and D.rz") != std::string::npos);
+}
+
+// A crank that is to turn past where rod and rocker are in line.
+TEST_CASE("kinematics: where the mechanism does not reach, the time and the row are named",
+          "[verification][kinematics]") {
+  System sys;
+  Body& crank = sys.add_body("crank", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+  Body& rod = sys.add_body("rod", shapes::rod(1.0, Vec3(1, 0, 0), Vec3(1, 1, 0)));
+  Body& rocker = sys.add_body("rocker", shapes::rod(1.0, Vec3(2, 0, 0), Vec3(1, 1, 0)));
+  sys.add<Revolute>("A", crank, sys.ground(), pose_at(Vec3::Zero())).drive(Axis::rz, laws::law([](auto t) {
+                                                                             return 1.0 * t;
+                                                                           }));
+  sys.add<Revolute>("B", rod, crank, pose_at(Vec3(1, 0, 0)));
+  sys.add<Revolute>("C", rocker, rod, pose_at(Vec3(1, 1, 0)));
+  sys.add<Revolute>("D", rocker, sys.ground(), pose_at(Vec3(2, 0, 0)));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+  DrivenMotion motion(dynamics, sys.start());
+  // |B - D| <= 1 + sqrt 2 for B on the circle of radius 1 about A: 5 - 4 cos(t) = (1 + sqrt 2)^2
+  const double limit = std::acos((5 - std::pow(1 + std::sqrt(2.0), 2)) / 4);
+  CHECK_NOTHROW(motion.to(limit - 1e-3));
+  const std::string words = testing::message_of<AssemblyError>([&] { motion.to(limit + 0.1); });
+  CHECK(words.find("kinematics stopped at t = 1.7") != std::string::npos);
+  CHECK(words.find("worst: row") != std::string::npos);
+  CHECK(motion.state().t <= limit);
+}
+
+TEST_CASE("kinematics: nothing is allocated from pose to pose", "[verification][kinematics]") {
+  if (!allocations_are_counted()) return;
+  Driven d("four_bar");
+  DrivenMotion motion(d.dynamics, d.start);
+  for (int k = 1; k <= 5; ++k) motion.to(1e-3 * k);
+  CHECK(allocations_of([&] {
+          for (int k = 6; k <= 500; ++k) motion.to(1e-3 * k);
+        }) == 0);
+}
+
+TEST_CASE("explain: all that acts on each body sums to m a and the rate of its angular momentum",
+          "[verification][explain]") {
+  const std::string name =
+      GENERATE("four_bar", "stewart", "flyball", "heavy_top", "spatial_slider_crank", "gear_train");
+  CAPTURE(name);
+  Driven d(name);
+  StepLoop sim(d.dynamics, make_integrator(d.m.run, builtin_registry()),
+               {.step = d.m.run.step, .tolerance = d.m.run.tolerance});
+  sim.set_state(d.start);
+  sim.run_until(0.05);
+  State state = sim.state();
+  d.dynamics.to_slots(state);
+  for (const Body& body : d.m.system.bodies()) {
+    if (body.fixed) continue;
+    CAPTURE(body.name);
+    const BodyBalance b = balance_of(d.dynamics, state, body);
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+    double size = 1, turning = 1;
+    for (const Contribution& c : b.parts) {
+      force += c.force, moment += c.moment;
+      size = std::max(size, c.force.norm()), turning = std::max(turning, c.moment.norm());
+    }
+    CHECK(b.parts.size() >= 2);
+    // The rates by differences of the run itself.
+    const double h = 1e-4;
+    const auto momentum = [&](double t) {
+      StepLoop again(d.dynamics, make_integrator(d.m.run, builtin_registry()),
+                     {.step = d.m.run.step, .tolerance = Tolerance{.relative = 1e-12, .atol_x = 1e-14}});
+      again.set_state(d.start);
+      again.run_until(t);
+      State s = again.state();
+      d.dynamics.to_slots(s);
+      const Motion m = slot_motion(s, body.slot);
+      const Slot& slot = d.m.system.slot(body.slot);
+      return std::pair<Vec3, Vec3>(slot.mass * m.v, m.A * (slot.J * m.w));
+    };
+    const auto [p0, l0] = momentum(0.05 - h);
+    const auto [p1, l1] = momentum(0.05 + h);
+    CHECK((b.sum.force - force).norm() <= 1e-12 * size);
+    if (!d.m.system.plane()) {
+      CHECK((force - (p1 - p0) / (2 * h)).norm() <= 1e-4 * size);
+      CHECK((moment - (l1 - l0) / (2 * h)).norm() <= 1e-4 * turning);
+    }
+    CHECK(b.left_force <= 1e-9 * size);
+    CHECK(b.left_moment <= 1e-9 * turning);
+  }
+}
+
+TEST_CASE("explain: a link with its rows, its law, and why it is redundant", "[verification][explain]") {
+  Driven d("four_bar", [](Scene& scene) { scene = in_space(scene); });
+  const double t = 0.1;
+  DrivenMotion motion(d.dynamics, d.start);
+  motion.to(t);
+  const LinkAccount a = account_of(d.dynamics, motion.state(), d.m.system.link("A"));
+  CHECK(a.in_force);
+  CHECK(a.rows.size() == 6);
+  REQUIRE(a.laws.size() == 1);
+  CHECK(a.laws.front().value.front() == Approx(10 * t).epsilon(1e-14));
+  CHECK(a.laws.front().rate.front() == 10);
+  CHECK(a.laws.front().second.front() == 0);
+  REQUIRE(a.dependencies.size() == 1);
+  CHECK(a.dependencies.front().too_many == 3);
+  for (const RowAccount& r : a.rows) CHECK(std::abs(r.value) <= 1e-10);
+}
+
+TEST_CASE("branches: a driven four-bar has two, and they are where circles meet", "[verification][branches]") {
+  Driven d("four_bar");
+  const BranchReport report = find_branches(d.dynamics, d.start);
+  REQUIRE(report.branches.size() == 2);
+  CHECK(report.starts == 201);
+  CHECK(report.branches[0].found + report.branches[1].found + report.failed == report.starts);
+  const Vec3 B(0.1 * std::cos(0.3), 0.1 * std::sin(0.3), 0), D(0.28, 0, 0), BD = D - B;
+  const double l = BD.norm(), along = (0.09 - 0.0625 + l * l) / (2 * l), up = std::sqrt(0.09 - along * along);
+  const Vec3 e = BD / l, n(-e[1], e[0], 0);
+  for (const double side : {1.0, -1.0}) {
+    const Vec3 C = B + along * e + side * up * n;
+    const auto at = [&](const AssemblyBranch& b) {
+      const Pose p = body_pose(d.m.system.body("coupler"), b.state);
+      return (p.x + rotation(p.q) * Vec3(0.3, 0, 0) - C).norm();
+    };
+    CHECK(std::min(at(report.branches[0]), at(report.branches[1])) <= 1e-10);
+  }
+  Driven free("double_pendulum");
+  CHECK_THROWS_AS(find_branches(free.dynamics, free.start), ModelError);
+}
+
+}  // namespace kinematics_test
