@@ -56,8 +56,10 @@ struct RowAccount {
 
 /// What a link does at a state.
 struct LinkAccount {
-  std::string name, type;                ///< of the link
-  std::string on_p, on_s;                ///< bodies of its first pair
+  std::string name,                      ///< of the link
+      type,                              ///< of the link
+      on_p,                              ///< body of P in its first pair
+      on_s;                              ///< body of S in its first pair
   bool in_force = true;                  ///< whether it acts; without rows otherwise
   bool merged = false;                   ///< whether its bodies were welded into one, so that it has no rows
   std::vector<RowAccount> rows;          ///< of the link in force
