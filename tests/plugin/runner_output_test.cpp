@@ -158,6 +158,21 @@ TEST_CASE("demo writes a scene and its report, and keeps a scene that is there",
   CHECK(contains(again.text, "shown as it is"));
 }
 
+TEST_CASE("import writes a robot as a scene that runs", "[runner]") {
+  std::ofstream(kRunnerFolder + "/bot.urdf") << R"(<robot name="bot"><link name="base"/>
+    <link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="1"/><inertia ixx="1e-3" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+      <visual><geometry><mesh filename="a.stl"/></geometry></visual></link>
+    <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>)";
+  fs::remove(kRunnerFolder + "/bot.json");
+  const Called r = call("import bot.urdf --out bot.json");
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, "left out: link 'arm': its mesh"));
+  CHECK(call("run bot.json --no-picture").exit == 0);
+  CHECK(read_csv(kRunnerFolder + "/bot.csv").last("arm.z") < -0.1);
+  CHECK(call("import bot.urdf --out bot.json").exit == 2);
+  CHECK(call("import missing.urdf").exit == 8);
+}
+
 TEST_CASE("completion knows verbs, options, choices, types and names of the scene", "[runner]") {
   CHECK(has(completed("''"), "run"));
   CHECK_FALSE(has(completed("''"), "complete"));

@@ -105,6 +105,12 @@ void add_demo(CLI::App& verb, Arguments& a) {
   verb.add_flag("--no-open", a.no_open, "only write the files, open no browser");
 }
 
+void add_import(CLI::App& verb, Arguments& a) {
+  add(verb, "file", a.scene, "FILE.urdf", "the robot")->required();
+  add(verb, "--out", a.out, "FILE.json", "the scene; default: standard output");
+  verb.add_flag("--floating", a.floating, "the first link is not held; without it, it is fixed in the world");
+}
+
 constexpr const char* kSweepFooter =
     R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
 list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
@@ -328,6 +334,10 @@ constexpr Verb kVerbs[] = {
      "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2"},
     {"explain", "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant",
      add_explain, explain_command, "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1"},
+    {"import", "Read a robot in URDF and write it as a scene", add_import, import_command,
+     "Limits become stops, damping becomes forces; what has no place in a scene (meshes, mimicry, friction) is "
+     "named.\n\n"
+     "Example:\n  lockstep import robot.urdf --out robot.json"},
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},
     {"describe", "Print what a type or an object of a scene is and which keys it takes", add_describe, describe_command,

@@ -43,6 +43,7 @@ struct Arguments {
   std::string planar;  ///< as the scene's key
   std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
+  bool floating = false;          ///< the first link of an imported robot is not held
   bool no_picture = false;        ///< CSV alone
   bool allow_files = false;       ///< the scene may read files outside of its folder
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
@@ -87,6 +88,7 @@ int exit_code_of(const Error&);
 int run_command(const Arguments&);
 int report_command(const Arguments&);
 int demo_command(const Arguments&);
+int import_command(const Arguments&);
 int check_command(const Arguments&);
 int chart_command(const Arguments&);
 int advise_command(const Arguments&);

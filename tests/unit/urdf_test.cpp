@@ -1,0 +1,152 @@
+// Robots in URDF become scenes: the same motion as the robot written by hand, and every mistake by name.
+#include "framework/tools/import/urdf.h"
+
+#include <lockstep/error.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include <Eigen/Geometry>
+#include "framework/description/scene/write.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+namespace urdf_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+// Two arms: the frame of the second is turned, its centre is off its frame, its inertia has axes of its own; a tip without
+// mass is fixed to it, and a load to the tip.
+const std::string kArms = R"(<?xml version="1.0"?>
+<robot name="two arms">
+  <material name="blue"><color rgba="0 0.4470588 0.6980392 1"/></material>
+  <link name="world"/>
+  <link name="upper">
+    <inertial><origin xyz="0.5 0 0"/><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial>
+    <visual><geometry><box size="1 0.1 0.1"/></geometry><material name="blue"/></visual>
+  </link>
+  <link name="lower">
+    <inertial><origin xyz="0.3 0.1 0" rpy="0.2 -0.3 0.5"/><mass value="1"/>
+      <inertia ixx="0.02" ixy="0.001" ixz="-0.002" iyy="0.05" iyz="0.003" izz="0.06"/></inertial>
+  </link>
+  <link name="tip"/>
+  <link name="load"><inertial><mass value="0.5"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial></link>
+  <joint name="shoulder" type="continuous"><parent link="world"/><child link="upper"/><origin xyz="0 0 2"/><axis xyz="0 1 0"/>
+    <dynamics damping="0.3"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="1 0 0" rpy="0.4 0.2 -0.7"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1.5" effort="1" velocity="1"/></joint>
+  <joint name="wrist" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="0.8 0 0"/></joint>
+  <joint name="grip" type="fixed"><parent link="tip"/><child link="load"/><origin xyz="0 0 0.1" rpy="0 0 1.5"/></joint>
+</robot>)";
+
+// The last row of a run of 0.4 s.
+std::vector<double> last_of(System& system, const std::vector<std::string>& channels) {
+  Simulation run(system, {.integrator = "dop853", .tolerance = 1e-12, .output = 0.1});
+  std::vector<Request> requests(channels.begin(), channels.end());
+  const Table& table = run.record(requests);
+  run.run_until(0.4);
+  std::vector<double> all;
+  for (const std::string& channel : channels) all.push_back(table.last(channel));
+  return all;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  REQUIRE(text.find(what) != std::string::npos);
+  return text.replace(text.find(what), what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("a robot in URDF moves as the same robot in C++", "[unit][scene]") {
+  const ImportedRobot robot = read_urdf(kArms, "arms.urdf", false);
+  CHECK(robot.left_out.empty());
+  Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), "arms.json"), builtin_registry());
+  const std::vector<std::string> channels{"shoulder.angle_z", "elbow.angle_z", "shoulder.force_on_p_world_z"};
+  const std::vector<double> imported = last_of(m.system, channels);
+
+  // By hand: each turn as a rotation matrix.
+  const auto rpy = [](double r, double p, double y) -> Mat3 {
+    return (Eigen::AngleAxisd(y, Vec3::UnitZ()) * Eigen::AngleAxisd(p, Vec3::UnitY()) *
+            Eigen::AngleAxisd(r, Vec3::UnitX()))
+        .toRotationMatrix();
+  };
+  const Mat3 R = rpy(0.4, 0.2, -0.7), A = rpy(0.2, -0.3, 0.5);
+  Mat3 J;
+  J << 0.02, 0.001, -0.002, 0.001, 0.05, 0.003, -0.002, 0.003, 0.06;
+  const Vec3 elbow(1, 0, 2);
+  System system({.gravity = {0, 0, -9.81}});
+  const auto quaternion = [](const Mat3& M) {
+    const Eigen::Quaterniond e(M);
+    return Quat{e.w(), e.x(), e.y(), e.z()};
+  };
+  Body& upper = system.add_body("upper", {2, Vec3::Zero(), Vec3(0.01, 0.2, 0.2).asDiagonal()}, {Vec3(0.5, 0, 2), {}});
+  // One body of lower and load, by the theorem of Steiner, in axes of the world at the start.
+  const Vec3 c1 = elbow + R * Vec3(0.3, 0.1, 0), c2 = elbow + R * (Vec3(0.8, 0, 0) + Vec3(0, 0, 0.1));
+  const Vec3 c = (c1 + 0.5 * c2) / 1.5;
+  const auto steiner = [](double mass, const Vec3& d) -> Mat3 {
+    return mass * (d.squaredNorm() * Mat3::Identity() - d * d.transpose());
+  };
+  const Mat3 W =
+      R * A * J * A.transpose() * R.transpose() + steiner(1, c1 - c) + 0.001 * Mat3::Identity() + steiner(0.5, c2 - c);
+  Body& lower = system.add_body("lower", {1.5, Vec3::Zero(), W}, {c, {}});
+  const auto axis_frame = [&](const Vec3& z, const Vec3& at) {
+    return Pose{at, quaternion(Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), z).toRotationMatrix())};
+  };
+  const Pose at = axis_frame(Vec3::UnitY(), {0, 0, 2});
+  system.add<Revolute>("shoulder", upper, system.ground(), at);
+  Marker &p = system.add_marker("p", upper, Pose{{-0.5, 0, 0}, at.q}), &q = system.add_marker("q", system.ground(), at);
+  system.add<Revolute>("elbow", lower, upper, axis_frame(R * Vec3::UnitZ(), elbow));
+  system.add<TorsionSpringDamper>("damping", p, q, TorsionSpringDamper::Options{.damping = 0.3});
+  const std::vector<double> by_hand = last_of(system, channels);
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    INFO(channels[k]);
+    CHECK(std::abs(imported[k]) > 0.05);
+    CHECK(imported[k] == Approx(by_hand[k]).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("limits, colours and the first link of a robot in URDF", "[unit][scene]") {
+  const ImportedRobot robot = read_urdf(kArms, "arms.urdf", false);
+  const std::string text = write_json_line(robot.scene);
+  CHECK(text.find(R"("stops": [{"axis": "rz", "low": -1, "high": 1.5}])") != std::string::npos);
+  CHECK(text.find("\"color\": \"#0072b2\"") != std::string::npos);
+  CHECK(text.find("\"s\": \"ground\"") != std::string::npos);
+
+  const std::string heavy = replaced(kArms, "<link name=\"world\"/>",
+                                     "<link name=\"world\"><inertial><mass value=\"9\"/><inertia ixx=\"1\" ixy=\"0\" "
+                                     "ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>");
+  const Registry registry = builtin_registry();
+  const auto freedoms = [&](const ImportedRobot& r) {
+    Mechanism m = build_mechanism(scene_from_text(write_json(r.scene), "robot.json"), registry);
+    m.system.setup();
+    return m.system.n_slots();
+  };
+  CHECK(freedoms(read_urdf(heavy, "arms.urdf", false)) == 2);
+  CHECK(freedoms(read_urdf(heavy, "arms.urdf", true)) == 3);
+}
+
+TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
+  const auto said = [](const std::string& text) {
+    return message_of<SceneError>([&] { read_urdf(text, "arms.urdf", false); });
+  };
+  check_words(said("<robot name='a'><link name='b'></robot>"), {"arms.urdf:1", "no XML"});
+  check_words(said("<mujoco/>"), {"arms.urdf", "no <robot>", "xacro"});
+  check_words(said("<robot name='a'/>"), {"no <link>"});
+  check_words(said(replaced(kArms, "type=\"continuous\"", "type=\"ball\"")), {"shoulder", "ball", "continuous"});
+  check_words(said(replaced(kArms, "<child link=\"lower\"/>", "<child link=\"lowr\"/>")), {"elbow", "lowr"});
+  check_words(said(replaced(kArms, "<mass value=\"2\"/>", "<mass value=\"two\"/>")), {"upper", "mass", "two"});
+  check_words(said(replaced(kArms, "<mass value=\"2\"/>", "<mass value=\"0\"/>")), {"upper", "no mass"});
+  check_words(said(replaced(kArms, "<parent link=\"world\"/>", "<parent link=\"load\"/>")), {"circle"});
+  check_words(said(replaced(kArms, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>")), {"shoulder", "axis"});
+  check_words(said(replaced(kArms, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>")), {"shoulder", "axis", "3 numbers"});
+  const std::string mesh = replaced(kArms, "<box size=\"1 0.1 0.1\"/>", "<mesh filename=\"upper.stl\"/>");
+  const ImportedRobot robot = read_urdf(mesh, "arms.urdf", false);
+  REQUIRE(robot.left_out.size() == 1);
+  CHECK(robot.left_out[0] == "link 'upper': its mesh");
+}
+
+}  // namespace urdf_test
