@@ -51,6 +51,7 @@ struct Arguments {
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
   std::string at, interval;       ///< an instant; the interval of outputs
   std::string branches;           ///< random starts of assemble; "": branches are not looked for
+  std::string all;                ///< random starts of statics; "": one equilibrium
   bool nearest = false;           ///< statics takes the equilibrium that it meets first
   std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
 };
