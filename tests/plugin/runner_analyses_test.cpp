@@ -39,6 +39,11 @@ TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][run
   CHECK(words.exit == 0);
   CHECK(contains(words.text, "Newton's method"));
   CHECK(contains(words.text, "stable       2 free motions, the softest"));
+  const Json all = json_of("statics " + sample("rod_pendulum") + " --all 20 --json");
+  REQUIRE(all["equilibria"].size() == 2);
+  CHECK(all["equilibria"][0]["stability"] == "stable");
+  CHECK(all["equilibria"][1]["stability"] == "unstable");
+  CHECK(call("statics " + sample("rod_pendulum") + " --all some").exit == 2);
   const Called standing = call("statics " + sample("rod_pendulum") + " --nearest --at 0.5 --json");
   CHECK(standing.exit == 0);
 }
@@ -95,7 +100,7 @@ TEST_CASE("runner: kinematics and inverse write what a run writes", "[plugin][ru
     CHECK(error <= 1e-7 * size);
   }
   CHECK(inverse.has("A.drive_rz.torque_on_p_link_z"));
-  CHECK(inverse.has("D.force_on_p_world_x"));
+  CHECK(inverse.has("D.torque_on_p_world_z"));
   for (std::size_t i = 0; i < inverse.n_rows(); ++i)
     CHECK(inverse["A.drive_rz.torque_on_p_link_z"][i] == inverse["drive_torque"][i]);
 }

@@ -200,6 +200,26 @@ TEST_CASE("statics: the nearest equilibrium of a four-bar may be unstable, which
   CHECK(s.unstable.front().words.find("'crank' turns about ") != std::string::npos);
 }
 
+TEST_CASE("statics: a four-bar on springs has its two equilibria on each of its branches", "[verification][statics]") {
+  FourBar four_bar(0.5);
+  Dynamics dynamics(four_bar.sys, std::make_unique<SchurSolver>());
+  const EquilibriaReport found = find_equilibria(dynamics, four_bar.sys.start(), {.starts = 60});
+  int stable = 0, unstable = 0;
+  for (const Equilibrium& e : found.all) {
+    CHECK(e.report.unbalanced <= 1e-10);
+    for (const std::string name : {"four_bar_stable", "four_bar_unstable"}) {
+      if (std::abs(angle_of(*four_bar.crank, e.state) - exact(name, "crank angle")) > 1e-6 ||
+          std::abs(angle_of(*four_bar.rocker, e.state) - exact(name, "rocker angle")) > 1e-6)
+        continue;
+      four_bar.check(name, e.state);
+      CHECK(e.report.stability.kind == (name == "four_bar_stable" ? Kind::stable : Kind::unstable));
+      ++(name == "four_bar_stable" ? stable : unstable);
+    }
+  }
+  CHECK(stable == 1);
+  CHECK(unstable == 1);
+}
+
 TEST_CASE("statics: a standing pendulum is left for the hanging one, unless the nearest is asked for",
           "[verification][statics]") {
   for (const bool nearest : {false, true}) {

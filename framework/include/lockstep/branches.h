@@ -13,6 +13,9 @@ namespace lockstep {
 struct AssemblyBranch {
   State state;          ///< at rest, in the slots' own coordinates
   int found = 0;        ///< how many starts led to it
+  /// Of the branch itself: above 0 where parts that fold onto each other come loose, though the start has none. Such
+  /// positions are not told apart: one stands for all of as many freedoms.
+  int freedoms = 0;
   double distance = 0;  ///< from the first branch: largest distance of a mass centre, or turn times System::length(), m
   std::string farthest;  ///< the body of that distance
 };

@@ -74,11 +74,41 @@ struct EquilibriumReport {
 };
 
 /// Moves a state into equilibrium, at its time: forces and laws have their values there, drives hold their coordinates,
-/// velocities are zero, integrated states keep their values. Newton's method on rows and forces with a line search, its
-/// matrix K + s M with s as large as it takes to go downhill; where that fails, dynamic relaxation. One-sided links come
+/// velocities are zero, integrated states keep their values. Newton's method on rows and forces with a line search,
+/// downhill: up to 400 unknowns in the free motions, against each stiffness by its size; beyond with the sparse matrix
+/// K + s M, s as large as it takes. Where that fails, dynamic relaxation. One-sided links come
 /// into force where they are touched and are released where they would pull. The state, in the slots' own coordinates,
 /// must fit its rows nearly (assemble()). Throws SolveError where nothing is found, naming what nothing holds, and what
 /// an evaluation throws; the state is then unchanged.
 LOCKSTEP_API EquilibriumReport find_equilibrium(Dynamics&, State&, const EquilibriumOptions& options = {});
+
+// Several equilibria of one mechanism.
+
+/// An equilibrium, and how many starts led to it.
+struct Equilibrium {
+  State state;               ///< in the slots' own coordinates, at rest
+  EquilibriumReport report;  ///< of its first search
+  int found = 0;             ///< number of starts
+};
+
+/// What was found from many starts.
+struct EquilibriaReport {
+  int starts = 0,                ///< tried, the one given included
+      failed = 0;                ///< that led nowhere
+  std::vector<Equilibrium> all;  ///< stable ones first
+};
+
+/// How several equilibria are looked for.
+struct EquilibriaOptions {
+  int starts = 100;    ///< random ones
+  unsigned seed = 1;   ///< of their numbers
+  double same = 1e-6;  ///< poses nearer to one another than this share of System::length() are one
+};
+
+/// Looks for equilibria downhill from this state, then from random poses that fit the rows, by turns as
+/// EquilibriumOptions::nearest, which finds unstable ones too, and downhill. Where a motion is held by nothing, the
+/// positions along it count as one: those of the same softest stiffness and largest force. Throws as find_equilibrium()
+/// does for the state given.
+LOCKSTEP_API EquilibriaReport find_equilibria(Dynamics&, const State&, const EquilibriaOptions& options = {});
 
 }  // namespace lockstep

@@ -108,7 +108,7 @@ bool DrivenMotion::step(double t) {
     return false;
   }
   std::swap(state_, trial_);
-  dynamics_.accept(state_);
+  if (dynamics_.system().n_memory() > 0) dynamics_.accept(state_);
   solution_ = &dynamics_.evaluate(state_);
   if (h != 0 && steps_ > 0) jerk_ = (solution_->a - a_) / h;
   a_ = solution_->a;

@@ -7,17 +7,24 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
 #include <lockstep/error.h>
 #include <lockstep/newton.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/contacts.h"
+#include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 namespace {
 
 constexpr double kLongest = 0.5;  // rad, and of the extent of the mechanism: a step of Newton's method
 constexpr double kLeast = 1e-10;  // s, relative to force/(mass length): more than rounding in a free motion
+constexpr int kMostDense = 400;   // unknowns
+constexpr double kOnTheRows = 1e-14;  // |C| after a step, m
 constexpr double kStillDownhill = 0.9;
 constexpr double kFarAway = 1e3;   // extents: it falls
 constexpr int kLeaves = 10;        // unstable positions that are left
@@ -60,28 +67,42 @@ class Unrest {
  private:
   double largest(const VecX& f) const {
     double most = 0;
-    for (Eigen::Index k = 0; k < f.size(); k += 6)
-      most = std::max({most, f.segment<3>(k).norm(), f.segment<3>(k + 3).norm() / length_});
+    for (Eigen::Index k = 0; k < f.size(); k += 6) most = std::max(most, size_of(f.segment<6>(k)));
     return most;
   }
-  double largest_force() const {
+  /// Of each force by itself, since all of them together vanish where nothing else holds a body.
+  double largest_force() {
+    const System& system = dynamics_.system();
+    const Inputs& in = e->inputs();
     double most = largest(e->force());
+    for (int k = 0; k < system.n_slots(); ++k) most = std::max(most, system.slot(k).mass * system.gravity().norm());
+    one_.setZero(a.size());
+    WrenchSum sum(in.motions, one_);
+    for (const auto& each : system.forces()) {
+      if (!each->acts(in)) continue;
+      each->apply(in, sum);
+      for (const int slot : each->slots()) {
+        most = std::max(most, size_of(one_.segment<6>(6 * slot)));
+        one_.segment<6>(6 * slot).setZero();
+      }
+    }
     for (const RowEntry& entry : e->rows().entries)
       for (int i = 0; i < entry.slots.n; ++i) {
-        Vec6 sum = Vec6::Zero();
+        Vec6 on = Vec6::Zero();
         for (int k = 0; k < entry.m; ++k) {
           const std::array<double, 6> J = e->rows().block(entry).J(i, k);
-          sum += lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
+          on += lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
         }
-        most = std::max({most, sum.head<3>().norm(), sum.tail<3>().norm() / length_});
+        most = std::max(most, size_of(on));
       }
     return most;
   }
+  double size_of(const Vec6& f) const { return std::max(f.head<3>().norm(), f.tail<3>().norm() / length_); }
 
   Dynamics& dynamics_;
   double length_;
   ReactionIteration reacting_;
-  VecX none_, Cd_;
+  VecX none_, Cd_, one_;
 };
 
 class Search {
@@ -132,7 +153,7 @@ class Search {
   bool settle(State& state) {
     bool fits = false;
     try {
-      fits = dynamics_.project(state).converged;
+      fits = dynamics_.project(state, kOnTheRows).converged;
     } catch (const SolveError&) {
     } catch (const NonFiniteError&) {
     }
@@ -144,9 +165,49 @@ class Search {
 
   double least_shift() const { return kLeast * now_.force / (heaviest_ * length_); }
 
-  /// (K + s M) dx + J^T dl = r, J dx = -C. s grows until the step goes with the forces and is short enough. False where
-  /// none does.
-  bool find_step() {
+  /// A step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False where there is
+  /// none.
+  bool find_step(bool either_way) {
+    return system_.n_velocities() <= kMostDense ? find_dense_step(either_way) : find_sparse_step(either_way);
+  }
+
+  /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is not
+  /// positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
+  bool find_dense_step(bool either_way) {
+    constexpr double kNone = 1e-11, kNoPotential = 1e-6;
+    const RestMatrices A(*now_.e, now_.lambda);
+    if (A.N.cols() == 0) return false;
+    const MatX K = A.N.transpose() * A.K * A.N, M = A.N.transpose() * A.M * A.N;
+    VecX g(static_cast<Eigen::Index>(A.at.size()));
+    for (std::size_t i = 0; i < A.at.size(); ++i)
+      g[static_cast<Eigen::Index>(i)] = now_.r[A.at[i]] / (A.at[i] % 6 < 3 ? 1.0 : length_);
+    g = (A.N.transpose() * g).eval();
+    VecX y;
+    const bool has_potential = (K - K.transpose()).norm() <= kNoPotential * A.K.norm();
+    if (!has_potential) y = MatX(K + shift_ * M).partialPivLu().solve(g);
+    if (has_potential || !y.allFinite() || (!either_way && y.dot(g) < 0)) {
+      const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K + K.transpose()), M);
+      const double zero = kNone * eigen.eigenvalues().cwiseAbs().maxCoeff();
+      VecX share = eigen.eigenvectors().transpose() * g;
+      const double rounding = kNone * now_.force / std::sqrt(heaviest_);
+      for (Eigen::Index i = 0; i < share.size(); ++i) {
+        const double mu = eigen.eigenvalues()[i];
+        if (std::abs(mu) <= zero)
+          share[i] = std::abs(share[i]) <= rounding ? 0.0 : share[i] / std::max(shift_, now_.speed_up / length_);
+        else
+          share[i] /= either_way ? mu : std::abs(mu) + shift_;
+      }
+      y = eigen.eigenvectors() * share;
+    }
+    step_ = motion_of(system_, A.at, A.N * y);
+    if (!step_.allFinite()) return false;
+    if (const double size = size_of(step_); size > kLongest) step_ *= kLongest / size;
+    slope_ = now_.r.dot(step_);
+    return true;
+  }
+
+  /// (K + s M) dx + J^T dl = r, J dx = -C. s grows until the step goes with the forces and is short enough.
+  bool find_sparse_step(bool either_way) {
     constexpr int kMost = 40;
     matrix_.gather(*now_.e, now_.lambda);
     const VecX c = -now_.C;
@@ -161,7 +222,7 @@ class Search {
       slope_ = solved && step_.allFinite() ? now_.r.dot(step_) : -1;
       const double size = solved && step_.allFinite() ? size_of(step_) : 2 * kLongest;
       const bool shortens = size > kLongest;
-      if (solved && !shortens && (slope_ >= 0 || options_.nearest)) return true;
+      if (solved && !shortens && (slope_ >= 0 || either_way)) return true;
       shift_ = std::max(4 * shift_, 0.25 * now_.speed_up / length_);
       if (shift_ == 0) return false;
     }
@@ -229,7 +290,7 @@ class Search {
       if (done) shift_ = 0;
       const double before = now_.unbalanced;
       const State from = state_;
-      if (!find_step()) return done;
+      if (!find_step(done || options_.nearest)) return done;  // at rest rounding has no direction
       ++report_.iterations;
       if (!take_step()) {
         if (done) return true;

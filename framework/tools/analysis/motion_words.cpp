@@ -37,7 +37,7 @@ std::string motion_words(const System& system, const Inputs& at, const VecX& mot
     const Vec3 move = motion.segment<3>(6 * k), turn = at.slot(k).A * motion.segment<3>(6 * k + 3);
     const double moves = move.norm(), turns = system.length() * turn.norm();
     const std::string& name = system.body_of_slot(k).name;
-    if (turns >= std::max(moves, kNotable * largest))
+    if (turns >= kNotable * std::max(moves, largest))
       parts.push_back({turns, fmt::format("'{}' turns about {}", name, direction_words(turn))});
     else if (moves >= kNotable * largest)
       parts.push_back({moves, fmt::format("'{}' moves along {}", name, direction_words(move))});

@@ -1,30 +1,19 @@
 // The option --branches of the verb assemble: all ways in which a scene fits together.
 #include <spdlog/fmt/fmt.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include <lockstep/branches.h>
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/pose_columns.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
-namespace {
-
-int starts_of(const std::string& text) {
-  constexpr int kMost = 1'000'000;
-  int n = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kMost)
-    throw UsageError("--branches: \"" + text + "\" is no number of starts from 1 to 1000000; take 200");
-  return n;
-}
-
-}  // namespace
+constexpr int kMostStarts = 1'000'000;
 
 int branches_command(const Arguments& args) {
-  const int starts = starts_of(args.branches);
+  const int starts = whole_number("--branches", args.branches, kMostStarts);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
@@ -33,6 +22,7 @@ int branches_command(const Arguments& args) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const AssemblyBranch& b : report.branches)
       all.push_back({{"found", b.found},
+                     {"freedoms", b.freedoms},
                      {"distance", b.distance},
                      {"farthest", b.farthest},
                      {"bodies", pose_json(m.system, b.state)}});
@@ -45,7 +35,10 @@ int branches_command(const Arguments& args) {
              report.starts, report.failed);
   int number = 0;
   for (const AssemblyBranch& b : report.branches) {
-    fmt::print("branch {}, found {} times{}:\n{}", ++number, b.found,
+    fmt::print("branch {}, found {} times{}{}:\n{}", ++number, b.found,
+               b.freedoms > 0 ? fmt::format(", loose: {} freedom{} here, of which this is one position", b.freedoms,
+                                            b.freedoms == 1 ? "" : "s")
+                              : "",
                b.distance > 0 ? fmt::format(", '{}' is {:.3g} m from the first (turns by the length of the mechanism)",
                                             b.farthest, b.distance)
                               : ", that of the start",

@@ -60,6 +60,7 @@ struct Arguments {
   std::string kind, name, into;  ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
   std::string at, interval;       ///< an instant; the interval of outputs
   std::string branches;           ///< random starts of assemble; "": branches are not looked for
+  std::string all;                ///< random starts of statics; "": one equilibrium
   bool nearest = false;           ///< statics takes the equilibrium that it meets first
 };
 

@@ -87,6 +87,14 @@ double positive_number(const std::string& option, const std::string& text, Unit 
   return x;
 }
 
+int whole_number(const std::string& option, const std::string& text, int most) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > most)
+    throw UsageError(option + ": \"" + text + "\" is no whole number from 1 to " + std::to_string(most));
+  return n;
+}
+
 Formulation read_formulation(const std::string& word) { return formulation_from(word); }
 
 Stabilization::Kind read_stabilization(const std::string& word) {

@@ -28,6 +28,9 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys);
 /// A positive number of the command line, in SI or with a unit. Throws UsageError naming `option`.
 double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example = nullptr);
 
+/// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`.
+int whole_number(const std::string& option, const std::string& text, int most);
+
 Formulation read_formulation(const std::string&);
 Stabilization::Kind read_stabilization(const std::string&);
 

@@ -226,6 +226,35 @@ int vary(const Arguments& args, const Loaded& loaded) {
   return failed > 0 ? kExitFailure : kExitOk;
 }
 
+/// All equilibria that random starts lead to.
+int find_all(const Arguments& args, const Loaded& loaded) {
+  constexpr int kMostStarts = 1'000'000;
+  const int starts = whole_number("--all", args.all, kMostStarts);
+  Resting first(loaded.scene, loaded.registry);
+  first.state.t = instant_of(args);
+  first.state.v.setZero();
+  if (first.m.run.assemble) assemble(first.dynamics, first.state);
+  EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
+  Json all = Json::array();
+  if (!args.json)
+    fmt::print("{}\n  equilibria   {}, from {} starts, of which {} led nowhere\n", loaded.title(), found.all.size(),
+               found.starts, found.failed);
+  int number = 0;
+  for (Equilibrium& e : found.all) {
+    first.state = std::move(e.state), first.report = std::move(e.report);
+    if (args.json) {
+      all.push_back(report_json(first));
+      all.back()["found"] = e.found;
+      continue;
+    }
+    fmt::print("equilibrium {}, found {} time{}:\n{}{}", ++number, e.found, e.found == 1 ? "" : "s",
+               stability_text(first.report.stability), pose_text(first.m.system, first.state));
+  }
+  if (args.json)
+    fmt::print("{}\n", Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}).dump(1, ' '));
+  return kExitOk;
+}
+
 }  // namespace
 
 int statics_command(const Arguments& args) {
@@ -234,6 +263,9 @@ int statics_command(const Arguments& args) {
   if (!args.record.empty()) check_overwrites(args.record, loaded.scene);
   if (args.json && !args.vary.empty())
     throw UsageError("--json: with --vary the rows are CSV; leave one of the two out");
+  if (!args.all.empty() && (!args.vary.empty() || !args.record.empty()))
+    throw UsageError("--all: it prints every equilibrium, and goes with neither --vary nor --record");
+  if (!args.all.empty()) return find_all(args, loaded);
   if (!args.vary.empty()) return vary(args, loaded);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr);

@@ -1,0 +1,33 @@
+// Random starts of a mechanism, brought onto its rows, and how far poses are apart.
+#pragma once
+
+#include <random>
+#include <string>
+
+#include <lockstep/dynamics.h>
+
+namespace lockstep {
+
+/// Random numbers that are the same everywhere.
+class Scatter {
+ public:
+  explicit Scatter(unsigned seed) : engine_(seed) {}
+  /// Each component in [-size, size).
+  Vec3 vector(double size);
+
+ private:
+  double number(double size) { return size * (0x1p-52 * static_cast<double>(engine_() >> 11) - 1); }
+  std::mt19937_64 engine_;
+};
+
+/// Moves every slot by up to `size`, m, along each axis, and turns it any way; in a plane within it and about its normal.
+void scatter(const System&, double size, Scatter&, State&);
+
+/// Newton's method onto the rows, with halved steps where one does not reduce |C|. False where it ends elsewhere, or where
+/// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.
+bool fit(Dynamics&, State&);
+
+/// Largest distance of a mass centre between two states, or turn times System::length(), m; `body`: whose it is.
+double apart(const System&, const State& a, const State& b, std::string& body);
+
+}  // namespace lockstep
