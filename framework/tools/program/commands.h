@@ -49,6 +49,9 @@ struct Arguments {
   std::string command;            ///< the whole command line, files by their names alone
   std::string lanes;              ///< "off": one run at a time
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
+  std::string at, count, spin, csv;          ///< an instant; how many modes; a vector; a file
+  bool frozen = false;                       ///< coefficients of an instant that is no equilibrium
+  std::vector<std::string> inputs, outputs;  ///< of a linearisation
   std::string kind, name, into;   ///< kind and folder of a new plugin; its name, a shelf's or a type's
 };
 
@@ -78,6 +81,9 @@ int chart_command(const Arguments&);
 int advise_command(const Arguments&);
 int sweep_command(const Arguments&);
 int assemble_command(const Arguments&);
+int modes_command(const Arguments&);
+int linearize_command(const Arguments&);
+int matrices_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);
