@@ -150,6 +150,24 @@ TEST_CASE("modes of a sleeping top, from axes at rest and turning", "[verificati
   }
 }
 
+// Nutation about steady precession Om at the angle th, a = I3 w3/It: (a - 2 Om cos th)^2 + Om^2 sin^2 th.
+TEST_CASE("modes of a top in steady precession, which is found from the state", "[verification][modes][linear]") {
+  const double m = 2, d = 0.3, I3 = 0.05, It = 0.04 + m * d * d, g = 9.81, Om = 1.5, th = 0.5, c = std::cos(th);
+  const double w3 = (m * g * d / Om + It * Om * c) / I3;
+  System sys({.gravity = {0, 0, -g}});
+  const Vec3 axis(std::sin(th), 0, c), w = Vec3(0, 0, Om) + (w3 - Om * c) * axis;
+  const Quat q = axis_angle(Vec3::UnitY(), th);
+  Body& top = sys.add_body("top", {m, Vec3::Zero(), Vec3(0.04, 0.04, I3).asDiagonal()}, {Vec3(d * axis), q});
+  top.start.w = rotation(q).transpose() * w;
+  top.start.v = cross(w, Vec3(d * axis));
+  sys.add<Spherical>("tip", top, sys.ground(), pose_at(Vec3::Zero()));
+  const Modes modes = modes_of(sys);
+  CHECK((modes.spin - Vec3(0, 0, Om)).norm() <= 1e-11);
+  CHECK(modes.zeros == 4);
+  const double a = I3 * w3 / It, nutation = std::hypot(a - 2 * Om * c, Om * std::sin(th));
+  check_same(modes.eigenvalues(), {0.0, 0.0, 0.0, 0.0, Complex(0, nutation), Complex(0, -nutation)}, 1e-10);
+}
+
 TEST_CASE("modes: what is no equilibrium is refused by name, or frozen when asked", "[verification][modes][linear]") {
   System sys({.gravity = {0, -9.81, 0}});
   Body& arm = sys.add_body("arm", {2.0, Vec3::Zero(), Vec3::Constant(0.2).asDiagonal()}, {Vec3(0.5, 0, 0), {}});

@@ -52,7 +52,7 @@ struct ModesOptions {
 /// The modes of a mechanism.
 struct Modes {
   std::vector<Mode> modes;  ///< rigid ones first, then by rising |l|
-  int freedoms = 0;         ///< unknown velocities less the rank of the rows; -1 where it was not counted
+  int freedoms = 0;         ///< unknown velocities less the rank of the rows
   int zeros = 0;            ///< eigenvalues that are zero: one a rigid mode, two where it can also drift
   /// |l| below which a mode counts as rigid, 1/s: what round-off leaves of a zero, and the unrest of the state.
   double zero_bound = 0;
@@ -67,7 +67,8 @@ struct Modes {
 };
 
 /// Finds the modes about a state. Throws as linear_motion(); ModelError for a pose in which rows become dependent that
-/// are not so elsewhere, where a mechanism has no single linearisation; SolveError where the lowest modes did not settle.
+/// are not so elsewhere, where a mechanism has no single linearisation (looked for up to dense_limit unknown velocities);
+/// SolveError where the lowest modes did not settle.
 LOCKSTEP_API Modes find_modes(Dynamics&, const State&, const ModesOptions& = {});
 
 }  // namespace lockstep

@@ -134,6 +134,7 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   if (spin.norm() <= 1e-9 * first.norm()) spin.setZero();
   for (int k = 0; k < 3; ++k)
     if (std::abs(spin[k]) <= 1e-12 * spin.norm()) spin[k] = 0;
+  if (!spin.isZero(0)) spins.emplace_back(Vec3::Zero());
   return spins;
 }
 
@@ -197,7 +198,7 @@ class Steadiness {
     return restless(axes, unrest_of(system, at_then, slots, axes), " a third of a turn later");
   }
 
- private:
+  // What moves or accelerates in these axes; "" where all are within their limits.
   static std::string restless(const Turning& axes, const Unrest& u, const std::string& when) {
     std::string words;
     if (u.acceleration > u.acceleration_limit)
@@ -209,6 +210,7 @@ class Steadiness {
     return words.empty() ? "" : words + seen(axes.spin);
   }
 
+ private:
   Dynamics& dynamics_;
   const State& state_;
   const MechanismMatrices& at_;
@@ -299,6 +301,26 @@ void turn_axes(const std::vector<SlotMotion>& slots, LinearMotion& out) {
   out.D += out.M * sparse(rate);
 }
 
+// Sets the axes in which the state is steady, and its unrest in them. If there are none, those that are given, else those
+// at rest; returns why it is not steady.
+std::string settle_axes(const Steadiness& steadiness, const System& system, const std::vector<SlotMotion>& slots,
+                        const LinearMotionOptions& options, LinearMotion& out) {
+  std::string why;
+  for (const Vec3& spin : options.spin ? std::vector<Vec3>{*options.spin} : spins_of(out, slots)) {
+    const Turning axes = turning_with(spin, slots);
+    const Unrest unrest = unrest_of(system, out, slots, axes);
+    const std::string words = steadiness.why_not(axes, unrest);
+    out.spin = spin, out.unrest = unrest;
+    if (words.empty()) return words;
+    if (why.empty() && unrest.is_still()) why = words;  // now, and not later: that says more than what follows
+  }
+  const Turning given = options.spin ? turning_with(*options.spin, slots) : Turning{};
+  out.spin = given.spin;
+  out.unrest = unrest_of(system, out, slots, given);
+  if (why.empty()) why = Steadiness::restless(given, out.unrest, "");
+  return why.empty() ? "it goes on in a straight line, and the joints do not let it" : why;
+}
+
 }  // namespace
 
 LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearMotionOptions& options) {
@@ -310,22 +332,10 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
   static_cast<MechanismMatrices&>(out) = matrices_at(dynamics, state);
   refuse_acting_friction(dynamics, state, out);
   const std::vector<SlotMotion> slots = motions_of(state, Unknowns(system).to_slots(out.a));
-  const Steadiness steadiness(dynamics, state, out, slots);
-  std::string why;
-  for (const Vec3& spin : options.spin ? std::vector<Vec3>{*options.spin} : spins_of(out, slots)) {
-    const Turning axes = turning_with(spin, slots);
-    const Unrest unrest = unrest_of(system, out, slots, axes);
-    const std::string words = steadiness.why_not(axes, unrest);
-    if (why.empty() || words.empty()) out.spin = spin, out.unrest = unrest, why = words;
-    if (words.empty()) break;
-  }
+  const std::string why = settle_axes(Steadiness(dynamics, state, out, slots), system, slots, options, out);
   if (!why.empty() && !options.frozen)
     throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
                      why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
-  if (!why.empty() && !options.spin) {
-    out.spin.setZero();
-    out.unrest = unrest_of(system, out, slots, {});
-  }
   out.notes = notes_on(system, state);
   if (!why.empty()) out.notes.insert(out.notes.begin(), "frozen coefficients of one instant: " + why);
   turn_axes(slots, out);

@@ -70,12 +70,17 @@ void refuse_singular_pose(Dynamics& dynamics, const State& state, const Mechanis
                           const MinimalCoordinates& c) {
   if (c.stresses.cols() == 0 || c.N.cols() == 0) return;
   const SparseMat K = stiffness_with(dynamics, state, VecX::Zero(m.lambda.size()));
+  SparseMat turned(m.M.rows(), m.M.rows());
+  turned = lengths_of(m).cwiseInverse().asDiagonal();
   for (Eigen::Index j = 0; j < c.stresses.cols(); ++j) {
     const VecX stress = c.stresses.col(j);
     const SparseMat geometric = stiffness_with(dynamics, state, stress) - K;
     const MatX left = c.N.transpose() * (geometric * c.N);
-    const MatX size = c.N.cwiseAbs().transpose() * (SparseMat(geometric.cwiseAbs()) * c.N.cwiseAbs());
-    if (left.size() == 0 || left.cwiseAbs().maxCoeff() <= 1e-6 * size.maxCoeff()) continue;
+    const SparseMat scaled = turned * geometric * turned;  // as N is: turns as lengths
+    double size = 0;
+    for (Eigen::Index i = 0; i < scaled.cols(); ++i)
+      for (SparseMat::InnerIterator it(scaled, i); it; ++it) size = std::max(size, std::abs(it.value()));
+    if (left.cwiseAbs().maxCoeff() <= 1e-6 * size) continue;
     Eigen::Index row = 0;
     stress.cwiseAbs().maxCoeff(&row);
     throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/tools/analysis/lowest_modes.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
@@ -88,7 +89,7 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   MatX N;
   const Spectrum found =
       dense ? of_all(dynamics, state, motion, N, out) : lowest_spectrum(motion, options.count > 0 ? options.count : 20);
-  if (!dense) out.freedoms = -1;
+  if (!dense) out.freedoms = mobility(dynamics, state).freedoms;
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
   const auto full = [&](const Eigen::VectorXcd& y) { return dense ? Eigen::VectorXcd(N.cast<Complex>() * y) : y; };
   for (Eigen::Index k = 0; k < found.rigid.cols(); ++k)

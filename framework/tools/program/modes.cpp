@@ -132,7 +132,7 @@ void write_modes(const std::string& file, const Modes& found) {
 }
 
 void print_modes(const Modes& found) {
-  if (found.freedoms >= 0) fmt::print("  freedoms   {}\n", found.freedoms);
+  fmt::print("  freedoms   {}\n", found.freedoms);
   if (found.modes.empty()) {
     fmt::print("  nothing is free to move: there are no modes\n");
     return;
