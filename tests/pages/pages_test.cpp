@@ -110,8 +110,8 @@ std::vector<std::string> words_of(const std::string& text, const char* pattern) 
 
 // Whether it needs nothing but what is in the folder. A chart takes a minute.
 bool complete(const Command& command) {
-  static const std::set<std::string> verbs = {"run",     "check",      "assemble", "sweep",
-                                              "statics", "kinematics", "inverse",  "explain"};
+  static const std::set<std::string> verbs = {"run",     "check",   "assemble", "sweep",     "statics", "kinematics",
+                                              "inverse", "explain", "modes",    "linearize", "matrices"};
   const std::vector<std::string> scenes = words_of(command.rest, "([^ ]+\\.json)");
   return verbs.count(command.verb) > 0 && scenes.size() == 1 && fs::exists(folder() + "/" + scenes[0]) &&
          command.rest.find_first_of("${") == std::string::npos;

@@ -1,5 +1,6 @@
-// Eigenvalues of linearised mechanisms from M, D, K and J of NewtonMatrix, against exact ones
-// (tests/verification/data/modes.csv): what is held by joints alone has no frequency without their geometric stiffness.
+// Modes of linearised mechanisms against exact eigenvalues (tests/verification/data/modes.csv): what is held by joints
+// alone has no frequency without their geometric stiffness.
+#include <algorithm>
 #include <complex>
 #include <filesystem>
 #include <fstream>
@@ -10,11 +11,10 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
-#include <lockstep/newton.h>
+#include <lockstep/modes.h>
 #include <lockstep/phi_links.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
-#include "tests/support/dense.h"
 #include "tests/support/paths.h"
 
 namespace modes_test {
@@ -38,74 +38,31 @@ Eigenvalues exact(const std::string& name) {
   return out;
 }
 
-/// M, D, K (6 a slot) and J at the system's start; `spin`: angular velocity of the axes that turn with the mechanism.
-struct Linear {
-  MatX M, D, K, J;
-  double unrest = 0;  ///< largest acceleration in those axes: zero for an equilibrium or a steady rotation
-
-  explicit Linear(System& sys, const Vec3& spin = Vec3::Zero()) {
-    Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-    const State start = sys.start();
-    const Solution& values = dynamics.evaluate(start);
-    NewtonMatrix N;
-    N.gather(values.evaluation, values.lambda);
-    const int n = 6 * sys.n_slots(), m = values.rows.n_rows;
-    const auto matrix = [&](int rows, auto add) {
-      MatX A(rows, n);
-      for (int k = 0; k < n; ++k) {
-        VecX y = VecX::Zero(rows);
-        add(VecX(VecX::Unit(n, k)), y);
-        A.col(k) = y;
-      }
-      return A;
-    };
-    M = matrix(n, [&](const VecX& x, VecX& y) { N.add_M_times(x, y); });
-    D = matrix(n, [&](const VecX& x, VecX& y) { N.add_D_times(x, y); });
-    K = matrix(n, [&](const VecX& x, VecX& y) { N.add_K_times(x, y); });
-    J = matrix(m, [&](const VecX& x, VecX& y) { N.add_J_times(x, y); });
-    // (9.18), (9.20): dv = dxd + Om x dx and dw = dthd + w x dth; of the accelerations dxdd + 2 Om x dxd + Om x (Om x
-    // dx) and dthdd + w x dthd
-    MatX turn = MatX::Zero(n, n), twice = turn, square = turn;
-    for (int k = 0; k < sys.n_slots(); ++k) {
-      const Mat3 W = skew(spin), w = skew(Vec3(start.v.segment<3>(6 * k + 3)));
-      turn.block<3, 3>(6 * k, 6 * k) = W, turn.block<3, 3>(6 * k + 3, 6 * k + 3) = w;
-      twice.block<3, 3>(6 * k, 6 * k) = 2 * W, twice.block<3, 3>(6 * k + 3, 6 * k + 3) = w;
-      square.block<3, 3>(6 * k, 6 * k) = W * W;
-      const Vec3 x = start.q.segment<3>(7 * k);
-      unrest =
-          std::max({unrest, (values.a.segment<3>(6 * k) - W * W * x).norm(), values.a.segment<3>(6 * k + 3).norm()});
-    }
-    K += D * turn + M * square;
-    D += M * twice;
-  }
-
-  /// (9.21) ( l^2 N^T M N + l N^T D N + N^T K N ) y = 0, N a basis of the null space of J.
-  Eigenvalues eigenvalues() const {
-    const MatX N = dense::null_space(J, 1e-9);
-    const Eigen::Index f = N.cols();
-    const MatX mass = N.transpose() * M * N;
-    MatX A = MatX::Zero(2 * f, 2 * f);
-    A.topRightCorner(f, f).setIdentity();
-    A.bottomLeftCorner(f, f) = -dense::solve(mass, N.transpose() * K * N);
-    A.bottomRightCorner(f, f) = -dense::solve(mass, N.transpose() * D * N);
-    return dense::eigenvalues(A);
-  }
-};
-
-/// As many eigenvalues as there are, each near one of its own; zeros come out as the square root of rounding.
+/// As many eigenvalues as there are, each near one of its own, and as many zeros: none split by round-off.
 void check(const std::string& name, System& sys, const Vec3& spin = Vec3::Zero()) {
-  CAPTURE(name);
-  const Linear linear(sys, spin);
-  CHECK(linear.unrest <= 1e-11);
-  Eigenvalues found = linear.eigenvalues();
-  const Eigenvalues truth = exact(name);
-  REQUIRE(found.size() == truth.size());
-  for (const std::complex<double>& l : truth) {
-    const auto nearest = std::min_element(
-        found.begin(), found.end(), [&](const auto& a, const auto& b) { return std::abs(a - l) < std::abs(b - l); });
-    CAPTURE(l, *nearest);
-    CHECK(std::abs(*nearest - l) <= (l == 0.0 ? 1e-5 : 1e-11 * std::abs(l)));
-    found.erase(nearest);
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>(), {.formulation = Formulation::omega});
+  for (const bool given : {true, false}) {
+    CAPTURE(name, given);
+    ModesOptions options;
+    if (given) options.motion.spin = spin;
+    const Modes modes = find_modes(dynamics, sys.start(), options);
+    CHECK(modes.unrest.acceleration <= 1e-11);
+    CHECK((modes.spin - spin).norm() <= 1e-14 * spin.norm());
+    Eigenvalues found = modes.eigenvalues();
+    const Eigenvalues truth = exact(name);
+    REQUIRE(found.size() == truth.size());
+    CHECK(std::ranges::count(found, 0.0) == std::ranges::count(truth, 0.0));
+    for (const std::complex<double>& l : truth) {
+      const auto nearest = std::min_element(
+          found.begin(), found.end(), [&](const auto& a, const auto& b) { return std::abs(a - l) < std::abs(b - l); });
+      CAPTURE(l, *nearest);
+      CHECK(std::abs(*nearest - l) <= 1e-11 * std::abs(l));
+      found.erase(nearest);
+    }
+    for (const Mode& mode : modes.modes) {
+      CAPTURE(mode.value);
+      if (mode.kind != Mode::Kind::rigid) CHECK(mode.bound <= 1e-6 * std::abs(mode.value));
+    }
   }
 }
 

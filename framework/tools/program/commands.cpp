@@ -245,6 +245,58 @@ void add_explain(CLI::App& verb, Arguments& a) {
   add(verb, "--at", a.at, "T", "the instant, s, to which the scene is run; default 0");
 }
 
+// What modes, linearize and matrices share: an instant of a scene.
+void add_instant(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add(verb, "--at", a.at, "T", "the instant, s, to which the scene is run; default 0, its assembled start");
+}
+
+void add_motion(CLI::App& verb, Arguments& a) {
+  add_instant(verb, a);
+  add_json(verb, a);
+  add(verb, "--spin", a.spin, "X,Y,Z",
+      "angular velocity of the axes in which a steady rotation rests, rad/s; default: found from the state");
+  verb.add_flag("--frozen", a.frozen, "take the coefficients of an instant that is neither an equilibrium nor steady");
+}
+
+void add_modes(CLI::App& verb, Arguments& a) {
+  add_motion(verb, a);
+  add(verb, "--count", a.count, "N",
+      "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more");
+  add(verb, "--csv", a.csv, "FILE.csv", "one row per mode, with its shape");
+}
+
+constexpr const char* kModesFooter =
+    R"(The state must be an equilibrium or a steady rotation; what accelerates, and how much, is said where it is none. Modes are in
+space, also of a scene that moves in a plane, unless the scene has a key "planar" or --planar gives one.
+A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
+
+Example (gravity along the arm, so that it hangs):
+  lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)";
+
+void add_linearize(CLI::App& verb, Arguments& a) {
+  add_motion(verb, a);
+  const auto list = [&](const char* name, std::vector<std::string>& to, const char* help) {
+    verb.add_option(name, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  };
+  list("--inputs", a.inputs,
+       "driven links (A, or A.rz of several drives: value, rate and second rate) and forces with a magnitude");
+  list("--outputs", a.outputs, "channels, as `lockstep check SCENE --channels` lists them");
+  add(verb, "--csv", a.csv, "FILE.csv", "one table: rows x' and y, columns x and u");
+}
+
+constexpr const char* kLinearizeFooter =
+    R"(x' = A x + B u, y = C x + D u. The states are displacements of bodies from the state, one for each freedom, then their rates.
+
+Example:
+  lockstep linearize arm.json --inputs motor --outputs hinge.angle_z,hinge.force_on_p_world_x --json)";
+
+void add_matrices(CLI::App& verb, Arguments& a) {
+  add_instant(verb, a);
+  add_json(verb, a);
+  add(verb, "--out", a.out, "DIR", "folder for M, D, K and J as Matrix Market, and rows.csv and unknowns.csv");
+}
+
 void add_list(CLI::App& verb, Arguments& a) {
   add(verb, "shelf", a.name, "SHELF", "only one of them", {"links", "laws", "forces", "integrators", "solvers"});
   add_plugins(verb, a);
@@ -339,6 +391,14 @@ constexpr Verb kVerbs[] = {
      "Limits become stops, damping becomes forces; what has no place in a scene (meshes, mimicry, friction) is "
      "named.\n\n"
      "Example:\n  lockstep import robot.urdf --out robot.json"},
+    {"modes", "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation", add_modes,
+     modes_command, kModesFooter},
+    {"linearize", "A, B, C, D of the linear equations about a state, with named inputs and outputs", add_linearize,
+     linearize_command, kLinearizeFooter},
+    {"matrices", "Mass, damping, stiffness, jacobian and right sides at an instant, with the names of rows and columns",
+     add_matrices, matrices_command,
+     "M a + J^T lambda = f, J a = c.\n\nExample:\n  lockstep matrices samples/scenes/four_bar.json --at 0.1 --out "
+     "four_bar"},
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},
     {"describe", "Print what a type or an object of a scene is and which keys it takes", add_describe, describe_command,
@@ -360,7 +420,7 @@ constexpr Verb kPluginsList = {"list", "Load each plugin of the search path; rep
 
 // A word of the command line without the folders of a file that it names.
 std::string without_folders(std::string word, const Arguments& args) {
-  std::vector<std::string> files{args.scene, args.record, args.report, args.out, args.histories};
+  std::vector<std::string> files{args.scene, args.record, args.report, args.out, args.histories, args.csv};
   files.insert(files.end(), args.plugins.begin(), args.plugins.end());
   for (const std::string& file : files)
     if (const std::size_t slash = file.find_last_of('/'); slash != std::string::npos && word.ends_with(file))

@@ -57,11 +57,14 @@ struct Arguments {
   int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
   std::vector<std::string> more_scenes;  ///< after the first
   const CLI::App* line = nullptr;        ///< the command line itself, for its manual
-  std::string kind, name, into;  ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
-  std::string at, interval;       ///< an instant; the interval of outputs
+  std::string kind, name, into;   ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
   std::string branches;           ///< random starts of assemble; "": branches are not looked for
   std::string all;                ///< random starts of statics; "": one equilibrium
   bool nearest = false;           ///< statics takes the equilibrium that it meets first
+  std::string at, interval;       ///< an instant; the interval of outputs
+  std::string count, spin, csv;   ///< how many modes; a vector; a file
+  bool frozen = false;            ///< coefficients of an instant that is no equilibrium
+  std::vector<std::string> inputs, outputs;  ///< of a linearisation
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -101,6 +104,9 @@ int statics_command(const Arguments&);
 int kinematics_command(const Arguments&);
 int inverse_command(const Arguments&);
 int explain_command(const Arguments&);
+int modes_command(const Arguments&);
+int linearize_command(const Arguments&);
+int matrices_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);

@@ -1,0 +1,345 @@
+// Small deviations from a state, in axes that turn with it.
+//
+// The axes turn with Om. A body may turn on in them with r = w - Om about an axis of symmetry. With W = Om, all in slot
+// axes, deviations dth seen from axes that turn with Om have
+//
+//   dv = dx' + Om x dx                 da  = dx'' + 2 Om x dx' + Om x (Om x dx)                  (9.20)
+//   dw = dth' + W x dth                dal = dth'' + (W - r) x dth' - r x (W x dth)              (9.28)
+//
+// and a steady motion has v = u0 + Om x x, a = Om x v, al = W x w.
+#include <lockstep/linearization.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/tools/analysis/unknowns.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kStill = 1e-6;      // of the load on a slot
+constexpr double kRoundOff = 1e-12;  // of the largest load, and of the stiffness times the length
+constexpr double kSymmetric = 1e-9;  // of the inertia
+
+// A rigid motion of the axes.
+struct Turning {
+  Vec3 spin = Vec3::Zero(), u0 = Vec3::Zero();
+};
+
+// What a slot does, in the world but for w and al.
+struct SlotMotion {
+  Vec3 x, v, w, a, al;
+  Mat3 A;
+};
+
+std::vector<SlotMotion> motions_of(const State& state, const VecX& a) {
+  std::vector<SlotMotion> all;
+  for (int k = 0; k < static_cast<int>(a.size() / 6); ++k) {
+    const Motion m = slot_motion(state, k);
+    all.push_back({m.x, m.v, m.w, a.segment<3>(6 * k), a.segment<3>(6 * k + 3), m.A});
+  }
+  return all;
+}
+
+Vec3 left_over_spin(const SlotMotion& m, const Vec3& spin) { return m.w - m.A.transpose() * spin; }
+
+Turning turning_with(const Vec3& spin, const std::vector<SlotMotion>& slots) {
+  Turning t{spin, Vec3::Zero()};
+  for (const SlotMotion& m : slots) t.u0 += (m.v - cross(spin, m.x)) / static_cast<double>(slots.size());
+  return t;
+}
+
+// The speed of a slot that its load makes large: such an acceleration on a circle of the radius `length`.
+double speed_of_load(const MechanismMatrices& at, std::size_t slot) {
+  const double most = at.loads.size() > 0 ? at.loads.maxCoeff() : 0.0;
+  return std::sqrt(std::max(at.loads[static_cast<Eigen::Index>(slot)], kRoundOff * most) * at.length);
+}
+
+Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::vector<SlotMotion>& slots,
+                 const Turning& axes) {
+  Unrest out;
+  double worst = -1, worst_speed = -1;
+  const double most = at.loads.size() > 0 ? at.loads.maxCoeff() : 0.0;
+  VecX stiffness = VecX::Zero(static_cast<Eigen::Index>(slots.size()));
+  for (std::size_t i = 0; i < at.unknowns.size(); ++i) {
+    const auto c = static_cast<Eigen::Index>(i);
+    const bool turn = at.unknowns[i].velocity >= 3;
+    if (const double m = at.M.coeff(c, c); m > 0 && !turn)
+      stiffness[at.unknowns[i].slot] = std::max(stiffness[at.unknowns[i].slot], std::abs(at.K.coeff(c, c)) / m);
+  }
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const auto at_k = static_cast<Eigen::Index>(k);
+    const SlotMotion& m = slots[k];
+    const Vec3 W = m.A.transpose() * axes.spin;
+    const bool turns = system.slot(static_cast<int>(k)).freedoms != Freedoms::particle;
+    const double a = std::max((m.a - cross(axes.spin, m.v)).norm(),
+                              turns ? at.length * (m.al - cross(W, m.w)).norm() : 0.0),
+                 v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
+    const double limit = std::max({kStill * at.loads[at_k], kRoundOff * most, kRoundOff * stiffness[at_k] * at.length,
+                                   kRoundOff * m.w.squaredNorm() * at.length});
+    const double speed_limit = std::max(kStill * speed_of_load(at, k),
+                                        kRoundOff * (axes.u0.norm() + axes.spin.norm() * (m.x.norm() + at.length)));
+    const std::string& body = system.body_of_slot(static_cast<int>(k)).name;
+    const auto share = [](double of, double size) { return of == 0 ? 0.0 : of / size; };
+    if (share(a, limit) > worst)
+      worst = share(a, limit), out.acceleration = a, out.acceleration_limit = limit,
+      out.accelerates = a > 0 ? body : "";
+    if (share(v, speed_limit) > worst_speed)
+      worst_speed = share(v, speed_limit), out.speed = v, out.speed_limit = speed_limit, out.moves = v > 0 ? body : "";
+  }
+  return out;
+}
+
+// The body that turns on in the axes and is not symmetric about that; "" where there is none.
+std::string turns_unevenly(const System& system, const std::vector<SlotMotion>& slots, const Vec3& spin) {
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const Vec3 r = left_over_spin(slots[k], spin);
+    if (r.norm() <= kSymmetric * slots[k].w.norm()) continue;
+    const Mat3 &J = system.slot(static_cast<int>(k)).J, R = skew(r);
+    if ((J * R - R * J).norm() > kSymmetric * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
+  }
+  return "";
+}
+
+bool at_rest(const MechanismMatrices& at, const std::vector<SlotMotion>& slots) {
+  for (std::size_t k = 0; k < slots.size(); ++k)
+    if (std::max(slots[k].v.norm(), at.length * slots[k].w.norm()) > kStill * speed_of_load(at, k)) return false;
+  return true;
+}
+
+// The spins with which the state may be steady, the likeliest first.
+std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMotion>& slots) {
+  std::vector<Vec3> spins;
+  if (slots.empty() || at_rest(at, slots)) return {Vec3::Zero()};
+  const Vec3 first = slots.front().A * slots.front().w;
+  if (std::ranges::all_of(slots,
+                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kSymmetric * first.norm(); }))
+    spins.push_back(first);
+  // Om x v = a, W x w = al, u0 + Om x x = v: the shortest Om and u0 of the least squares.
+  MatX A = MatX::Zero(static_cast<Eigen::Index>(9 * slots.size()), 6);
+  VecX b(A.rows());
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(9 * k);
+    const SlotMotion& m = slots[k];
+    A.block<3, 3>(row, 0) = -skew(m.v), b.segment<3>(row) = m.a;
+    A.block<3, 3>(row + 3, 0) = -skew(m.w) * m.A.transpose(), b.segment<3>(row + 3) = m.al;
+    A.block<3, 3>(row + 6, 0) = -skew(m.x), A.block<3, 3>(row + 6, 3).setIdentity(), b.segment<3>(row + 6) = m.v;
+  }
+  spins.emplace_back(A.completeOrthogonalDecomposition().solve(b).head<3>());
+  Vec3& spin = spins.back();
+  if (spin.norm() <= 1e-9 * first.norm()) spin.setZero();
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(spin[k]) <= 1e-12 * spin.norm()) spin[k] = 0;
+  if (!spin.isZero(0)) spins.emplace_back(Vec3::Zero());
+  return spins;
+}
+
+// The state that a steady motion reaches after a third of a turn: of the axes, else of a body in them, else after it went
+// the length.
+State later(const State& state, const std::vector<SlotMotion>& slots, const Turning& axes, double length,
+            const VecX& s_rate) {
+  double rate = axes.spin.norm();
+  if (rate == 0)
+    for (const SlotMotion& m : slots) rate = std::max(rate, left_over_spin(m, axes.spin).norm());
+  const double speed = axes.u0.norm();
+  const double dt = rate * length > kStill * speed ? 2.1 / rate : length / speed;
+  const double square = axes.spin.squaredNorm();
+  const Vec3 center = square > 0 ? Vec3(cross(axes.spin, axes.u0) / square) : Vec3(Vec3::Zero()),
+             drift = square > 0 ? Vec3(axes.spin * (axes.spin.dot(axes.u0) / square)) : axes.u0;
+  const Quat turn = exponential(Vec3(axes.spin * dt));
+  const Mat3 R = rotation(turn);
+  State out = state;
+  out.t += dt;
+  out.s += dt * s_rate;
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const SlotMotion& m = slots[k];
+    const Vec3 r = left_over_spin(m, axes.spin);
+    const Pose now = state.slot_pose(static_cast<int>(k));
+    const Vec3 x = center + R * (now.x - center) + drift * dt;
+    const Quat q = normalized(turn * now.q * exponential(Vec3(r * dt)));
+    out.set_slot_pose(static_cast<int>(k), {x, q});
+    out.set_slot_twist(static_cast<int>(k), {axes.u0 + cross(axes.spin, x), rotation(q).transpose() * axes.spin + r});
+  }
+  return out;
+}
+
+std::string seen(const Vec3& spin) {
+  return spin.isZero(0) ? ""
+                        : " seen from axes that turn with [" + text::brief(spin[0]) + ", " + text::brief(spin[1]) +
+                              ", " + text::brief(spin[2]) + "] rad/s";
+}
+
+// Why the state is not steady in these axes; "" where it is.
+class Steadiness {
+ public:
+  Steadiness(Dynamics& dynamics, const State& state, const MechanismMatrices& at, const std::vector<SlotMotion>& slots)
+      : dynamics_(dynamics), state_(state), at_(at), slots_(slots) {}
+
+  std::string why_not(const Turning& axes, const Unrest& unrest) const {
+    if (std::string words = restless(axes, unrest, ""); !words.empty()) return words;
+    if (axes.spin.isZero(0) && at_rest(at_, slots_)) return "";
+    const System& system = dynamics_.system();
+    if (const std::string body = turns_unevenly(system, slots_, axes.spin); !body.empty())
+      return "body '" + body + "' turns" + seen(axes.spin) +
+             " about an axis that is none of symmetry of its inertia, so that the coefficients change with its angle; "
+             "give the spin of axes that turn with it";
+    VecX rate = VecX::Zero(state_.s.size());
+    const Solution& now = dynamics_.evaluate(state_);
+    system.state_rates(now, rate);
+    const State then = later(state_, slots_, axes, at_.length, rate);
+    if (dynamics_.violation(then) > kStill * at_.length)
+      return "the joints do not let it go on like this for a third of a turn";
+    const MechanismMatrices at_then = matrices_at(dynamics_, then);
+    const std::vector<SlotMotion> slots = motions_of(then, Unknowns(system).to_slots(at_then.a));
+    return restless(axes, unrest_of(system, at_then, slots, axes), " a third of a turn later");
+  }
+
+  // What moves or accelerates in these axes; "" where all are within their limits.
+  static std::string restless(const Turning& axes, const Unrest& u, const std::string& when) {
+    std::string words;
+    if (u.acceleration > u.acceleration_limit)
+      words = "body '" + u.accelerates + "' accelerates with " + text::brief(u.acceleration) + " m/s^2" + when +
+              " (limit " + text::brief(u.acceleration_limit) + ")";
+    if (u.speed > u.speed_limit)
+      words += (words.empty() ? "" : ", ") + ("body '" + u.moves + "' moves with " + text::brief(u.speed) + " m/s" +
+                                              when + " (limit " + text::brief(u.speed_limit) + ")");
+    return words.empty() ? "" : words + seen(axes.spin);
+  }
+
+ private:
+  Dynamics& dynamics_;
+  const State& state_;
+  const MechanismMatrices& at_;
+  const std::vector<SlotMotion>& slots_;
+};
+
+void refuse_own_states(const System& system) {
+  for (const auto& own : system.auxiliaries())
+    if (own->controls_error())
+      throw ModelError("'" + own->name() + "' has " + std::to_string(own->size()) +
+                       " states with equations of their own, which the linear equations do not hold; leave it out");
+  for (const auto& link : system.links())
+    if (link->n_own_states() > 0 && link->jointed() == nullptr)
+      throw ModelError("link '" + link->name() +
+                       "' has integrated states of its own, which the linear equations do not "
+                       "hold; leave it out");
+}
+
+// Friction depends on the reactions, which the linear equations keep: right only where it is zero.
+void refuse_acting_friction(Dynamics& dynamics, const State& state, const MechanismMatrices& at) {
+  const System& system = dynamics.system();
+  const Solution& solution = dynamics.evaluate(state);
+  const Reactions reactions(solution);
+  VecX one(6 * system.n_slots());
+  for (const auto& force : system.forces()) {
+    if (force->reacting() == nullptr || !force->acts(solution.in)) continue;
+    one.setZero();
+    WrenchSum sum(solution.in.motions, one);
+    force->reacting()->react(solution.in, reactions, sum);
+    for (int k = 0; k < system.n_slots(); ++k)
+      if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kStill * at.loads[k])
+        throw ModelError(
+            "force '" + force->name() + "' depends on the reactions and acts (" + text::brief(a) + " m/s^2 on '" +
+            system.body_of_slot(k).name +
+            "'), which the linear equations do not hold; take a state in which nothing slides, or leave it "
+            "out");
+  }
+}
+
+std::vector<std::string> notes_on(const System& system, const State& state) {
+  std::vector<std::string> notes;
+  for (const auto& link : system.links()) {
+    if (link->unilateral() != nullptr)
+      notes.push_back(state.modes[static_cast<std::size_t>(link->number())]
+                          ? "one-sided link '" + link->name() + "' is in contact and held as two-sided"
+                          : "one-sided link '" + link->name() + "' is open and left out");
+    if (link->n_own_states() > 0) notes.push_back("link '" + link->name() + "': the speed of its drive is held");
+    if (link->n_own_memory() > 0) notes.push_back("link '" + link->name() + "': its memory is held");
+  }
+  for (const auto& force : system.forces()) {
+    if (force->n_own_memory() > 0) notes.push_back("force '" + force->name() + "': its memory (counted turns) is held");
+    if (force->reacting() != nullptr)
+      notes.push_back("force '" + force->name() + "': friction at rest, with the reactions of this state");
+  }
+  return notes;
+}
+
+// D and K in the turning axes, (9.20) and above.
+void turn_axes(const std::vector<SlotMotion>& slots, LinearMotion& out) {
+  if (at_rest(out, slots) && out.spin.isZero(0)) return;
+  using Entries3 = std::vector<Eigen::Triplet<double>>;
+  Entries3 velocity, rate, square;  // dv = dx' + velocity dx; da = dx'' + rate dx' + square dx
+  std::vector<std::array<int, 6>> column(slots.size(), {-1, -1, -1, -1, -1, -1});
+  for (std::size_t i = 0; i < out.unknowns.size(); ++i)
+    column[static_cast<std::size_t>(out.unknowns[i].slot)][static_cast<std::size_t>(out.unknowns[i].velocity)] =
+        static_cast<int>(i);
+  const auto add = [](const std::array<int, 6>& at, int first, const Mat3& block, Entries3& to) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int row = at[static_cast<std::size_t>(first + i)], col = at[static_cast<std::size_t>(first + j)];
+        if (row >= 0 && col >= 0 && block(i, j) != 0) to.emplace_back(row, col, block(i, j));
+      }
+  };
+  const Mat3 Om = skew(out.spin);
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const Mat3 W = skew(Vec3(slots[k].A.transpose() * out.spin)), r = skew(left_over_spin(slots[k], out.spin));
+    add(column[k], 0, Om, velocity), add(column[k], 3, W, velocity);
+    add(column[k], 0, 2 * Om, rate), add(column[k], 3, W - r, rate);
+    add(column[k], 0, Om * Om, square), add(column[k], 3, -r * W, square);
+  }
+  const auto sparse = [&](const Entries3& entries) {
+    SparseMat A(out.M.rows(), out.M.cols());
+    A.setFromTriplets(entries.begin(), entries.end());
+    return A;
+  };
+  const SparseMat D = out.D;
+  out.K += D * sparse(velocity) + out.M * sparse(square);
+  out.D += out.M * sparse(rate);
+}
+
+// Sets the axes in which the state is steady, and its unrest in them. If there are none, those that are given, else those
+// at rest; returns why it is not steady.
+std::string settle_axes(const Steadiness& steadiness, const System& system, const std::vector<SlotMotion>& slots,
+                        const LinearMotionOptions& options, LinearMotion& out) {
+  std::string why;
+  for (const Vec3& spin : options.spin ? std::vector<Vec3>{*options.spin} : spins_of(out, slots)) {
+    const Turning axes = turning_with(spin, slots);
+    const Unrest unrest = unrest_of(system, out, slots, axes);
+    const std::string words = steadiness.why_not(axes, unrest);
+    out.spin = spin, out.unrest = unrest;
+    if (words.empty()) return words;
+    if (why.empty() && unrest.is_still()) why = words;  // now, and not later: that says more than what follows
+  }
+  const Turning given = options.spin ? turning_with(*options.spin, slots) : Turning{};
+  out.spin = given.spin;
+  out.unrest = unrest_of(system, out, slots, given);
+  if (why.empty()) why = Steadiness::restless(given, out.unrest, "");
+  return why.empty() ? "it goes on in a straight line, and the joints do not let it" : why;
+}
+
+}  // namespace
+
+LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearMotionOptions& options) {
+  State state = given;
+  dynamics.to_slots(state);
+  const System& system = dynamics.system();
+  refuse_own_states(system);
+  LinearMotion out;
+  static_cast<MechanismMatrices&>(out) = matrices_at(dynamics, state);
+  refuse_acting_friction(dynamics, state, out);
+  const std::vector<SlotMotion> slots = motions_of(state, Unknowns(system).to_slots(out.a));
+  const std::string why = settle_axes(Steadiness(dynamics, state, out, slots), system, slots, options, out);
+  if (!why.empty() && !options.frozen)
+    throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
+                     why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
+  out.notes = notes_on(system, state);
+  if (!why.empty()) out.notes.insert(out.notes.begin(), "frozen coefficients of one instant: " + why);
+  turn_axes(slots, out);
+  return out;
+}
+
+}  // namespace lockstep

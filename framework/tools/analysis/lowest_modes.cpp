@@ -1,0 +1,314 @@
+#include "framework/tools/analysis/lowest_modes.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <random>
+
+#include <lockstep/error.h>
+#include "framework/tools/analysis/saddle_factor.h"
+#include "framework/tools/analysis/unknowns.h"
+
+namespace lockstep {
+namespace {
+
+using Complex = std::complex<double>;
+using MatXc = Eigen::MatrixXcd;
+using VecXc = Eigen::VectorXcd;
+
+constexpr double kSmallShare = 1e-11;  // of K with all its terms by their size: as for dense matrices
+constexpr double kSettled = 1e-12;     // residual of an eigenvector, relative
+constexpr double kBlur = 1e-14;        // and what the largest leaves on it
+
+// A subspace that grows by images of its own vectors under an operator, and by vectors at random, which find the other
+// copies of an eigenvalue; orthonormal by an inner product.
+class Subspace {
+ public:
+  using Operator = std::function<VecX(const VecX&)>;
+
+  Subspace(Operator image, Operator metric, Eigen::Index size)
+      : image_(std::move(image)), metric_(std::move(metric)), size_(size) {}
+
+  void add_random() {
+    for (int tries = 0; tries < 3; ++tries)
+      if (add(image_(VecX(VecX::NullaryExpr(size_, [&] { return normal_(random_); })))) > 0) return;
+  }
+  // Takes the next vector's image in; false where there is no further one.
+  bool grow() {
+    if (taken_ == n()) add_random();
+    if (taken_ == n()) return false;
+    const VecX image = image_(V_[static_cast<std::size_t>(taken_)]);
+    const double size = std::sqrt(std::max(image.dot(metric_(image)), 0.0));
+    columns_.emplace_back();
+    add(image, &columns_.back(), size);
+    ++taken_;
+    return true;
+  }
+  Eigen::Index taken() const { return taken_; }
+  // The operator on the vectors whose images are in.
+  MatX projected() const {
+    MatX H = MatX::Zero(taken_, taken_);
+    for (Eigen::Index j = 0; j < taken_; ++j) {
+      const VecX& h = columns_[static_cast<std::size_t>(j)];
+      H.col(j).head(std::min(taken_, h.size())) = h.head(std::min(taken_, h.size()));
+    }
+    return H;
+  }
+  // |image(x) - theta x| of x = V s, for eigenvectors s of projected().
+  double residual(const VecXc& s) const {
+    VecXc left = VecXc::Zero(n() - taken_);
+    for (Eigen::Index j = 0; j < taken_; ++j) {
+      const VecX& h = columns_[static_cast<std::size_t>(j)];
+      for (Eigen::Index i = taken_; i < h.size(); ++i) left[i - taken_] += h[i] * s[j];
+    }
+    return left.norm();
+  }
+  VecXc vector(const VecXc& s) const {
+    VecXc x = VecXc::Zero(size_);
+    for (Eigen::Index j = 0; j < taken_; ++j) x += s[j] * V_[static_cast<std::size_t>(j)].cast<Complex>();
+    return x;
+  }
+
+ private:
+  Eigen::Index n() const { return static_cast<Eigen::Index>(V_.size()); }
+
+  // Adds the part of x that is new; its size, 0 where there is none. `h`: the components of x.
+  double add(VecX x, VecX* h = nullptr, double before = -1) {
+    VecX components = VecX::Zero(n() + 1);
+    if (before < 0) before = std::sqrt(std::max(x.dot(metric_(x)), 0.0));
+    for (int round = 0; round < 3; ++round) {
+      const VecX Mx = metric_(x);
+      VecX step(n());
+      for (Eigen::Index i = 0; i < n(); ++i) step[i] = V_[static_cast<std::size_t>(i)].dot(Mx);
+      for (Eigen::Index i = 0; i < n(); ++i) x -= step[i] * V_[static_cast<std::size_t>(i)];
+      components.head(n()) += step;
+    }
+    const double left = std::sqrt(std::max(x.dot(metric_(x)), 0.0));
+    const bool is_new = left > 1e-12 * before && left > 0;
+    if (is_new) components[n()] = left;
+    if (h != nullptr) *h = is_new ? components : VecX(components.head(n()));
+    if (is_new) V_.push_back(x / left);
+    return is_new ? left : 0.0;
+  }
+
+  Operator image_, metric_;
+  Eigen::Index size_, taken_ = 0;
+  std::vector<VecX> V_, columns_;
+  std::mt19937 random_{1};
+  std::normal_distribution<double> normal_;
+};
+
+struct Found {
+  std::vector<Complex> theta;
+  MatXc s;
+};
+
+Found eigen_of(const MatX& H, bool symmetric) {
+  Found out;
+  VecXc values;
+  MatXc vectors;
+  if (symmetric) {
+    const Eigen::SelfAdjointEigenSolver<MatX> solver(0.5 * (H + H.transpose()));
+    values = solver.eigenvalues().cast<Complex>(), vectors = solver.eigenvectors().cast<Complex>();
+  } else {
+    const Eigen::EigenSolver<MatX> solver(H);
+    values = solver.eigenvalues(), vectors = solver.eigenvectors();
+  }
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::ranges::stable_sort(order,
+                           [&](Eigen::Index a, Eigen::Index b) { return std::abs(values[a]) > std::abs(values[b]); });
+  out.s = vectors(Eigen::all, order);
+  for (const Eigen::Index k : order) out.theta.push_back(values[k]);
+  return out;
+}
+
+// The problem with one shift: l^2 = -w^2 of K + sigma M where nothing damps, else l of the whole equation at a real shift.
+class Shifted {
+ public:
+  Shifted(const LinearMotion& m, bool symmetric, double sigma) : m_(m), symmetric_(symmetric), s_(std::sqrt(sigma)) {
+    factor_ = std::make_unique<SaddleFactor>(
+        m, symmetric ? SparseMat(m.K + sigma * m.M) : SparseMat(m.K + s_ * m.D + sigma * m.M));
+  }
+  Eigen::Index size() const { return symmetric_ ? n() : 2 * n(); }
+  VecX image(const VecX& x) const {
+    if (symmetric_) return factor_->solve(m_.M * x);
+    const VecX p = x.head(n()), q = x.tail(n());
+    VecX out(2 * n());
+    out.head(n()) = factor_->solve(-(m_.M * VecX(q + s_ * p) + m_.D * p));
+    out.tail(n()) = p + s_ * out.head(n());
+    return out;
+  }
+  VecX metric(const VecX& x) const {
+    if (symmetric_) return m_.M * x;
+    VecX out(2 * n());
+    out.head(n()) = s_ * s_ * (m_.M * VecX(x.head(n()))), out.tail(n()) = m_.M * VecX(x.tail(n()));
+    return out;
+  }
+  // The square of l where nothing damps, else l.
+  Complex value(Complex theta) const { return symmetric_ ? s_ * s_ - 1.0 / theta : s_ + 1.0 / theta; }
+
+ private:
+  Eigen::Index n() const { return m_.M.rows(); }
+  const LinearMotion& m_;
+  bool symmetric_;
+  double s_;
+  std::unique_ptr<SaddleFactor> factor_;
+};
+
+// The largest |theta|, settled, with every copy: vectors at random are added until they bring no more.
+Found settle(Subspace& space, bool symmetric, std::size_t count, Eigen::Index most) {
+  Eigen::Index next_look = static_cast<Eigen::Index>(2 * count) + 10, grown = 0;
+  std::vector<Complex> before;
+  space.add_random(), space.add_random();
+  for (;;) {
+    bool whole = false;
+    while (space.taken() < next_look && !whole) whole = !space.grow();
+    const Found found = eigen_of(space.projected(), symmetric);
+    std::size_t n = std::min(count, found.theta.size());
+    if (!symmetric && n < found.theta.size() && n > 0 && found.theta[n - 1].imag() != 0 &&
+        std::abs(found.theta[n - 1] - std::conj(found.theta[n])) <= 1e-9 * std::abs(found.theta[n]))
+      ++n;  // both of a pair
+    bool settled = true;
+    for (std::size_t k = 0; k < n && settled; ++k)
+      settled = space.residual(found.s.col(static_cast<Eigen::Index>(k))) <=
+                kSettled * std::abs(found.theta[k]) + kBlur * std::abs(found.theta[0]);
+    if (whole || settled) {
+      std::vector<Complex> now(found.theta.begin(), found.theta.begin() + static_cast<std::ptrdiff_t>(n));
+      bool same = before.size() == now.size();
+      for (std::size_t k = 0; same && k < now.size(); ++k)
+        same = std::abs(std::abs(now[k]) - std::abs(before[k])) <= 1e-9 * std::abs(now[k]);
+      if (whole || same) return {std::move(now), found.s.leftCols(static_cast<Eigen::Index>(n))};
+      before = std::move(now);
+      space.add_random();
+      grown = std::max<Eigen::Index>(space.taken() / 2, 10);
+      next_look = space.taken() + grown;
+    } else {
+      next_look = space.taken() + 10;
+    }
+    if (space.taken() > most)
+      throw SolveError("the lowest " + std::to_string(count) + " eigenvalues did not settle in " +
+                       std::to_string(most) + " steps; ask for fewer, or for a dense solution (dense_limit)");
+  }
+}
+
+// What round-off may make of a zero w^2 in the direction of x.
+double zero_of(const LinearMotion& m, const VecXc& x) {
+  const VecX size = x.cwiseAbs();
+  return kSmallShare * size.dot(SparseMat(m.K.cwiseAbs()) * size) / size.dot(SparseMat(m.M.cwiseAbs()) * size) +
+         unrest_share(m);
+}
+
+double largest_rate(const LinearMotion& m) {
+  double rate = 0;
+  for (Eigen::Index i = 0; i < m.M.rows(); ++i)
+    if (const double mass = m.M.coeff(i, i); mass > 0)
+      rate = std::max({rate, std::abs(m.K.coeff(i, i)) / mass, std::pow(m.D.coeff(i, i) / mass, 2)});
+  return rate;
+}
+
+struct Values {
+  std::vector<Complex> l2;  // l^2 where nothing damps, else l
+  MatXc x;
+};
+
+Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count) {
+  const Shifted shifted(m, symmetric, sigma);
+  Subspace space([&](const VecX& x) { return shifted.image(x); }, [&](const VecX& x) { return shifted.metric(x); },
+                 shifted.size());
+  const auto wanted = static_cast<std::size_t>(symmetric ? count : 2 * count);
+  const Found found = settle(space, symmetric, wanted, static_cast<Eigen::Index>(200 + 20 * wanted));
+  Values out;
+  out.x = MatXc(m.M.rows(), static_cast<Eigen::Index>(found.theta.size()));
+  for (std::size_t k = 0; k < found.theta.size(); ++k) {
+    const auto col = static_cast<Eigen::Index>(k);
+    out.l2.push_back(shifted.value(found.theta[k]));
+    out.x.col(col) = space.vector(found.s.col(col)).head(m.M.rows());
+  }
+  return out;
+}
+
+void put_zeros(const LinearMotion& m, const std::vector<VecXc>& zero, Spectrum& out) {
+  if (zero.empty()) return;
+  MatX all(m.M.rows(), static_cast<Eigen::Index>(2 * zero.size()));
+  for (std::size_t k = 0; k < zero.size(); ++k) {
+    all.col(static_cast<Eigen::Index>(2 * k)) = zero[k].real() / zero[k].norm();
+    all.col(static_cast<Eigen::Index>(2 * k + 1)) = zero[k].imag() / zero[k].norm();
+  }
+  const Eigen::ColPivHouseholderQR<MatX> qr(all);  // both of a double zero have one vector
+  Eigen::Index rank = 0;
+  while (rank < all.cols() && std::abs(qr.matrixR()(rank, rank)) > 1e-3) ++rank;
+  out.rigid = MatX(m.M.rows(), rank);
+  for (Eigen::Index k = 0; k < rank; ++k) out.rigid.col(k) = all.col(qr.colsPermutation().indices()[k]);
+}
+
+Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& values) {
+  Spectrum out;
+  out.rigid = MatX(m.M.rows(), 0);
+  std::vector<VecXc> zero;
+  std::vector<Eigen::Index> source;
+  const auto put = [&](Complex l, double bound, Eigen::Index k) {
+    out.values.push_back(l), out.bounds.push_back(bound), source.push_back(k);
+  };
+  for (std::size_t i = 0; i < values.l2.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const Complex l = values.l2[i];
+    const double small = zero_of(m, values.x.col(k)), size = symmetric ? std::sqrt(std::abs(l)) : std::abs(l);
+    out.zero_bound = std::max(out.zero_bound, std::sqrt(small));
+    if (size * size <= small) {
+      out.zeros += symmetric ? 2 : 1;
+      zero.push_back(values.x.col(k));
+    } else if (!symmetric) {
+      if (l.imag() >= 0) put(l, 1e-9 * size + small / (2 * size), k);
+    } else if (l.real() < 0) {
+      put({0, size}, small / (2 * size), k);
+    } else {
+      put({-size, 0}, small / (2 * size), k), put({size, 0}, small / (2 * size), k);
+    }
+  }
+  put_zeros(m, zero, out);
+  std::vector<std::size_t> order(out.values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return std::abs(out.values[k]); });
+  const auto v = out.values;
+  const auto b = out.bounds;
+  out.vectors = MatXc(m.M.rows(), static_cast<Eigen::Index>(order.size()));
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    out.values[k] = v[order[k]], out.bounds[k] = b[order[k]];
+    out.vectors.col(static_cast<Eigen::Index>(k)) = values.x.col(source[order[k]]);
+  }
+  return out;
+}
+
+}  // namespace
+
+Spectrum lowest_spectrum(const LinearMotion& m, int count) {
+  const double K = m.K.norm();
+  const bool symmetric = m.D.norm() == 0 && SparseMat(m.K - SparseMat(m.K.transpose())).norm() <= 1e-10 * K;
+  double sigma = 1e-6 * largest_rate(m);
+  if (!(sigma > 0)) sigma = 1;  // nothing acts: every eigenvalue is zero
+  for (int round = 0;; ++round) {
+    const Values values = with_shift(m, symmetric, sigma, count);
+    // A shift beside the lowest that is not zero: far above it, it blurs the lowest; far below, zeros blur them.
+    double lowest = 0;
+    bool has_zeros = false;
+    for (std::size_t i = 0; i < values.l2.size(); ++i) {
+      const double square = symmetric ? std::abs(values.l2[i]) : std::norm(values.l2[i]);
+      if (square <= zero_of(m, values.x.col(static_cast<Eigen::Index>(i))))
+        has_zeros = true;
+      else if (lowest == 0 || square < lowest)
+        lowest = square;
+    }
+    const bool well = lowest == 0 || (sigma <= 10 * lowest && (!has_zeros || sigma >= 1e-2 * lowest));
+    if (well || round == 3) {
+      Spectrum out = spectrum_from(m, symmetric, values);
+      return out;
+    }
+    sigma = lowest;
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,92 @@
+#include "framework/tools/analysis/minimal_coordinates.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/tools/analysis/dependency.h"
+#include "framework/tools/analysis/unknowns.h"
+
+namespace lockstep {
+namespace {
+
+// Turns as lengths: what a displacement of each unknown by 1 is divided by.
+VecX lengths_of(const MechanismMatrices& m) {
+  VecX lengths(static_cast<Eigen::Index>(m.unknowns.size()));
+  for (std::size_t i = 0; i < m.unknowns.size(); ++i)
+    lengths[static_cast<Eigen::Index>(i)] = m.unknowns[i].velocity < 3 ? 1.0 : m.length;
+  return lengths;
+}
+
+}  // namespace
+
+MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
+  const VecX lengths = lengths_of(m);
+  MatX Jt = MatX(m.J).transpose();
+  Jt = lengths.cwiseInverse().asDiagonal() * Jt;
+  VecX sizes = Jt.colwise().norm();
+  sizes = sizes.unaryExpr([](double x) { return x > 0 ? x : 1.0; });
+  Jt = Jt * sizes.cwiseInverse().asDiagonal();
+
+  MinimalCoordinates out;
+  const Eigen::Index n = Jt.rows(), rows = Jt.cols();
+  if (rows == 0) {
+    out.N = lengths.cwiseInverse().asDiagonal();
+    return out;
+  }
+  const Eigen::ColPivHouseholderQR<MatX> qr(Jt);
+  for (Eigen::Index i = 0; i < std::min(n, rows); ++i) {
+    const double pivot = std::abs(qr.matrixR()(i, i));
+    if (pivot > kDependent) ++out.rank;
+    if (pivot > kDependent && pivot <= kNearlyDependent) ++out.nearly;
+  }
+  MatX Q = MatX::Identity(n, n);
+  Q = qr.householderQ() * Q;
+  out.N = lengths.cwiseInverse().asDiagonal() * Q.rightCols(n - out.rank);
+  if (out.rank < rows) {  // Jt P (-R1^-1 R2; 1) = 0
+    MatX circuits(rows, rows - out.rank);
+    circuits.topRows(out.rank) = -qr.matrixR()
+                                      .topLeftCorner(out.rank, out.rank)
+                                      .triangularView<Eigen::Upper>()
+                                      .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
+    circuits.bottomRows(rows - out.rank).setIdentity();
+    out.stresses = sizes.cwiseInverse().asDiagonal() * (qr.colsPermutation() * circuits);
+  }
+  return out;
+}
+
+std::vector<int> independent_unknowns(const MechanismMatrices& m, const MatX& N) {
+  if (N.cols() == 0) return {};
+  const MatX scaled = lengths_of(m).asDiagonal() * N;
+  const Eigen::ColPivHouseholderQR<MatX> qr(scaled.transpose());
+  std::vector<int> chosen(qr.colsPermutation().indices().data(), qr.colsPermutation().indices().data() + N.cols());
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+void refuse_singular_pose(Dynamics& dynamics, const State& state, const MechanismMatrices& m,
+                          const MinimalCoordinates& c) {
+  if (c.stresses.cols() == 0 || c.N.cols() == 0) return;
+  const SparseMat K = stiffness_with(dynamics, state, VecX::Zero(m.lambda.size()));
+  SparseMat turned(m.M.rows(), m.M.rows());
+  turned = lengths_of(m).cwiseInverse().asDiagonal();
+  for (Eigen::Index j = 0; j < c.stresses.cols(); ++j) {
+    const VecX stress = c.stresses.col(j);
+    const SparseMat geometric = stiffness_with(dynamics, state, stress) - K;
+    const MatX left = c.N.transpose() * (geometric * c.N);
+    const SparseMat scaled = turned * geometric * turned;  // as N is: turns as lengths
+    double size = 0;
+    for (Eigen::Index i = 0; i < scaled.cols(); ++i)
+      for (SparseMat::InnerIterator it(scaled, i); it; ++it) size = std::max(size, std::abs(it.value()));
+    if (left.cwiseAbs().maxCoeff() <= 1e-6 * size) continue;
+    Eigen::Index row = 0;
+    stress.cwiseAbs().maxCoeff(&row);
+    throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +
+                     " depends on others and does not elsewhere (a singular position: a change point, rods in line): "
+                     "the mechanism has no single linearisation there; take another state");
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,28 @@
+// Minimal coordinates of a mechanism at a state: a basis of the null space of its constraints.
+#pragma once
+
+#include <vector>
+
+#include <lockstep/linearization.h>
+
+namespace lockstep {
+
+/// dx = N y. Columns of N are orthonormal where turns count as lengths (times MechanismMatrices::length).
+struct MinimalCoordinates {
+  MatX N;          ///< unknowns x freedoms
+  int rank = 0;    ///< of the rows
+  MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0, orthonormal in scaled rows
+  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-5: near a singular position
+};
+
+/// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26).
+MinimalCoordinates minimal_coordinates(const MechanismMatrices&);
+
+/// Unknowns that can stand for the minimal coordinates: N = C inverse(C at these), well conditioned.
+std::vector<int> independent_unknowns(const MechanismMatrices&, const MatX& N);
+
+/// Throws ModelError where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row
+/// that is redundant everywhere does not.
+void refuse_singular_pose(Dynamics&, const State&, const MechanismMatrices&, const MinimalCoordinates&);
+
+}  // namespace lockstep

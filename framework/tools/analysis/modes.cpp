@@ -1,0 +1,109 @@
+#include <lockstep/modes.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include "framework/tools/analysis/lowest_modes.h"
+#include "framework/tools/analysis/minimal_coordinates.h"
+#include "framework/tools/analysis/spectrum.h"
+#include "framework/tools/analysis/unknowns.h"
+
+namespace lockstep {
+namespace {
+
+using Complex = std::complex<double>;
+
+// The bodies' motions of a displacement of the unknowns, scaled so that the largest rotation, or translation over the
+// length, is 1 and real.
+std::vector<BodyShape> shape_of(const System& system, const State& state, const LinearMotion& motion,
+                                const Eigen::VectorXcd& dx) {
+  std::vector<BodyShape> shape(static_cast<std::size_t>(system.n_slots()));
+  for (std::size_t i = 0; i < motion.unknowns.size(); ++i) {
+    const UnknownVelocity& u = motion.unknowns[i];
+    BodyShape& of = shape[static_cast<std::size_t>(u.slot)];
+    (u.velocity < 3 ? of.move[u.velocity] : of.turn[u.velocity - 3]) = dx[static_cast<Eigen::Index>(i)];
+  }
+  Complex largest = 0;
+  for (int k = 0; k < system.n_slots(); ++k) {
+    BodyShape& of = shape[static_cast<std::size_t>(k)];
+    of.body = bodies_of(system.slot(k));
+    of.turn = (rotation(normalized(state.slot_pose(k).q)).cast<Complex>() * of.turn).eval();
+    for (int c = 0; c < 3; ++c)
+      for (const Complex z : {Complex(of.move[c] / motion.length), Complex(of.turn[c])})
+        if (std::abs(z) > (1 + 1e-9) * std::abs(largest)) largest = z;
+  }
+  if (largest == 0.0) return shape;
+  for (BodyShape& of : shape) of.move /= largest, of.turn /= largest;
+  return shape;
+}
+
+Mode::Kind kind_of(Complex l) {
+  if (l.imag() != 0) return Mode::Kind::oscillation;
+  return l.real() < 0 ? Mode::Kind::decay : Mode::Kind::growth;
+}
+
+QuadraticProblem reduced(const LinearMotion& m, const MatX& N) {
+  const MatX size = N.cwiseAbs();
+  const auto inner = [](const MatX& left, const SparseMat& A) { return MatX(left.transpose() * (A * left)); };
+  return {inner(N, m.M),
+          inner(N, m.D),
+          inner(N, m.K),
+          inner(size, SparseMat(m.D.cwiseAbs())),
+          inner(size, SparseMat(m.K.cwiseAbs())),
+          unrest_share(m)};
+}
+
+Spectrum of_all(Dynamics& dynamics, const State& state, const LinearMotion& motion, MatX& N, Modes& out) {
+  MinimalCoordinates c = minimal_coordinates(motion);
+  refuse_singular_pose(dynamics, state, motion, c);
+  if (c.nearly > 0)
+    out.notes.push_back("a singular position is near: " + std::to_string(c.nearly) +
+                        " of the rows nearly depend on others");
+  N = std::move(c.N);
+  out.freedoms = static_cast<int>(N.cols());
+  return spectrum_of(reduced(motion, N));
+}
+
+}  // namespace
+
+std::vector<std::complex<double>> Modes::eigenvalues() const {
+  std::vector<Complex> all(static_cast<std::size_t>(zeros), 0.0);
+  for (const Mode& mode : modes) {
+    if (mode.kind == Mode::Kind::rigid) continue;
+    all.push_back(mode.value);
+    if (mode.value.imag() != 0) all.push_back(std::conj(mode.value));
+  }
+  return all;
+}
+
+Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& options) {
+  State state = given;
+  dynamics.to_slots(state);
+  const LinearMotion motion = linear_motion(dynamics, state, options.motion);
+  const System& system = dynamics.system();
+  Modes out;
+  out.length = motion.length, out.spin = motion.spin, out.unrest = motion.unrest, out.notes = motion.notes;
+  const bool dense = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
+  MatX N;
+  const Spectrum found =
+      dense ? of_all(dynamics, state, motion, N, out) : lowest_spectrum(motion, options.count > 0 ? options.count : 20);
+  if (!dense) out.freedoms = mobility(dynamics, state).freedoms;
+  out.zeros = found.zeros, out.zero_bound = found.zero_bound;
+  const auto full = [&](const Eigen::VectorXcd& y) { return dense ? Eigen::VectorXcd(N.cast<Complex>() * y) : y; };
+  for (Eigen::Index k = 0; k < found.rigid.cols(); ++k)
+    out.modes.push_back({Mode::Kind::rigid, 0.0, found.zero_bound,
+                         shape_of(system, state, motion, full(found.rigid.col(k).cast<Complex>()))});
+  for (std::size_t k = 0; k < found.values.size(); ++k)
+    out.modes.push_back({kind_of(found.values[k]), found.values[k], found.bounds[k],
+                         shape_of(system, state, motion, full(found.vectors.col(static_cast<Eigen::Index>(k))))});
+  out.complete = dense;
+  if (options.count > 0 && static_cast<std::size_t>(options.count) < out.modes.size()) {
+    out.modes.resize(static_cast<std::size_t>(options.count));
+    out.complete = false;
+  }
+  return out;
+}
+
+}  // namespace lockstep

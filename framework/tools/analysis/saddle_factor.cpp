@@ -1,0 +1,53 @@
+#include "framework/tools/analysis/saddle_factor.h"
+
+#include <cmath>
+
+#include <lockstep/error.h>
+
+namespace lockstep {
+
+SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A) {
+  constexpr double kProximal = 1e-10;
+  const Eigen::Index n = A.rows(), rows = m.J.rows();
+  scale_.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    scale_[i] = m.unknowns[static_cast<std::size_t>(i)].velocity < 3 ? 1.0 : 1.0 / m.length;
+  const SparseMat scaled = scale_.asDiagonal() * A * scale_.asDiagonal();
+  const SparseMat Jt = scale_.asDiagonal() * SparseMat(m.J.transpose());
+  double size = 0;
+  for (Eigen::Index i = 0; i < n; ++i) size = std::max(size, std::abs(scaled.coeff(i, i)));
+  if (size == 0) size = 1;
+
+  std::vector<Eigen::Triplet<double>> entries, proximal;
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (SparseMat::InnerIterator it(scaled, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const double length = Jt.col(row).norm(), to = length > 0 ? size / length : 0.0;
+    for (SparseMat::InnerIterator it(Jt, row); it; ++it) {
+      entries.emplace_back(it.row(), n + row, to * it.value());
+      entries.emplace_back(n + row, it.row(), to * it.value());
+    }
+    proximal.emplace_back(n + row, n + row, -kProximal * size);
+  }
+  matrix_.resize(n + rows, n + rows);
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  SparseMat with_proximal(n + rows, n + rows);
+  entries.insert(entries.end(), proximal.begin(), proximal.end());
+  with_proximal.setFromTriplets(entries.begin(), entries.end());
+  lu_.compute(with_proximal);
+  if (lu_.info() != Eigen::Success)
+    throw SolveError("the saddle-point matrix of the linear equations has no factors: " + lu_.lastErrorMessage());
+}
+
+VecX SaddleFactor::solve(const VecX& f) const {
+  constexpr int kCorrections = 3;
+  const Eigen::Index n = scale_.size();
+  VecX b = VecX::Zero(matrix_.rows());
+  b.head(n) = scale_.cwiseProduct(f);
+  VecX x = lu_.solve(b);
+  for (int k = 0; k < kCorrections; ++k) x += lu_.solve(VecX(b - matrix_ * x));
+  if (!x.allFinite()) throw SolveError("a solution of the linear equations is not finite");
+  return scale_.cwiseProduct(x.head(n));
+}
+
+}  // namespace lockstep

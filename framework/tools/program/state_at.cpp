@@ -1,0 +1,74 @@
+#include "framework/tools/program/state_at.h"
+
+#include <array>
+#include <charconv>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/sweep/scene_run.h"
+
+namespace lockstep {
+namespace {
+
+State run_to(Mechanism& m, const Registry& registry, double t) {
+  record_places(m);
+  const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  std::vector<Event> events = make_events(m, *recorder);
+  Dynamics dynamics = make_dynamics(m, registry);
+  State start = assembled_start(dynamics, m);
+  if (t == 0) {
+    dynamics.to_slots(start);
+    return start;
+  }
+  StepLoopOptions options = loop_options(m.run);
+  options.output = t, options.output_times.clear();
+  StepLoop loop(dynamics, make_integrator(m.run, registry), options);
+  loop.add_observer(*recorder);
+  for (Event& event : events) loop.add_event(std::move(event));
+  loop.set_state(std::move(start));
+  const SimulationReport& report = loop.run_until(t);
+  if (report.stopped)
+    throw ModelError("the run ended at t = " + text::brief(loop.state().t) + " s, by '" + report.stopped_by +
+                     "'; give an instant --at before it");
+  State state = loop.state();
+  dynamics.to_slots(state);
+  return state;
+}
+
+}  // namespace
+
+double instant_of(const Arguments& args) {
+  if (args.at.empty() || args.at == "0") return 0;
+  return positive_number("--at", args.at, Unit::time, "0.5s");
+}
+
+MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& registry, double t) {
+  MechanismAt out;
+  out.mechanism = std::move(mechanism);
+  out.state = run_to(*out.mechanism, registry, t);
+  out.dynamics = std::make_unique<Dynamics>(
+      out.mechanism->system, make_solver(out.mechanism->run, registry),
+      DynamicsOptions{.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
+  return out;
+}
+
+MechanismAt state_at(const Loaded& loaded, double t) {
+  return state_at(std::make_unique<Mechanism>(build_mechanism(in_space(loaded.scene), loaded.registry)),
+                  loaded.registry, t);
+}
+
+Vec3 read_vector(const std::string& option, const std::string& text) {
+  std::array<double, 3> x{};
+  const char *at = text.data(), *const end = at + text.size();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [next, error] = std::from_chars(at, end, x[k]);
+    const bool last = k == 2;
+    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
+      throw UsageError(option + ": \"" + text + "\" is no vector; write three numbers, as in " + option + " 0,0,8");
+    at = next + 1;
+  }
+  return {x[0], x[1], x[2]};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,31 @@
+// A state of a scene's mechanism at an instant, for the verbs that analyse one.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <lockstep/scene.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// The mechanism of a scene in space (unless the scene or --planar says otherwise), at an instant.
+struct MechanismAt {
+  std::unique_ptr<Mechanism> mechanism;
+  std::unique_ptr<Dynamics> dynamics;  ///< six velocities a body, without stabilisation
+  State state;                         ///< in the coordinates of the bodies
+};
+
+/// The instant of --at, s; 0 where none is given. Throws UsageError.
+double instant_of(const Arguments&);
+
+/// Runs the mechanism to an instant by the scene's settings, from its assembled start; at t = 0 that is the state. Throws
+/// what a run throws, and ModelError where an event ends the run before.
+MechanismAt state_at(std::unique_ptr<Mechanism>, const Registry&, double t);
+/// Builds the mechanism of a loaded scene, then as above.
+MechanismAt state_at(const Loaded&, double t);
+
+/// [1, 0, 0] of "1,0,0": three numbers with commas. Throws UsageError naming `option`.
+Vec3 read_vector(const std::string& option, const std::string& text);
+
+}  // namespace lockstep

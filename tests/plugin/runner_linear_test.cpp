@@ -1,0 +1,188 @@
+// The verbs modes, linearize and matrices, called as a person calls them.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include <lockstep/recorder.h>
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/plugin_files.h"
+#include "tests/support/program.h"
+
+namespace runner_linear_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+// A bob of mass m on an arm d, hanging; a motor in its hinge, a spring that is free.
+const std::string kBob = R"("gravity": [0,-9.81,0],
+  "bodies": [{"name": "bob", "mass": 2, "inertia": [0.2, 0.25, 0.3], "position": [0, -0.7, 0]}],
+  "links": [{"name": "pivot", "type": "revolute", "p": "bob", "s": "ground", "at": [0,0,0]}],
+  "forces": [{"name": "motor", "type": "torque_motor", "p": "bob", "s": "ground", "at": [0,0,0], "torque": 0},
+             {"name": "push", "type": "applied_force", "p": "bob", "force": [0, -3, 0]}],
+  "run": {"until": 1, "output": 0.1, "record": ["pivot.angle_z"]})";
+const double kSwing = std::sqrt(2 * 9.81 * 0.7 / (0.3 + 2 * 0.49));  // sqrt(m g d/(I + m d^2))
+
+std::string without_push() {
+  const std::size_t at = kBob.find(",\n             {\"name\": \"push\"");
+  return kBob.substr(0, at) + "]" + kBob.substr(kBob.find(",\n  \"run\""));
+}
+
+}  // namespace
+
+TEST_CASE("modes of a scene: a pendulum's frequency", "[runner][modes]") {
+  const std::string scene = scene_file("bob", without_push());
+  const Called called = call("modes '" + scene + "' --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const json j = json::parse(called.text);
+  REQUIRE(j["modes"].size() == 1);
+  CHECK(j["freedoms"] == 1);
+  CHECK(j["modes"][0]["omega"].get<double>() == Approx(kSwing).epsilon(1e-12));
+  CHECK(j["modes"][0]["frequency"].get<double>() == Approx(kSwing / 6.283185307179586).epsilon(1e-12));
+  CHECK(j["modes"][0]["shape"][0]["turn"][2][0].get<double>() == Approx(1));
+  CHECK(j["state"]["still"] == true);
+  const Called words = call("modes '" + scene + "' --csv modes.csv");
+  INFO(words.text);
+  CHECK(words.exit == 0);
+  for (const char* word : {"at rest", "'bob' turns 1 rad about z", "undamped", "modes.csv"})
+    CHECK(contains(words.text, word));
+  std::ifstream file(kRunnerFolder + "/modes.csv");
+  std::string header, row;
+  std::getline(file, header), std::getline(file, row);
+  CHECK(contains(header, "frequency [Hz]"));
+  CHECK(contains(header, "bob.turn_z.re [rad]"));
+  CHECK(row.starts_with("1,oscillation,"));
+}
+
+TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][modes]") {
+  const std::string scene = std::string(paths::kScenes) + "/pendulum.json";
+  const Called refused = call("modes '" + scene + "'");
+  INFO(refused.text);
+  CHECK(refused.exit == 3);
+  for (const char* word : {"'arm' accelerates with", "m/s^2", "--frozen", "--at"}) CHECK(contains(refused.text, word));
+  const Called frozen = call("modes '" + scene + "' --frozen");
+  CHECK(frozen.exit == 0);
+  CHECK(contains(frozen.text, "frozen coefficients"));
+  CHECK(call("modes '" + scene + "' --set gravity.0=9.81 --set gravity.1=0").exit == 0);
+  CHECK(call("modes '" + scene + "' --frozen --spin 1,2").exit == 2);
+  CHECK(call("modes '" + scene + "' --frozen --count none").exit == 2);
+  CHECK(call("modes '" + scene + "' --frozen --at yesterday").exit == 2);
+}
+
+TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]") {
+  const std::string scene = scene_file("settling", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "mass", "mass": 2, "inertia": [0.1, 0.1, 0.1]}],
+    "links": [{"name": "rail", "type": "prismatic", "p": "mass", "s": "ground", "at": [0,0,0], "axis": "y"}],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_s": [0,-1,0],
+                "stiffness": 200, "damping": 20, "free_length": 1}],
+    "run": {"until": 1, "tolerance": 1e-10})");
+  CHECK(call("modes '" + scene + "'").exit == 3);
+  const Called settled = call("modes '" + scene + "' --at 10 --json");
+  INFO(settled.text);
+  REQUIRE(settled.exit == 0);
+  const json mode = json::parse(settled.text)["modes"][0];
+  CHECK(mode["eigenvalue"][0].get<double>() == Approx(-5).epsilon(1e-9));
+  CHECK(mode["eigenvalue"][1].get<double>() == Approx(std::sqrt(75.0)).epsilon(1e-9));
+  CHECK(mode["damping"].get<double>() == Approx(0.5).epsilon(1e-9));
+}
+
+TEST_CASE("linearize: a motor, a push and a drive of a pendulum", "[runner][linear]") {
+  const std::string scene = scene_file("pushed", kBob);
+  const Called called =
+      call("linearize '" + scene + "' --inputs motor,push --outputs pivot.angle_z,bob.ax,pivot.omega_z --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const json j = json::parse(called.text);
+  const double inertia = 0.3 + 2 * 0.49, pull = 2 * 9.81 + 3;  // the push pulls as the weight does
+  CHECK(j["states"].size() == 2);
+  CHECK(j["inputs"].size() == 2);
+  CHECK(j["A"][1][0].get<double>() == Approx(-(2 * 9.81 + 3) * 0.7 / inertia).epsilon(1e-11));
+  // what the state is, the outputs say: angle = c x
+  const double c = j["C"][0][0].get<double>();
+  CHECK(j["B"][1][0].get<double>() * c == Approx(1 / inertia).epsilon(1e-8));
+  CHECK(std::abs(j["B"][1][1].get<double>()) < 1e-9);  // along the arm
+  CHECK(j["D"][1][0].get<double>() == Approx(0.7 / inertia).epsilon(1e-8));
+  CHECK(j["C"][1][0].get<double>() == Approx(-0.7 * pull * 0.7 / inertia * c).epsilon(1e-8));
+  CHECK(j["accuracy"].get<double>() < 1e-8);
+
+  CHECK(call("linearize '" + scene + "' --inputs motor --csv linear.csv").exit == 0);
+  std::ifstream file(kRunnerFolder + "/linear.csv");
+  std::string header;
+  std::getline(file, header);
+  CHECK(contains(header, "motor [N m]"));
+
+  const Called unknown = call("linearize '" + scene + "' --inputs moter");
+  CHECK(unknown.exit == 2);
+  CHECK(contains(unknown.text, "did you mean \"motor\""));
+  CHECK(call("linearize '" + scene + "' --outputs bob.speed").exit == 3);
+  CHECK(contains(call("linearize '" + scene + "' --outputs energy.dissipated").text, "integrated state"));
+}
+
+TEST_CASE("linearize: the law of a drive has three columns", "[runner][linear]") {
+  const std::string scene = scene_file("driven", R"("gravity": [0,-9.81,0],
+    "bodies": [{"name": "cart", "mass": 1, "inertia": [0.1, 0.1, 0.1]},
+               {"name": "bob", "mass": 2, "inertia": [0.2, 0.25, 0.3], "position": [0, -0.7, 0]}],
+    "links": [{"name": "rail", "type": "prismatic", "p": "cart", "s": "ground", "at": [0,0,0], "axis": "x",
+               "drive": {"axis": "z", "law": 0}},
+              {"name": "pivot", "type": "revolute", "p": "bob", "s": "cart", "at": [0,0,0]}],
+    "run": {"until": 1})");
+  const Called called = call("linearize '" + scene + "' --inputs rail --outputs pivot.angle_z,cart.x,bob.x --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const json j = json::parse(called.text);
+  REQUIRE(j["inputs"].size() == 3);
+  CHECK(j["inputs"][2]["name"] == "rail_dd");
+  CHECK(j["inputs"][2]["unit"] == "m/s^2");
+  CHECK(j["D"][1][0].get<double>() == Approx(1).epsilon(1e-9));
+  // (I + m d^2) th'' = -m g d th - m d u''
+  CHECK(j["A"][1][0].get<double>() == Approx(-kSwing * kSwing).epsilon(1e-11));
+}
+
+TEST_CASE("matrices as files that agree with one another", "[runner][linear]") {
+  const std::string scene = std::string(paths::kScenes) + "/four_bar.json",
+                    folder = kRunnerFolder + "/four_bar_matrices";
+  fs::remove_all(folder);
+  const Called called = call("matrices '" + scene + "' --at 0.1 --out four_bar_matrices");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const auto size_of = [&](const std::string& name) {
+    std::ifstream file(folder + "/" + name);
+    std::string line;
+    std::getline(file, line);
+    CHECK(line == "%%MatrixMarket matrix coordinate real general");
+    std::getline(file, line), std::getline(file, line);
+    long rows = 0, columns = 0, entries = 0, found = 0;
+    std::istringstream(line) >> rows >> columns >> entries;
+    while (std::getline(file, line)) ++found;
+    CHECK(found == entries);
+    return std::pair(rows, columns);
+  };
+  const auto lines_of = [&](const std::string& name) {
+    std::ifstream file(folder + "/" + name);
+    long n = -1;  // the header
+    for (std::string line; std::getline(file, line);) ++n;
+    return n;
+  };
+  const auto [rows, unknowns] = size_of("J.mtx");
+  CHECK(unknowns == 18);
+  CHECK(rows == 21);
+  for (const char* name : {"M.mtx", "D.mtx", "K.mtx"}) CHECK(size_of(name) == std::pair(unknowns, unknowns));
+  CHECK(lines_of("unknowns.csv") == unknowns);
+  CHECK(lines_of("rows.csv") == rows);
+  // J v + Ct = 0 of the printed numbers
+  const json j = json::parse(call("matrices '" + scene + "' --at 0.1 --json").text);
+  std::vector<double> left = j["Ct"].get<std::vector<double>>();
+  for (const auto& e : j["J"]["entries"])
+    left[e[0].get<std::size_t>() - 1] += e[2].get<double>() * j["v"][e[1].get<std::size_t>() - 1].get<double>();
+  for (const double x : left) CHECK(std::abs(x) < 1e-8);
+}
+
+}  // namespace runner_linear_test

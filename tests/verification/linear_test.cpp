@@ -1,0 +1,394 @@
+// Modes and linear equations: closed forms, other world frames and orders of the links, sparse against dense, the linear
+// system against small motions of the mechanism itself; states that are refused.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/linearization.h>
+#include <lockstep/modes.h>
+#include <lockstep/simulation.h>
+#include <lockstep/solvers.h>
+#include "tests/support/catch.h"
+#include "tests/support/dense.h"
+#include "tests/support/messages.h"
+
+namespace linear_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+using Complex = std::complex<double>;
+
+Dynamics dynamics_of(System& sys) {
+  return {sys, std::make_unique<DenseSolver>(), {.formulation = Formulation::omega, .stabilization = {}}};
+}
+
+Modes modes_of(System& sys, const ModesOptions& options = {}) {
+  Dynamics dynamics = dynamics_of(sys);
+  return find_modes(dynamics, sys.start(), options);
+}
+
+/// Each value of one list has one of its own in the other, within `tolerance` relative.
+void check_same(std::vector<Complex> found, const std::vector<Complex>& truth, double tolerance) {
+  REQUIRE(found.size() == truth.size());
+  for (const Complex l : truth) {
+    const auto nearest = std::ranges::min_element(found, {}, [&](const Complex& a) { return std::abs(a - l); });
+    CAPTURE(l, *nearest);
+    CHECK(std::abs(*nearest - l) <= tolerance * std::abs(l));
+    found.erase(nearest);
+  }
+}
+
+/// Two rods that hang from a hinge and a ball joint, a spring and a damper between the lower one and the ground, in a
+/// world turned by q and moved by x; its links in either order.
+void build_hanging(System& sys, const Pose& world, bool reversed) {
+  const auto place = [&](const Vec3& x) { return Vec3(world.x + rotation(world.q) * x); };
+  sys.set_gravity(rotation(world.q) * Vec3(0, -9.81, 0));
+  const MassProperties rod{1.5, Vec3::Zero(), Vec3(0.12, 0.01, 0.13).asDiagonal()};
+  Body& one = sys.add_body("one", rod, {place({0, -0.5, 0}), world.q});
+  Body& two = sys.add_body("two", rod, {place({0, -1.5, 0}), world.q});
+  const auto hinge = [&] { sys.add<Revolute>("A", one, sys.ground(), Pose{place(Vec3::Zero()), world.q}); };
+  const auto ball = [&] { sys.add<Spherical>("B", two, one, Pose{place({0, -1, 0}), world.q}); };
+  if (reversed)
+    ball(), hinge();
+  else
+    hinge(), ball();
+  Marker& P = sys.add_marker_at("P", two, {place({0, -2, 0}), {}});
+  Marker& S = sys.add_marker_at("S", sys.ground(), {place({0, -3, 0}), {}});
+  sys.add<SpringDamper>("spring", P, S, {.stiffness = 30, .damping = 2, .free_length = 0.8});
+}
+
+/// n rods of length 1 on hinges, hanging.
+void build_chain(System& sys, int n) {
+  Body* before = &sys.ground();
+  for (int k = 0; k < n; ++k) {
+    Body& body = sys.add_body("rod " + std::to_string(k), {1.0, Vec3::Zero(), Vec3(0.08, 0.01, 0.09).asDiagonal()},
+                              {Vec3(0, -0.5 - k, 0), {}});
+    sys.add<Revolute>("joint " + std::to_string(k), body, *before, pose_at(Vec3(0, -k, 0)));
+    before = &body;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("modes: a pendulum's frequency, and its shape", "[verification][modes][linear]") {
+  const double m = 2, d = 0.7, I = 0.3, g = 9.81;
+  System sys({.gravity = {0, -g, 0}});
+  Body& bob = sys.add_body("bob", {m, Vec3::Zero(), Vec3(0.2, 0.25, I).asDiagonal()}, {Vec3(0, -d, 0), {}});
+  sys.add<Revolute>("pivot", bob, sys.ground(), pose_at(Vec3::Zero()));
+  const Modes modes = modes_of(sys);
+  REQUIRE(modes.modes.size() == 1);
+  const Mode& swing = modes.modes.front();
+  CHECK(swing.omega() == Approx(std::sqrt(m * g * d / (I + m * d * d))).epsilon(1e-13));
+  CHECK(swing.frequency() == Approx(swing.omega() / kTwoPi));
+  CHECK(swing.damping() == 0);
+  CHECK(swing.kind == Mode::Kind::oscillation);
+  REQUIRE(swing.shape.size() == 1);
+  CHECK(std::abs(swing.shape[0].turn[2] - 1.0) <= 1e-12);
+  CHECK(std::abs(swing.shape[0].move[0] - d) <= 1e-12);
+  CHECK(std::abs(swing.shape[0].move[1]) <= 1e-12);
+}
+
+TEST_CASE("modes depend neither on the world's axes nor on the order of links", "[verification][modes][linear]") {
+  const auto values = [](const Pose& world, bool reversed) {
+    System sys;
+    build_hanging(sys, world, reversed);
+    return modes_of(sys).eigenvalues();
+  };
+  const std::vector<Complex> plain = values({}, false);
+  CHECK(plain.size() == 8);
+  for (const bool reversed : {false, true})
+    check_same(values({Vec3(3, -20, 7), normalized(Quat{0.3, -0.5, 0.7, 0.1})}, reversed), plain, 1e-10);
+}
+
+TEST_CASE("modes: damping ratio of a mass on a spring, overdamped and not", "[verification][modes][linear]") {
+  const double m = 1.3, k = 50;
+  for (const double c : {0.7, 40.0}) {
+    System sys;
+    Body& mass = sys.add_body("mass", {m, Vec3::Zero(), Vec3::Constant(0.01).asDiagonal()}, {Vec3(1, 0, 0), {}});
+    sys.add<Prismatic>("rail", mass, sys.ground(), pose_at(Vec3::Zero(), Vec3(Vec3::UnitX())));
+    Marker& P = sys.add_marker_at("P", mass, pose_at(Vec3(1, 0, 0)));
+    Marker& S = sys.add_marker_at("S", sys.ground(), pose_at(Vec3::Zero()));
+    sys.add<SpringDamper>("spring", P, S, {.stiffness = k, .damping = c, .free_length = 1});
+    const Modes modes = modes_of(sys);
+    const Complex root = std::sqrt(Complex(c * c - 4 * k * m));
+    check_same(modes.eigenvalues(), {(-c + root) / (2 * m), (-c - root) / (2 * m)}, 1e-12);
+    if (c < 1) CHECK(modes.modes.front().damping() == Approx(c / (2 * std::sqrt(k * m))).epsilon(1e-12));
+    if (c > 1) CHECK(modes.modes.front().kind == Mode::Kind::decay);
+  }
+}
+
+// It z'' - i Iz w z' - m g d z = 0 of the tip z = x + iy, seen from axes at rest; from axes that turn with the top each l
+// of the tip is less by i w.
+TEST_CASE("modes of a sleeping top, from axes at rest and turning", "[verification][modes][linear]") {
+  const double m = 2, d = 0.3, Iz = 0.05, It = 0.04 + m * d * d, g = 9.81;
+  for (const double w : {2.0, 120.0}) {
+    System sys({.gravity = {0, 0, -g}});
+    Body& top = sys.add_body("top", {m, Vec3::Zero(), Vec3(0.04, 0.04, Iz).asDiagonal()}, {Vec3(0, 0, d), {}});
+    top.start.w = Vec3(0, 0, w);
+    sys.add<Spherical>("tip", top, sys.ground(), pose_at(Vec3::Zero()));
+    const Complex i(0, 1), root = std::sqrt(Complex(Iz * Iz * w * w - 4 * It * m * g * d));
+    for (const double spin : {0.0, w}) {
+      CAPTURE(w, spin);
+      const Modes modes = modes_of(sys, {.motion = {.spin = Vec3(0, 0, spin)}});
+      std::vector<Complex> truth(2, 0.0);  // it can turn about its axis, and drift there
+      for (const Complex l : {i * (Iz * w + root) / (2 * It), i * (Iz * w - root) / (2 * It)})
+        truth.push_back(l - i * spin), truth.push_back(std::conj(l - i * spin));
+      check_same(modes.eigenvalues(), truth, 1e-10);
+      CHECK(modes.zeros == 2);
+      const bool stable = Iz * Iz * w * w > 4 * It * m * g * d;
+      CHECK(std::ranges::all_of(modes.modes, [](const Mode& k) { return k.is_marginal(); }) == stable);
+    }
+  }
+}
+
+// Nutation about steady precession Om at the angle th, a = I3 w3/It: (a - 2 Om cos th)^2 + Om^2 sin^2 th.
+TEST_CASE("modes of a top in steady precession, which is found from the state", "[verification][modes][linear]") {
+  const double m = 2, d = 0.3, I3 = 0.05, It = 0.04 + m * d * d, g = 9.81, Om = 1.5, th = 0.5, c = std::cos(th);
+  const double w3 = (m * g * d / Om + It * Om * c) / I3;
+  System sys({.gravity = {0, 0, -g}});
+  const Vec3 axis(std::sin(th), 0, c), w = Vec3(0, 0, Om) + (w3 - Om * c) * axis;
+  const Quat q = axis_angle(Vec3::UnitY(), th);
+  Body& top = sys.add_body("top", {m, Vec3::Zero(), Vec3(0.04, 0.04, I3).asDiagonal()}, {Vec3(d * axis), q});
+  top.start.w = rotation(q).transpose() * w;
+  top.start.v = cross(w, Vec3(d * axis));
+  sys.add<Spherical>("tip", top, sys.ground(), pose_at(Vec3::Zero()));
+  const Modes modes = modes_of(sys);
+  CHECK((modes.spin - Vec3(0, 0, Om)).norm() <= 1e-11);
+  CHECK(modes.zeros == 4);
+  const double a = I3 * w3 / It, nutation = std::hypot(a - 2 * Om * c, Om * std::sin(th));
+  check_same(modes.eigenvalues(), {0.0, 0.0, 0.0, 0.0, Complex(0, nutation), Complex(0, -nutation)}, 1e-10);
+}
+
+TEST_CASE("modes: what is no equilibrium is refused by name, or frozen when asked", "[verification][modes][linear]") {
+  System sys({.gravity = {0, -9.81, 0}});
+  Body& arm = sys.add_body("arm", {2.0, Vec3::Zero(), Vec3::Constant(0.2).asDiagonal()}, {Vec3(0.5, 0, 0), {}});
+  sys.add<Revolute>("pivot", arm, sys.ground(), pose_at(Vec3::Zero()));
+  const std::string words = message_of<ModelError>([&] { modes_of(sys); });
+  CHECK(says(words, {"'arm' accelerates with"}));
+  CHECK(says(words, {"neither an equilibrium"}));
+  const Modes frozen = modes_of(sys, {.motion = {.frozen = true}});
+  CHECK_FALSE(frozen.unrest.is_still());
+  REQUIRE_FALSE(frozen.notes.empty());
+  CHECK(says(frozen.notes.front(), {"frozen"}));
+
+  // Through its lowest position a pendulum seems to turn steadily; a third of a turn later it does not.
+  System swinging({.gravity = {0, -9.81, 0}});
+  Body& bob = swinging.add_body("bob", {2.0, Vec3::Zero(), Vec3::Constant(0.2).asDiagonal()}, {Vec3(0, -0.5, 0), {}});
+  bob.start.w = Vec3(0, 0, 3), bob.start.v = Vec3(1.5, 0, 0);
+  swinging.add<Revolute>("pivot", bob, swinging.ground(), pose_at(Vec3::Zero()));
+  CHECK(says(message_of<ModelError>([&] { modes_of(swinging); }), {"a third of a turn later"}));
+}
+
+// A rod under its weight between two hinges is held twice along its length; two rods in line between two balls lose rank
+// in this pose only.
+TEST_CASE("modes: a pose in which rank is lost is refused, redundant rows are not", "[verification][modes][linear]") {
+  System line({.gravity = {0, 0, 0}});
+  const MassProperties rod{1.0, Vec3::Zero(), Vec3(0.01, 0.08, 0.08).asDiagonal()};
+  Body& a = line.add_body("a", rod, {Vec3(0.5, 0, 0), {}});
+  Body& b = line.add_body("b", rod, {Vec3(1.5, 0, 0), {}});
+  line.add<Revolute>("left", a, line.ground(), pose_at(Vec3::Zero()));
+  line.add<Revolute>("middle", b, a, pose_at(Vec3(1, 0, 0)));
+  line.add<Revolute>("right", b, line.ground(), pose_at(Vec3(2, 0, 0)));
+  CHECK(says(message_of<ModelError>([&] { modes_of(line); }), {"singular position"}));
+
+  System held({.gravity = {0, -9.81, 0}});
+  Body& door = held.add_body("door", {1.0, Vec3::Zero(), Vec3::Constant(0.05).asDiagonal()}, {Vec3(0, -0.4, 0), {}});
+  held.add<Revolute>("one", door, held.ground(), pose_at(Vec3(0, 0, -0.2)));
+  held.add<Revolute>("two", door, held.ground(), pose_at(Vec3(0, 0, 0.2)));
+  const Modes modes = modes_of(held);
+  REQUIRE(modes.modes.size() == 1);
+  CHECK(modes.modes[0].omega() == Approx(std::sqrt(9.81 * 0.4 / (0.05 + 0.16))).epsilon(1e-12));
+}
+
+// In absolute angles the mass matrix of a chain and the stiffness of its weight are sums over the rods below a hinge.
+TEST_CASE("modes of a chain of 300 hinges: sparse as dense, and as in absolute angles",
+          "[verification][modes][linear]") {
+  constexpr int n = 300;
+  System sys({.gravity = {0, -9.81, 0}});
+  sys.set_planar(Plane{2});
+  build_chain(sys, n);
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega, .stabilization = {}});
+  const Modes sparse = find_modes(dynamics, sys.start(), {.count = 12, .dense_limit = 0});
+  const Modes all = find_modes(dynamics, sys.start(), {.count = 12, .dense_limit = 5000});
+  REQUIRE(sparse.modes.size() == 12);
+  REQUIRE(all.modes.size() == 12);
+  CHECK(all.freedoms == n);
+  for (std::size_t k = 0; k < 12; ++k) {
+    CAPTURE(k);
+    CHECK(std::abs(sparse.modes[k].value - all.modes[k].value) <= 1e-9 * std::abs(all.modes[k].value));
+  }
+  MatX M(n, n), K = MatX::Zero(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) M(i, j) = n - 1 - std::max(i, j) + 0.5;
+    M(i, i) = n - 1 - i + 0.25 + 0.09;
+    K(i, i) = 9.81 * (n - 1 - i + 0.5);
+  }
+  std::vector<double> squares;
+  for (const Complex l : dense::eigenvalues(dense::solve(M, K))) squares.push_back(l.real());
+  std::ranges::sort(squares);
+  for (std::size_t k = 0; k < 12; ++k) CHECK(sparse.modes[k].omega() == Approx(std::sqrt(squares[k])).epsilon(1e-9));
+}
+
+TEST_CASE("modes, sparse: copies, damping, and rigid ones as dense", "[verification][modes][linear]") {
+  const auto compare = [](System& sys, int count) {
+    Dynamics dynamics = dynamics_of(sys);
+    const Modes sparse = find_modes(dynamics, sys.start(), {.count = count, .dense_limit = 0});
+    const Modes dense = find_modes(dynamics, sys.start(), {.count = count});
+    REQUIRE(sparse.modes.size() >= dense.modes.size());
+    for (std::size_t k = 0; k < dense.modes.size(); ++k) {
+      CAPTURE(k, sparse.modes[k].value, dense.modes[k].value);
+      CHECK(sparse.modes[k].kind == dense.modes[k].kind);
+      CHECK(std::abs(sparse.modes[k].value - dense.modes[k].value) <= 1e-9 * std::abs(dense.modes[k].value));
+    }
+  };
+  SECTION("five equal spherical pendulums: ten equal swings, five free spins") {
+    System sys({.gravity = {0, 0, -9.81}});
+    for (int k = 0; k < 5; ++k) {
+      Body& bob = sys.add_body("bob " + std::to_string(k), {1.0, Vec3::Zero(), Vec3::Constant(0.1).asDiagonal()},
+                               {Vec3(k, 0, -1), {}});
+      sys.add<Spherical>("pivot " + std::to_string(k), bob, sys.ground(), pose_at(Vec3(k, 0, 0)));
+    }
+    compare(sys, 15);
+  }
+  SECTION("damped, two rods in space") {
+    System sys;
+    build_hanging(sys, {}, false);
+    compare(sys, 4);
+  }
+}
+
+namespace {
+
+/// Two rods that hang from hinges, the upper one driven or free, a damper at the lower one. A law drives it, or pushes
+/// the free end.
+struct DoubleRod {
+  System sys{{.gravity = {0, -9.81, 0}}};
+  DoubleRod(bool driven, const LawPtr<MotionLaw>& law) {
+    const MassProperties rod{1.0, Vec3::Zero(), Vec3(0.08, 0.01, 0.085).asDiagonal()};
+    Body& one = sys.add_body("one", rod, {Vec3(0, -0.5, 0), {}});
+    Body& two = sys.add_body("two", rod, {Vec3(0, -1.5, 0), {}});
+    Revolute& A = sys.add<Revolute>("A", one, sys.ground(), pose_at(Vec3::Zero()));
+    sys.add<Revolute>("B", two, one, pose_at(Vec3(0, -1, 0)));
+    Marker& end = sys.add_marker_at("end", two, pose_at(Vec3(0, -2, 0)));
+    if (driven)
+      A.drive(Axis::rz, law);
+    else
+      sys.add(
+          std::make_unique<AppliedForce>("push", end, AppliedForce::Options{.law = law, .direction = Vec3::UnitX()}));
+    Marker& S = sys.add_marker_at("S", sys.ground(), pose_at(Vec3(1, -1.5, 0)));
+    Marker& P = sys.add_marker_at("P", two, pose_at(Vec3(0, -1.5, 0)));
+    sys.add<SpringDamper>("damper", P, S, {.stiffness = 0, .damping = 3, .free_length = 0});
+  }
+};
+
+/// x of x' = A x + B u(t) from 0 by small steps of a classical Runge-Kutta method.
+template <class U>
+VecX linear_run(const StateSpace& s, U&& u, double until, int steps) {
+  VecX x = VecX::Zero(s.A.rows());
+  const double h = until / steps;
+  const auto rate = [&](double t, const VecX& at) { return VecX(s.A * at + s.B * u(t)); };
+  for (int k = 0; k < steps; ++k) {
+    const double t = k * h;
+    const VecX a = rate(t, x), b = rate(t + h / 2, x + h / 2 * a), c = rate(t + h / 2, x + h / 2 * b),
+               d = rate(t + h, x + h * c);
+    x += h / 6 * (a + 2 * b + 2 * c + d);
+  }
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("linear equations: eigenvalues of A are those of the modes", "[verification][linear]") {
+  for (const bool driven : {false, true}) {
+    DoubleRod rods(driven, laws::constant(0));
+    Dynamics dynamics = dynamics_of(rods.sys);
+    const StateSpace s = linearize(dynamics, rods.sys.start(), {}, {});
+    CHECK(s.states.size() == (driven ? 2 : 4));
+    check_same(dense::eigenvalues(s.A), modes_of(rods.sys).eigenvalues(), 1e-11);
+  }
+}
+
+// The linear output differs from that of a small motion by the square of its size; by symmetry, where the damper does
+// not break it, by the cube.
+TEST_CASE("linear equations: the response to a push and to a drive is that of a small motion",
+          "[verification][linear]") {
+  const std::vector<std::string> names = {
+      "two.x", "end.vx", "B.angle_z", "two.ax", "A.force_on_p_world_x", "two.omega_world_z"};
+  const double until = 1.3;
+  for (const bool driven : {false, true}) {
+    const auto input = std::make_shared<InputLaw>();
+    DoubleRod rods(driven, input);
+    std::vector<Channel> channels;
+    for (const std::string& name : names) channels.push_back(make_channel(rods.sys, name));
+    Dynamics dynamics = dynamics_of(rods.sys);
+    const StateSpace s = linearize(dynamics, rods.sys.start(), {{"u", driven ? "rad" : "N", input}}, channels);
+    CHECK(s.accuracy <= 1e-8);
+    REQUIRE(s.inputs.size() == (driven ? 3 : 1));
+    REQUIRE(s.B.cols() == static_cast<Eigen::Index>(s.inputs.size()));
+    double before = 0;
+    for (const double size : {1e-2, 1e-3}) {
+      const auto u = [&](double t) {  // (1 - cos 3t)^2 begins with rates that are zero
+        const double c = std::cos(3 * t), n = std::sin(3 * t);
+        const double all[] = {(1 - c) * (1 - c), 6 * n * (1 - c), 18 * (c * (1 - c) + n * n)};
+        return VecX(size * Eigen::Map<const VecX>(all, s.B.cols()));
+      };
+      const VecX y = s.C * linear_run(s, u, until, 4000) + s.D * u(until);
+      DoubleRod moving(driven, laws::law([size](auto t) {
+                         const auto x = 1.0 - cos(3.0 * t);
+                         return size * x * x;
+                       }));
+      Simulation run(moving.sys, {.integrator = "dop853", .tolerance = 1e-12, .output = until});
+      const Table& table = run.record({names.begin(), names.end()});
+      run.run_until(until);
+      double worst = 0;
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        const double change = table.change(names[k]), linear = y[static_cast<Eigen::Index>(k)];
+        CAPTURE(names[k], size, change, linear);
+        CHECK(std::abs(change) > 1e-2 * size);
+        worst = std::max(worst, std::abs(change - linear) / size);
+      }
+      CAPTURE(driven, size, worst, before);
+      CHECK(worst <= 100 * size);
+      if (before > 0) CHECK(worst <= 0.2 * before);
+      before = worst;
+    }
+  }
+}
+
+TEST_CASE("linear equations refuse inputs without effect and outputs that are integrals", "[verification][linear]") {
+  DoubleRod rods(false, laws::constant(0));
+  const std::vector<Channel> works = {make_channel(rods.sys, "damper.dissipated")};
+  Dynamics dynamics = dynamics_of(rods.sys);
+  CHECK(says(message_of<ModelError>([&] { linearize(dynamics, rods.sys.start(), {}, works); }), {"integrated state"}));
+  const LinearInput nowhere{"A.rz", "rad", std::make_shared<InputLaw>()};
+  CHECK(says(message_of<ModelError>([&] { linearize(dynamics, rods.sys.start(), {nowhere}, {}); }),
+             {"'A.rz' acts on nothing"}));
+}
+
+TEST_CASE("matrices: M a + J^T lambda = f and J a = c, with names", "[verification][linear]") {
+  System sys;
+  build_hanging(sys, {Vec3(1, 2, 3), normalized(Quat{0.9, 0.2, -0.3, 0.1})}, false);
+  Dynamics dynamics = dynamics_of(sys);
+  State state = sys.start();
+  state.v[3] = 0.4, state.v[10] = -0.7;
+  const MechanismMatrices m = matrices_at(dynamics, state);
+  CHECK((m.M * m.a + SparseMat(m.J.transpose()) * m.lambda - m.f).norm() <= 1e-11 * m.f.norm());
+  CHECK((m.J * m.a - m.c).norm() <= 1e-11 * (1 + m.c.norm()));
+  CHECK(m.unknowns.front().name == "one.vx");
+  CHECK(m.unknowns.back().name == "two.wz");
+  CHECK(m.unknowns.back().unit == "rad/s");
+  CHECK(m.rows.front().substr(0, 2) == "A.");
+  CHECK(m.J.rows() == 8);
+  CHECK(m.J.cols() == 12);
+}
+
+}  // namespace linear_test
