@@ -78,6 +78,7 @@ int chart_command(const Arguments&);
 int advise_command(const Arguments&);
 int sweep_command(const Arguments&);
 int assemble_command(const Arguments&);
+int atlas_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);
