@@ -55,6 +55,30 @@ double time_to_turn(const State& y, double angle) {
   return w > 0 ? angle / w : HUGE_VAL;
 }
 
+// Whether the links leave nothing free: then there is one motion, however many rows are redundant. Loads in all directions
+// of the slots, which would give accelerations of 1 m/s^2, move nothing.
+bool held(Dynamics& dynamics, const State& y) {
+  constexpr double kMoves = 1e-6;
+  const System& system = dynamics.system();
+  const Evaluation& e = dynamics.gather(y);
+  Factor factor = dynamics.new_factor();
+  factor.compute(e);
+  VecX f = VecX::Zero(6 * system.n_slots()), a, lambda;
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const Slot& slot = system.slot(k);
+    const double turn = 0.7 * k;
+    const Vec3 along(1, std::cos(1 + turn), std::sin(2 + turn));
+    f.segment<3>(6 * k) = slot.mass * along;
+    if (slot.freedoms != Freedoms::particle) f.segment<3>(6 * k + 3) = slot.J * along.reverse() / system.length();
+  }
+  factor.solve(e, f, VecX::Zero(e.rows().n_rows), a, lambda);
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const double moved = a.segment<3>(6 * k).norm() + system.length() * a.segment<3>(6 * k + 3).norm();
+    if (!(moved < kMoves)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double NearSingular::limit() const { return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL); }
@@ -116,7 +140,7 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   if (!ill_conditioned(stages, 0)) return stays_redundant();
   from_both_sides_ = found;
   if (found) stages.put(0, rate_);
-  if (!found && starts)
+  if (!found && starts && !held(dynamics, y))
     throw StepError(
         fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
                     "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "

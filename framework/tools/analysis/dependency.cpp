@@ -37,10 +37,14 @@ class Sets {
 
 // Jt P = Q [R1 R2; 0 0], R1 upper triangular, the largest pivot first. Column j of -R1^-1 R2 with a one at j is a circuit:
 // a combination of rows that is zero.
-Dependencies by_circuits(int n_columns, int n_rows, const Triplets& Jt) {
+MatX dense(int n_columns, int n_rows, const Triplets& Jt) {
   MatX A = MatX::Zero(n_columns, n_rows);
   for (const auto& t : Jt) A(t.row(), t.col()) += t.value();
-  const Eigen::ColPivHouseholderQR<MatX> qr(A);
+  return A;
+}
+
+Dependencies by_circuits(int n_columns, int n_rows, const Triplets& Jt) {
+  const Eigen::ColPivHouseholderQR<MatX> qr(dense(n_columns, n_rows, Jt));
   const auto row_at = [&](int place) { return static_cast<int>(qr.colsPermutation().indices()[place]); };
   const int n_pivots = std::min(n_columns, n_rows);
   const auto pivot = [&](int place) { return place < n_pivots ? std::abs(qr.matrixR()(place, place)) : 0.0; };
@@ -90,9 +94,22 @@ Sparse shifted(const Sparse& S, double by) {
 // Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many negative numbers in D as
 // J Jt has values below theta (Sylvester's law of inertia). What eps (J Jt + eps 1)^-1 leaves of a vector lies in the
 // dependencies, and of a few vectors at random one has a share of every row that takes part.
-Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
-  constexpr double kTheta = 1e-12, kEps = 1e-13, kTakesPart = 1e-3;
+constexpr double kTheta = 1e-12, kTakesPart = 1e-3;
+
+MatX left_of_random_vectors(const Sparse& S) {
+  constexpr double kEps = 1e-13;
   constexpr int kVectors = 8;
+  const Eigen::SimplicialLDLT<Sparse> ldlt(shifted(S, kEps));
+  std::minstd_rand random(1);
+  MatX left(S.rows(), kVectors);
+  for (int k = 0; k < kVectors; ++k) {
+    const VecX signs = VecX::NullaryExpr(S.rows(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
+    left.col(k) = kEps * ldlt.solve(signs);
+  }
+  return left;
+}
+
+Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
   Sparse Jt(n_columns, n_rows);
   Jt.setFromTriplets(triplets.begin(), triplets.end());
   const Sparse S = Jt.transpose() * Jt;
@@ -101,13 +118,7 @@ Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
   Dependencies out;
   out.rank = static_cast<int>((below.vectorD().array() > 0).count());
   if (out.rank == n_rows) return out;
-  const Eigen::SimplicialLDLT<Sparse> ldlt(shifted(S, kEps));
-  std::minstd_rand random(1);
-  VecX left = VecX::Zero(n_rows);
-  for (int k = 0; k < kVectors; ++k) {
-    const VecX signs = VecX::NullaryExpr(n_rows, [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
-    left = left.cwiseMax((kEps * ldlt.solve(signs)).cwiseAbs());
-  }
+  const VecX left = left_of_random_vectors(S).cwiseAbs().rowwise().maxCoeff();
   DependentRows all;
   all.too_many = n_rows - out.rank;
   for (int row = 0; row < n_rows; ++row)
@@ -116,7 +127,35 @@ Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
   return out;
 }
 
+// Columns [-R1^-1 R2; 1], in the order of the rows.
+MatX circuits(int n_columns, int n_rows, const Triplets& Jt) {
+  const Eigen::ColPivHouseholderQR<MatX> qr(dense(n_columns, n_rows, Jt));
+  int rank = 0;
+  while (rank < std::min(n_columns, n_rows) && std::abs(qr.matrixR()(rank, rank)) > kDependent) ++rank;
+  const int left = n_rows - rank;
+  MatX pivoted = MatX::Identity(n_rows, n_rows).rightCols(left);
+  pivoted.topRows(rank) = -qr.matrixR().topRightCorner(rank, left);
+  const auto R1 = qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
+  if (rank > 0 && left > 0) pivoted.topRows(rank) = R1.solve(MatX(pivoted.topRows(rank)));
+  return qr.colsPermutation() * pivoted;
+}
+
 }  // namespace
+
+NullVectors null_vectors(int n_columns, int n_rows, const Triplets& Jt) {
+  NullVectors found;
+  if (n_rows <= kDense) {
+    found = {circuits(n_columns, n_rows, Jt), kShare};
+  } else if (find_dependencies(n_columns, n_rows, Jt).rank == n_rows) {
+    found.columns = MatX(n_rows, 0);
+  } else {
+    Sparse matrix(n_columns, n_rows);
+    matrix.setFromTriplets(Jt.begin(), Jt.end());
+    found = {left_of_random_vectors(matrix.transpose() * matrix), kTakesPart};
+  }
+  for (auto column : found.columns.colwise()) column /= column.cwiseAbs().maxCoeff();
+  return found;
+}
 
 Dependencies find_dependencies(int n_columns, int n_rows, const Triplets& Jt) {
   for (const auto& t : Jt)

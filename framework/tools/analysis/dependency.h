@@ -34,4 +34,11 @@ inline constexpr double kNearlyDependent = 1e-5;
 /// NonFiniteError where a number is not finite.
 Dependencies find_dependencies(int n_columns, int n_rows, const std::vector<Eigen::Triplet<double>>& Jt);
 
+/// Combinations of rows that are zero, with pivots as above; largest number 1.
+struct NullVectors {
+  MatX columns;          ///< one vector a column: a basis; beyond 300 rows eight of them at random
+  double round_off = 0;  ///< numbers up to this are zero
+};
+NullVectors null_vectors(int n_columns, int n_rows, const std::vector<Eigen::Triplet<double>>& Jt);
+
 }  // namespace lockstep

@@ -1,128 +1,23 @@
 #include <lockstep/analysis.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <utility>
 #include <vector>
 
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/biconnected_components.hpp>
-
-#include "framework/tools/analysis/dependency.h"
+#include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-using Ends = std::pair<int, int>;
-
-// What the rows of a link touch: its slots, and the ground where a marker is fixed. Rows of the user's own may know where
-// they are in the world, and those of a particle how it is turned: they count as touching the ground.
-std::vector<int> ends_of(const System& system, const RowEntry& e) {
-  std::vector<int> ends(e.slots.slot.begin(), e.slots.slot.begin() + e.slots.n);
-  const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-  bool grounded = link.jointed() == nullptr || ends.size() == 1;
-  for (const int slot : ends) grounded = grounded || system.slot(slot).freedoms == Freedoms::particle;
-  for (const auto& [p, s] : link.pairs()) grounded = grounded || p->body->fixed || s->body->fixed;
-  if (grounded) ends.push_back(kGround);
-  std::ranges::sort(ends);
-  return ends;
-}
-
-// Entries of the table in groups whose ranks add up: those that lie on common loops of slots. At a slot that two groups
-// share, what the rows of one of them carry is balanced within it, since it does not reach the ground otherwise.
-std::vector<std::vector<int>> loops_of(const System& system, const RowTable& table) {
-  std::map<Ends, std::vector<int>> entries;  // by the two slots that they join
-  std::vector<std::vector<int>> groups;
-  for (std::size_t k = 0; k < table.entries.size(); ++k) {
-    const std::vector<int> ends = ends_of(system, table.entries[k]);
-    if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
-    for (std::size_t i = 0; i < ends.size(); ++i)
-      for (std::size_t j = i + 1; j < ends.size(); ++j) entries[{ends[i], ends[j]}].push_back(static_cast<int>(k));
-  }
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
-                                      boost::property<boost::edge_index_t, std::size_t>>;
-  Graph graph(static_cast<std::size_t>(system.n_slots() + 1));  // the ground first
-  std::size_t n = 0;
-  for (const auto& [ends, at] : entries)
-    boost::add_edge(static_cast<std::size_t>(ends.first + 1), static_cast<std::size_t>(ends.second + 1), n++, graph);
-  std::vector<std::size_t> component(n);
-  const std::size_t n_groups = boost::biconnected_components(
-      graph, boost::make_iterator_property_map(component.begin(), get(boost::edge_index, graph)));
-  const std::size_t first = groups.size();
-  groups.resize(first + n_groups);
-  n = 0;
-  for (const auto& [ends, at] : entries) {
-    std::vector<int>& group = groups[first + component[n++]];
-    group.insert(group.end(), at.begin(), at.end());
-  }
-  for (std::vector<int>& group : groups) {
-    std::ranges::sort(group);
-    group.erase(std::unique(group.begin(), group.end()), group.end());
-  }
-  return groups;
-}
-
-// Rows of some entries, in lengths: angular columns divided by the scene's length L, and every row of length 1.
-class Rows {
- public:
-  Rows(const System& system, const RowTable& table, const std::vector<int>& entries) {
-    for (const int k : entries) add(system, table, table.entries[static_cast<std::size_t>(k)]);
-    for (auto& t : Jt_)
-      if (const double length = std::sqrt(square_[static_cast<std::size_t>(t.col())]); length > 0)
-        t = {t.row(), t.col(), t.value() / length};
-  }
-  int n() const { return static_cast<int>(numbers_.size()); }
-  int number(int row) const { return numbers_[static_cast<std::size_t>(row)]; }  // in the table
-  Dependencies dependencies() const { return find_dependencies(6 * static_cast<int>(first_.size()), n(), Jt_); }
-
- private:
-  void add(const System& system, const RowTable& table, const RowEntry& e) {
-    const RowView block = table.block(e);
-    for (int k = 0; k < e.m; ++k) {
-      const int row = n();
-      numbers_.push_back(e.first_row + k), square_.push_back(0);
-      for (int i = 0; i < e.slots.n; ++i) {
-        const int first = 6 * first_.try_emplace(e.slots[i], static_cast<int>(first_.size())).first->second;
-        const bool particle = system.slot(e.slots[i]).freedoms == Freedoms::particle;
-        const std::array<double, 6> r = block.J(i, k);
-        for (std::size_t c = 0; c < (particle ? 3 : 6); ++c) {
-          const double x = c < 3 ? r[c] : r[c] / system.length();
-          if (x == 0) continue;
-          Jt_.emplace_back(first + static_cast<int>(c), row, x);
-          square_.back() += x * x;
-        }
-      }
-    }
-  }
-
-  std::map<int, int> first_;  // of the slots that are touched
-  std::vector<int> numbers_;
-  std::vector<double> square_;
-  Triplets Jt_;
-};
-
-const RowEntry& entry_of(const RowTable& table, int row) {
-  return *(std::ranges::upper_bound(table.entries, row, {}, &RowEntry::first_row) - 1);
-}
-
-// "A.z"
-std::vector<std::string> row_names(const System& system, const RowTable& table, const Rows& rows,
+std::vector<std::string> row_names(const System& system, const RowTable& table, const LoopRows& rows,
                                    const std::vector<int>& which) {
   std::vector<std::string> names;
-  for (const int row : which) {
-    const int number = rows.number(row);
-    const RowEntry& e = entry_of(table, number);
-    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-    names.push_back(link.name() + "." + link.row_name(e.own[static_cast<std::size_t>(number - e.first_row)]));
-  }
+  for (const int row : which) names.push_back(name_of_row(system, table, rows.number(row)));
   return names;
 }
 
-void mark_links(const RowTable& table, const Rows& rows, const DependentRows& set, std::vector<bool>& takes_part) {
-  for (const int row : set.rows) takes_part[static_cast<std::size_t>(entry_of(table, rows.number(row)).link)] = true;
+void mark_links(const RowTable& table, const LoopRows& rows, const DependentRows& set, std::vector<bool>& takes_part) {
+  for (const int row : set.rows)
+    takes_part[static_cast<std::size_t>(entry_of_row(table, rows.number(row)).link)] = true;
 }
 
 }  // namespace
@@ -137,8 +32,8 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
   report.rows = table.n_rows;
   std::vector<bool> takes_part(system.links().size(), false);
   for (const std::vector<int>& entries : loops_of(system, table)) {
-    const Rows rows(system, table, entries);
-    const Dependencies found = rows.dependencies();
+    const LoopRows rows(system, table, entries);
+    const Dependencies found = find_dependencies(rows.n_columns(), rows.n(), rows.Jt());
     report.rank += found.rank;
     for (const DependentRows& set : found.sets) {
       report.dependencies.push_back({row_names(system, table, rows, set.rows), set.too_many, set.nearly, set.pivot});

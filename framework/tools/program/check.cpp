@@ -14,6 +14,7 @@
 #include <lockstep/error.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
+#include <lockstep/uniqueness.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
@@ -272,14 +273,14 @@ void list_parameters(const Scene& scene) {
 
 // Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
 // assembled is taken as it was typed; a run then says why.
-MobilityReport mobility_at_start(Dynamics& dynamics, const Mechanism& m, const State& typed) {
+State counted_start(Dynamics& dynamics, const Mechanism& m, const State& typed) {
   State start = typed;
   try {
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
   } catch (const Error&) {
     start = typed;
   }
-  return mobility(dynamics, start);
+  return start;
 }
 
 void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
@@ -291,7 +292,9 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
   const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
-  const MobilityReport r = mobility_at_start(dynamics, m, start);
+  const State counted = counted_start(dynamics, m, start);
+  const MobilityReport r = mobility(dynamics, counted);
+  const UniquenessReport reactions = uniqueness(dynamics, counted);
   const std::vector<LeftOut> out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
   std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, !not_joint.empty());
@@ -318,6 +321,8 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
                                 {"redundant", r.redundant},
                                 {"redundant_links", r.redundant_links},
                                 {"dependencies", dependencies_json(r)},
+                                {"rows_not_unique", reactions.rows},
+                                {"columns_not_unique", columns_not_unique(m.run, reactions)},
                                 {"formulation", formulation},
                                 {"tree", tree_json(tree)},
                                 {"violation", violation},
@@ -337,6 +342,7 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   fmt::print("  formulation         {}\n", formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
+  fmt::print("{}", words_of(reactions, m.run));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
              violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!taken.empty()) fmt::print("places that are taken, as none is given:\n");

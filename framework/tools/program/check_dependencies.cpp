@@ -31,6 +31,23 @@ std::string words_of(const Dependency& d) {
   return out;
 }
 
+std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {
+  std::vector<std::string> names;
+  for (const ChannelRequest& request : run.record)
+    if (!reactions.unique(request.channel)) names.push_back(request.name.empty() ? request.channel : request.name);
+  return names;
+}
+
+std::string words_of(const UniquenessReport& reactions, const RunSettings& run) {
+  if (reactions.all_unique()) return {};
+  std::string out = fmt::format("  reactions not unique  {}\n", first_of(reactions.rows));
+  const std::vector<std::string> columns = columns_not_unique(run, reactions);
+  if (!columns.empty())
+    out += fmt::format("    recorded          {}: how the redundant rows share this is the solver's choice\n",
+                       first_of(columns));
+  return out;
+}
+
 nlohmann::ordered_json dependencies_json(const MobilityReport& r) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const Dependency& d : r.dependencies)

@@ -1,4 +1,4 @@
-// How `lockstep check` says which rows depend on which.
+// How `lockstep check` says which rows depend on which, and which reactions are not unique.
 #pragma once
 
 #include <string>
@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/analysis.h>
+#include <lockstep/scene.h>
+#include <lockstep/uniqueness.h>
 
 namespace lockstep {
 
@@ -14,7 +16,11 @@ namespace lockstep {
 std::string first_of(const std::vector<std::string>& names);
 /// A line for what is too many, and one for what nearly is: "    A.z, B.z and C.z: 1 too many".
 std::string words_of(const Dependency&);
-/// The same as data.
+/// Lines for the reactions that are not unique, and for the recorded columns among them; "" where all are unique.
+std::string words_of(const UniquenessReport&, const RunSettings&);
+/// Names of the recorded columns that hold reactions which are not unique.
+std::vector<std::string> columns_not_unique(const RunSettings&, const UniquenessReport&);
+/// Dependencies as data.
 nlohmann::ordered_json dependencies_json(const MobilityReport&);
 
 }  // namespace lockstep

@@ -297,6 +297,45 @@ void add_matrices(CLI::App& verb, Arguments& a) {
   add(verb, "--out", a.out, "DIR", "folder for M, D, K and J as Matrix Market, and rows.csv and unknowns.csv");
 }
 
+constexpr const char* kAtlasFooter =
+    R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
+forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
+--vary is the x axis. Each method has a map. A run works, is inaccurate, is wrong (and the energy balance or the drift
+says so, or nothing does), or stops with an error. Runs are compared with a tight run of the same mechanism; settings of
+the run make no difference to that. A black line is the largest stable step of a method with fixed steps, by linear
+theory at the start. The CSV file has a row for every run, with the reason where it stopped.
+
+Example:
+  lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log     --vary forces.spring.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)";
+
+void add_atlas(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  verb.add_option("--vary", a.vary, "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis")
+      ->required()
+      ->type_name("NAME=...")
+      ->allow_extra_args(false);
+  add(verb, "--of", a.of, "WHAT", "what is drawn: status (default), error (m), energy (imbalance, relative)",
+      {"status", "error", "energy"});
+  const auto list = [&](const char* names, std::vector<std::string>& to, const char* help) {
+    return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  };
+  list("--integrators", a.integrators, "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
+  list("--stabilizations,--stabilisations", a.stabilizations,
+       "these: project, baumgarte, none; default: the scene's, or baumgarte where its gains vary")
+      ->check(CLI::IsMember(kStabilizations));
+  add(verb, "--formulation", a.formulation, "F", "unknowns, as in `lockstep run --help`", formulation_names());
+  add(verb, "--step", a.step, "H", "fixed step, or the largest step of an adaptive integrator, s");
+  add(verb, "--until", a.until, "T", "end of the runs, s");
+  add(verb, "--error", a.error, "E", "largest error that works, relative to the largest displacement; default 0.01");
+  add(verb, "--budget", a.budget, "T", "CPU time for all runs together; default 60 s");
+  verb.add_option("--jobs", a.jobs, "threads that compute runs; default: the processors that the program may use")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  add(verb, "--out", a.out, "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here");
+  add_json(verb, a);
+  verb.add_flag("--quiet", a.quiet, "no progress");
+}
+
 void add_list(CLI::App& verb, Arguments& a) {
   add(verb, "shelf", a.name, "SHELF", "only one of them", {"links", "laws", "forces", "integrators", "solvers"});
   add_plugins(verb, a);
@@ -399,6 +438,8 @@ constexpr Verb kVerbs[] = {
      add_matrices, matrices_command,
      "M a + J^T lambda = f, J a = c.\n\nExample:\n  lockstep matrices samples/scenes/four_bar.json --at 0.1 --out "
      "four_bar"},
+    {"atlas", "Draw where each method works and where it fails, over any two numbers of a scene", add_atlas,
+     atlas_command, kAtlasFooter},
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},
     {"describe", "Print what a type or an object of a scene is and which keys it takes", add_describe, describe_command,

@@ -107,6 +107,7 @@ int explain_command(const Arguments&);
 int modes_command(const Arguments&);
 int linearize_command(const Arguments&);
 int matrices_command(const Arguments&);
+int atlas_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);

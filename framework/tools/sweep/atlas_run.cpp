@@ -1,0 +1,150 @@
+#include "framework/tools/sweep/atlas_run.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <lockstep/error.h>
+#include <lockstep/sweep.h>
+#include "framework/foundation/support/thrown.h"
+#include "framework/tools/sweep/scene_run.h"
+
+namespace lockstep {
+namespace {
+
+constexpr int kInstants = 50;  // at most
+
+/// A run of a scene with its history.
+struct Ran {
+  History history;
+  Audit audit;
+  SimulationReport report;
+  double length = 0, cpu = 0;
+  bool given_up = false;
+  std::string failure{};
+};
+
+Ran run_scene(const Scene& scene, const Registry& registry, const std::vector<double>& instants, double limit,
+              const std::function<bool()>& go_on) {
+  Ran ran;
+  const std::function<double()> clock = thread_seconds;
+  const double begin = clock();
+  try {
+    Mechanism m = build_mechanism(scene, registry);
+    m.run.record.clear();
+    const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    std::vector<Event> events = make_events(m, *recorder);
+    HistoryObserver history(m.system, clock, ran.history);
+    EnergyAudit audit(m.system, m.run.limits);
+    Dynamics dynamics = make_dynamics(m, registry);
+    State start = assembled_start(dynamics, m);
+    ran.length = m.system.length();
+    StepLoopOptions options = loop_options(m.run);
+    options.output = 0, options.output_times = instants;
+    StepLoop loop(dynamics, make_integrator(m.run, registry), options);
+    loop.add_observer(*recorder), loop.add_observer(history), loop.add_observer(audit);
+    for (Event& event : events) loop.add_event(std::move(event));
+    loop.set_state(std::move(start));
+    loop.progress = [&](const State&) { return !(ran.given_up = clock() - begin > limit || !go_on()); };
+    try {
+      loop.run_until(m.run.until);
+    } catch (const std::exception& error) {
+      ran.failure = what_of(error);
+    }
+    ran.report = loop.report(), ran.audit = audit.result();
+  } catch (const std::exception& error) {
+    ran.failure = what_of(error);
+  }
+  ran.cpu = clock() - begin;
+  return ran;
+}
+
+// The instants of `some` among those of a history that holds them all.
+History at_instants(const History& all, const std::vector<double>& some) {
+  History out;
+  for (const double t : some) {
+    const auto i =
+        static_cast<std::size_t>(std::ranges::lower_bound(all.t, t - 1e-9 * std::max(1.0, t)) - all.t.begin());
+    if (i >= all.t.size()) break;
+    out.t.push_back(t), out.q.push_back(all.q[i]), out.v.push_back(all.v[i]), out.load.push_back(all.load[i]);
+    out.energy.push_back(all.energy[i]), out.kinetic.push_back(all.kinetic[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> atlas_instants(const RunSettings& run, bool adaptive) {
+  std::vector<double> all;
+  const double apart =
+      adaptive || !(run.step > 0) ? run.until / kInstants : std::ceil(run.until / run.step / kInstants) * run.step;
+  for (int k = 1; k * apart <= run.until * (1 + 1e-12); ++k) all.push_back(std::min(k * apart, run.until));
+  if (all.empty()) all.push_back(run.until);
+  return all;
+}
+
+AtlasReference atlas_reference(const Scene& scene, const Registry& registry, const std::vector<double>& instants,
+                               double limit, const std::function<bool()>& go_on) {
+  AtlasReference out;
+  Scene tight = scene;
+  tight.run.step = 0, tight.run.max_steps = 0;
+  tight.run.stabilization.kind = Stabilization::Kind::project;
+  tight.run.stabilization.tolerance = std::min(tight.run.stabilization.tolerance, 1e-12);
+  const auto with = [&](const char* method, double tolerance) {
+    tight.run.integrator = {method, Value(Value::Object{}), {}};
+    tight.run.tolerance = {tolerance, 1e-2 * tolerance};
+    return run_scene(tight, registry, instants, limit, go_on);
+  };
+  for (const auto& [method, tolerance] :
+       {std::pair("dop853", 1e-11), std::pair("radau5", 1e-10), std::pair("dop853", 1e-8), std::pair("radau5", 1e-7)}) {
+    Ran ran = with(method, tolerance);
+    if (!ran.failure.empty() || ran.given_up || ran.history.t.size() != instants.size()) {
+      out.reason = fmt::format("{} at {:g}: {}", method, tolerance, ran.given_up ? "too slow" : ran.failure);
+      if (!go_on()) return out;
+      continue;
+    }
+    const Ran wider = with(method, 100 * tolerance);
+    out.agreement = difference(ran.history, wider.history, ran.length).position;
+    out.size = size_of(ran.history, ran.length).position, out.length = ran.length;
+    out.method = fmt::format("{} at {:g}", method, tolerance);
+    out.history = std::move(ran.history);
+    return out;
+  }
+  return out;
+}
+
+AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasReference& reference,
+                    const std::vector<double>& instants, const AtlasLimits& limits, double limit,
+                    const std::function<bool()>& go_on) {
+  const Ran ran = run_scene(scene, registry, instants, limit, go_on);
+  AtlasCell cell;
+  cell.steps = ran.report.steps, cell.rejected = ran.report.rejected, cell.cpu = ran.cpu;
+  cell.energy = ran.audit.imbalance_share(), cell.drift = ran.audit.violation;
+  cell.error = difference(ran.history, at_instants(reference.history, instants), reference.length).position;
+  if (!go_on()) return cell;
+  if (ran.given_up || !ran.failure.empty()) {
+    cell.outcome = ran.given_up ? AtlasOutcome::too_slow : AtlasOutcome::stopped;
+    cell.reason = ran.given_up ? fmt::format("given up after {:.2g} s of computing", ran.cpu) : ran.failure;
+    cell.error = HUGE_VAL;
+    return cell;
+  }
+  const bool told = ran.audit.energy == Audit::Energy::not_conserved || ran.audit.drifted;
+  const double relative = reference.size > 0 ? cell.error / reference.size : 0;
+  cell.outcome = relative <= limits.works   ? AtlasOutcome::works
+                 : relative <= limits.wrong ? AtlasOutcome::inaccurate
+                 : told                     ? AtlasOutcome::wrong_told
+                                            : AtlasOutcome::wrong_untold;
+  return cell;
+}
+
+const char* words_of(AtlasOutcome outcome) {
+  constexpr const char* kWords[] = {
+      "works",    "inaccurate", "wrong, and says so", "wrong without a word", "stops with an error",
+      "too slow", "not tried"};
+  return kWords[static_cast<std::size_t>(outcome)];
+}
+
+}  // namespace lockstep

@@ -1,0 +1,267 @@
+// Overconstrained mechanisms: freedoms, dependencies, which reactions are unique, and the motion of a model without a
+// row too many; in any frame of the world and any order of bodies and links.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/analysis.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/sweep.h>
+#include <lockstep/uniqueness.h>
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+namespace overconstrained_test {
+
+using namespace lockstep;
+using Json = nlohmann::ordered_json;
+using Names = std::vector<std::string>;
+
+namespace {
+
+Json read_json(const std::string& path) {
+  std::ifstream file(std::string(paths::kSource) + "/tests/verification/" + path);
+  REQUIRE(file);
+  return Json::parse(file);
+}
+
+/// A mechanism of the table: what theory says of it, and how its links become those of a model without redundant rows.
+struct Case {
+  std::string name;
+  int freedoms, redundant;
+  Names unique;  ///< patterns of the rows whose multipliers are unique: "*.x", "U?.cross"
+  Json reduced;  ///< by link: the keys that change, or null where the link goes
+  Json scene;
+
+  std::string full_text() const { return scene.dump(); }
+  std::string reduced_text() const {
+    Json out = scene;
+    Json links = Json::array();
+    for (const Json& link : scene["links"]) {
+      const auto change = reduced.find(link["name"].get<std::string>());
+      if (change != reduced.end() && change->is_null()) continue;
+      links.push_back(link);
+      if (change != reduced.end()) links.back().update(*change);
+    }
+    out["links"] = links;
+    return out.dump();
+  }
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Json& j : read_json("data/overconstrained.json"))
+    all.push_back({j["scene"], j["freedoms"], j["redundant"], j["unique"], j["reduced"],
+                   read_json("scenes/overconstrained/" + j["scene"].get<std::string>() + ".json")});
+  return all;
+}
+
+bool matches(std::string_view pattern, std::string_view text) {
+  if (pattern.empty()) return text.empty();
+  if (pattern[0] == '*') return matches(pattern.substr(1), text) || (!text.empty() && matches(pattern, text.substr(1)));
+  return !text.empty() && (pattern[0] == '?' || pattern[0] == text[0]) && matches(pattern.substr(1), text.substr(1));
+}
+
+/// Another frame of the world, and another order of bodies and links.
+struct View {
+  Pose frame{};
+  std::minstd_rand::result_type order = 0;  ///< 0: as written
+};
+
+View random_view(std::minstd_rand& random) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const Vec3 x(number(random), number(random), number(random));
+  Quat q{number(random), number(random), number(random), number(random)};
+  return {{10 * x, normalized(q)}, random()};
+}
+
+Json shuffled(Json list, std::minstd_rand::result_type seed) {
+  std::minstd_rand random(seed);
+  for (std::size_t k = list.size(); k > 1; --k) std::swap(list[k - 1], list[random() % k]);
+  return list;
+}
+
+void place(System& system, const Pose& frame) {
+  const Mat3 A = rotation(frame.q);
+  for (const Body& body : system.bodies()) {
+    if (body.name == "ground") continue;
+    Body& moved = system.body(body.name);
+    moved.home = frame * body.home, moved.start.v = A * body.start.v;
+  }
+  for (const Marker& marker : system.markers())
+    if (marker.body == &system.ground()) system.marker(marker.name).local = frame * marker.local;
+  system.set_gravity(A * system.gravity());
+  system.changed();
+}
+
+/// A mechanism in a view, with its assembled start.
+struct Model {
+  Mechanism mechanism;
+  std::unique_ptr<Dynamics> dynamics;
+  State start;
+
+  Model(const std::string& text, const View& view) : mechanism(made(text, view)) {
+    place(mechanism.system, view.frame);
+    dynamics = std::make_unique<Dynamics>(mechanism.system, make_solver(mechanism.run, builtin_registry()),
+                                          DynamicsOptions{mechanism.run.formulation, mechanism.run.stabilization});
+    dynamics->set_up();
+    start = mechanism.system.start();
+    assemble(*dynamics, start, mechanism.start_speeds);
+  }
+  State run() {
+    StepLoop loop(*dynamics, make_integrator(mechanism.run, builtin_registry()),
+                  {.tolerance = mechanism.run.tolerance});
+    loop.set_state(start);
+    loop.run_until(mechanism.run.until);
+    State end = loop.state();
+    dynamics->to_slots(end);
+    return end;
+  }
+
+ private:
+  static Mechanism made(const std::string& text, const View& view) {
+    if (view.order == 0) return build_mechanism(scene_from_text(text, "scene.json"), builtin_registry());
+    Json scene = Json::parse(text);
+    scene["bodies"] = shuffled(scene["bodies"], view.order), scene["links"] = shuffled(scene["links"], view.order);
+    return build_mechanism(scene_from_text(scene.dump(), "scene.json"), builtin_registry());
+  }
+};
+
+std::set<std::string> row_names(const System& system) {
+  std::set<std::string> names;
+  for (const auto& link : system.links())
+    for (int k = 0; k < link->row_count(); ++k) names.insert(link->name() + "." + link->row_name(k));
+  return names;
+}
+
+// What the joints' own axes show does not depend on the world's.
+std::set<std::string> own_channels(const UniquenessReport& report) {
+  std::set<std::string> own;
+  for (const std::string& name : report.channels)
+    if (name.find("_world_") == std::string::npos) own.insert(name);
+  return own;
+}
+
+void check_counts(const Case& c, const View& view, std::set<std::string>& channels) {
+  Model model(c.full_text(), view);
+  const MobilityReport m = mobility(*model.dynamics, model.start);
+  CHECK(m.freedoms == c.freedoms);
+  CHECK(m.redundant == c.redundant);
+  int too_many = 0;
+  std::set<std::string> dependent;
+  for (const Dependency& d : m.dependencies) {
+    too_many += d.too_many;
+    CHECK(d.nearly == 0);
+    dependent.insert(d.rows.begin(), d.rows.end());
+  }
+  CHECK(too_many == c.redundant);
+
+  const UniquenessReport u = uniqueness(*model.dynamics, model.start);
+  CHECK(u.undetermined == c.redundant);
+  const std::set<std::string> not_unique(u.rows.begin(), u.rows.end());
+  CHECK(not_unique == dependent);
+  for (const std::string& row : row_names(model.mechanism.system)) {
+    const bool expected = std::ranges::any_of(c.unique, [&](const std::string& p) { return matches(p, row); });
+    CAPTURE(row);
+    CHECK(not_unique.contains(row) != expected);
+  }
+  if (channels.empty()) channels = own_channels(u);
+  CHECK(channels == own_channels(u));
+}
+
+Vec3 on_axes(const Reactions& reactions, const Lock& link, const Inputs& in, bool moment) {
+  const auto [p, s] = link.pairs().front();
+  const LinkWrench w = reactions.on_body_of(MarkerFrame(*p), link, in);
+  return in_world(MarkerFrame(*s), in).A.transpose() * (moment ? w.moment : w.force);
+}
+
+// Unique components are those of the model without redundant rows, which has no choice.
+void check_reactions(Model& full, const State& at, Model& reduced, const State& reduced_at) {
+  const UniquenessReport u = uniqueness(*full.dynamics, at);
+  const Solution& a = full.dynamics->evaluate(at);
+  const Solution& b = reduced.dynamics->evaluate(reduced_at);
+  double scale = 0;
+  for (const auto& link : full.mechanism.system.links())
+    scale = std::max(scale, on_axes(Reactions(a), *link, a.in, false).norm());
+  for (const auto& link : full.mechanism.system.links()) {
+    const auto& others = reduced.mechanism.system.links();
+    const auto other = std::ranges::find(others, link->name(), [](const auto& l) { return l->name(); });
+    for (const bool moment : {false, true}) {
+      const Vec3 ours = on_axes(Reactions(a), *link, a.in, moment);
+      const Vec3 theirs = other == others.end() ? Vec3::Zero() : on_axes(Reactions(b), **other, b.in, moment);
+      for (int i = 0; i < 3; ++i) {
+        const std::string name = link->name() + (moment ? ".torque" : ".force") + "_on_p_link_" + "xyz"[i];
+        if (!u.unique(name)) continue;
+        CAPTURE(name, ours[i], theirs[i]);
+        CHECK(std::abs(ours[i] - theirs[i]) < 1e-8 * scale);
+      }
+    }
+  }
+}
+
+void check_motion(const Case& c, const View& view) {
+  Model full(c.full_text(), view), reduced(c.reduced_text(), View{});
+  const MobilityReport m = mobility(*reduced.dynamics, reduced.start);
+  CHECK(m.redundant == 0);
+  CHECK(m.freedoms == c.freedoms);
+  check_reactions(full, full.start, reduced, reduced.start);
+  const State end = full.run(), reduced_end = reduced.run();
+  double moved = 0;
+  for (const Body& body : full.mechanism.system.bodies()) {
+    if (body.fixed) continue;
+    const Pose ours = body_pose(body, end);
+    const Pose theirs = view.frame * body_pose(reduced.mechanism.system.body(body.name), reduced_end);
+    moved = std::max(moved, (ours.x - body_pose(body, full.start).x).norm());
+    CAPTURE(body.name);
+    CHECK((ours.x - theirs.x).norm() < 1e-9);
+    CHECK((rotation(ours.q) - rotation(theirs.q)).norm() < 1e-9);
+  }
+  if (c.freedoms > 0)
+    CHECK(moved > 1e-3);
+  else
+    CHECK(moved < 1e-9);
+  check_reactions(full, end, reduced, reduced_end);
+}
+
+}  // namespace
+
+TEST_CASE("overconstrained mechanisms: freedoms, dependencies and unique reactions", "[stability][analysis]") {
+  std::minstd_rand random(7);
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    std::set<std::string> channels;
+    check_counts(c, View{}, channels);
+    for (int k = 0; k < 2; ++k) check_counts(c, random_view(random), channels);
+  }
+}
+
+TEST_CASE("overconstrained mechanisms move as models without a row too many", "[stability][analysis]") {
+  std::minstd_rand random(11);
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    check_motion(c, random_view(random));
+  }
+}
+
+TEST_CASE("overconstrained mechanisms in a hundred frames and orders", "[stability][analysis][long]") {
+  std::minstd_rand random(13);
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    std::set<std::string> channels;
+    for (int k = 0; k < 100; ++k) {
+      CAPTURE(k);
+      const View view = random_view(random);
+      check_counts(c, view, channels);
+      if (k % (c.name == "scissor_lift_20" ? 25 : 1) == 0) check_motion(c, view);
+    }
+  }
+}
+
+}  // namespace overconstrained_test
