@@ -232,6 +232,29 @@ TEST_CASE("files that the pages mention exist", "[pages]") {
   }
 }
 
+TEST_CASE("every promise names tests that exist", "[pages]") {
+  std::string tests;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(std::string(paths::kSource) + "/tests"))
+    if (entry.path().extension() == ".cpp") tests += file_text(entry.path().string());
+  const Page& of = page("framework/docs/promises.md");
+  // A promise is an item of a list, which may go on in further lines.
+  int n_promises = 0;
+  for (std::size_t k = 0; k < of.lines.size(); ++k) {
+    if (!of.lines[k].starts_with("- ")) continue;
+    std::string promise = of.lines[k];
+    while (k + 1 < of.lines.size() && of.lines[k + 1].starts_with("  ")) promise += of.lines[++k];
+    const std::vector<std::string> names = words_of(promise, "\\*\"([^\"]+)\"\\*");
+    INFO(promise);
+    CHECK_FALSE(names.empty());
+    for (const std::string& name : names) {
+      INFO("no test is called " << name);
+      CHECK(tests.find("TEST_CASE(\"" + name + '"') != std::string::npos);
+    }
+    ++n_promises;
+  }
+  CHECK(n_promises > 20);
+}
+
 TEST_CASE("the packages that README installs are those that the set-up looks for", "[pages]") {
   const std::string setup = file_text(paths::kSource + std::string("/framework/cmake/setup.sh"));
   const std::string readme = file_text(paths::kSource + std::string("/README.md"));

@@ -17,9 +17,24 @@ Value::Value(const char* s) : data_(std::string(s)) {}
 Value::Value(std::string s) : data_(std::move(s)) {}
 Value::Value(List items) : data_(std::move(items)) {}
 Value::Value(Object members) : data_(std::move(members)) {}
-Value::Value(const Value&) = default;
+// Copied beside and moved in: where a copy runs out of memory, std::variant of libstdc++ 12 destroys what it has not made.
+Value::Value(const Value& other) : where(other.where) {
+  if (const List* items = other.list())
+    data_ = List(*items);
+  else if (const Object* members = other.object())
+    data_ = Object(*members);
+  else if (const std::string* words = other.text())
+    data_ = std::string(*words);
+  else if (const double* x = other.number())
+    data_ = *x;
+  else if (const bool* b = other.boolean())
+    data_ = *b;
+}
 Value::Value(Value&&) noexcept = default;
-Value& Value::operator=(const Value&) = default;
+Value& Value::operator=(const Value& other) {
+  if (this != &other) *this = Value(other);
+  return *this;
+}
 Value& Value::operator=(Value&&) noexcept = default;
 Value::~Value() = default;
 

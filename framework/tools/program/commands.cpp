@@ -504,41 +504,27 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return kExitUsage;
 }
 
+// Without a further request for memory.
+int out_of_memory() {
+  std::fputs("lockstep: out of memory; record less (output, record), or run fewer copies at once\n", stderr);
+  return kExitMemory;
+}
+
 int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const Error& error) {
     fmt::print(stderr, "{} {}\n", error_mark(), error.what());
     return exit_code_of(error);
-  } catch (const std::bad_alloc&) {  // without a further allocation
-    std::fputs("lockstep: out of memory; record less (output, record), or run fewer copies at once\n", stderr);
-    return kExitMemory;
+  } catch (const std::bad_alloc&) {
+    return out_of_memory();
   } catch (...) {
     fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
     return kExitFailure;
   }
 }
 
-}  // namespace
-
-int exit_code_of(const Error& error) {
-  using Kind = Error::Kind;
-  static const std::map<Kind, Exit> kCodes{{Kind::usage, kExitUsage},
-                                           {Kind::scene, kExitScene},
-                                           {Kind::model, kExitScene},
-                                           {Kind::plugin, kExitPlugin},
-                                           {Kind::user_code, kExitPlugin},
-                                           {Kind::assembly, kExitAssembly},
-                                           {Kind::step, kExitStep},
-                                           {Kind::solve, kExitStep},
-                                           {Kind::non_finite, kExitNonFinite},
-                                           {Kind::file, kExitFile},
-                                           {Kind::interrupted, kExitInterrupted}};
-  const auto code = kCodes.find(error.kind());
-  return code == kCodes.end() ? kExitFailure : code->second;
-}
-
-int run_program(int argc, const char* const* argv) {
+int run_words(int argc, const char* const* argv) {
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", std::string("lockstep ") + kVersion);
   app.require_subcommand(1);
@@ -574,6 +560,33 @@ int run_program(int argc, const char* const* argv) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
   return code == kExitOk ? kExitFile : code;
+}
+
+}  // namespace
+
+int exit_code_of(const Error& error) {
+  using Kind = Error::Kind;
+  static const std::map<Kind, Exit> kCodes{{Kind::usage, kExitUsage},
+                                           {Kind::scene, kExitScene},
+                                           {Kind::model, kExitScene},
+                                           {Kind::plugin, kExitPlugin},
+                                           {Kind::user_code, kExitPlugin},
+                                           {Kind::assembly, kExitAssembly},
+                                           {Kind::step, kExitStep},
+                                           {Kind::solve, kExitStep},
+                                           {Kind::non_finite, kExitNonFinite},
+                                           {Kind::file, kExitFile},
+                                           {Kind::interrupted, kExitInterrupted}};
+  const auto code = kCodes.find(error.kind());
+  return code == kCodes.end() ? kExitFailure : code->second;
+}
+
+int run_program(int argc, const char* const* argv) {
+  try {
+    return run_words(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory();
+  }
 }
 
 }  // namespace lockstep

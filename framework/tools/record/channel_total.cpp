@@ -20,20 +20,30 @@ double must_be_number(const Force& f, const char* what, double value, double t) 
                        {.thing = thing_of(f), .t = t});
 }
 
+// Adds the energy of slot k to a sum, which may be too large for a double.
+void add_energy(const Sample& s, int k, const char* what, double energy, double& sum) {
+  sum += energy;
+  if (std::isfinite(sum)) return;
+  const Thing body{.kind = "body", .name = s.system().body_of_slot(k).name};
+  throw NonFiniteError(at_time(s.state.t) + "with " + body.words() + " the " + what + " energy is " +
+                           text::number(sum) + "; it must be a finite number: look at gravity, masses and speeds",
+                       {.thing = body, .t = s.state.t});
+}
+
 double kinetic(const Sample& s) {
-  double twice = 0;
+  double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k) {
     const Slot& b = s.system().slot(k);
     const Motion& O = s.inputs().slot(k);
-    twice += b.mass * O.v.squaredNorm() + O.w.dot(b.J * O.w);
+    add_energy(s, k, "kinetic", 0.5 * (b.mass * O.v.squaredNorm() + O.w.dot(b.J * O.w)), sum);
   }
-  return 0.5 * twice;
+  return sum;
 }
 
 double potential(const Sample& s) {
   double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k)
-    sum -= s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x);
+    add_energy(s, k, "potential", -s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x), sum);
   if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces())
     if (f->acts(s.inputs()))

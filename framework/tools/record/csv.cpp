@@ -19,9 +19,11 @@
 namespace lockstep {
 namespace {
 
-// A text with a separator, a quote or a line end is put in quotes, its own quotes doubled.
+// A text with a separator, a quote or a line end is put in quotes, its own quotes doubled; and one that would lose
+// something otherwise: blanks at its ends, or at its beginning what reads as a byte order mark.
 std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  const bool whole = text == text::trimmed(text) && !text.starts_with("\xEF\xBB\xBF");
+  if (whole && text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string all = "\"";
   for (char c : text) {
     if (c == '"') all += '"';

@@ -1,0 +1,38 @@
+#include "tests/fuzz/scratch_file.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace lockstep::fuzz {
+
+namespace {
+
+// The file of a process, removed at its end.
+class Scratch {
+ public:
+  explicit Scratch(const std::string& ending)
+      : path_((std::filesystem::temp_directory_path() / ("lockstep_fuzz_" + std::to_string(getpid()) + ending))
+                  .string()) {}
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+std::string scratch_file(Bytes bytes, const std::string& ending) {
+  static const Scratch csv(".csv"), so(".so");
+  const Scratch& file = ending == ".csv" ? csv : so;
+  std::ofstream(file.path(), std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return file.path();
+}
+
+}  // namespace lockstep::fuzz

@@ -1,0 +1,231 @@
+// What slips that were planted in the sources once got past: each test fails with one of tests/mutants/*.patch.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <lockstep/assembly.h>
+#include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/sweep.h>
+#include <lockstep/system.h>
+#include "framework/mechanism/params/units.h"
+#include "framework/tools/precision/history.h"
+#include "tests/support/catch.h"
+
+namespace planted_test {
+
+using namespace lockstep;
+
+namespace {
+
+const Registry& registry() {
+  static const Registry all = builtin_registry();
+  return all;
+}
+
+Mechanism made(const std::string& members) {
+  return build_mechanism(scene_from_text("{\"lockstep\": 1, " + members + "}", "planted.json"), registry());
+}
+
+Dynamics dynamics_of(Mechanism& m) {
+  return Dynamics(m.system, make_solver(m.run, registry()), {m.run.formulation, m.run.stabilization});
+}
+
+// The scene from its assembled start to its end.
+Table run(const std::string& members) {
+  Mechanism m = made(members);
+  const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  Dynamics dynamics = dynamics_of(m);
+  State start = m.system.start();
+  assemble(dynamics, start, m.start_speeds);
+  StepLoop loop(dynamics, make_integrator(m.run, registry()),
+                {.step = m.run.step, .tolerance = m.run.tolerance, .output = m.run.output});
+  loop.set_state(start);
+  loop.add_observer(*recorder);
+  loop.run_until(m.run.until);
+  return recorder->table();
+}
+
+bool has(const std::vector<double>& instants, double t) {
+  return std::any_of(instants.begin(), instants.end(), [t](double x) { return std::abs(x - t) < 1e-12; });
+}
+
+const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
+// Rises from t = 0.3 s to t = 0.7 s.
+const std::string kRise = R"({"type": "harmonic_rise", "rise": 0.1, "t0": 0.3, "duration": 0.4})";
+
+}  // namespace
+
+TEST_CASE("a rope bounces at its end as a floor does, with the restitution's share", "[mutants]") {
+  const auto bob = [](const std::string& link, const std::string& z) {
+    return run(R"("gravity": [0, 0, -10], "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, )" + z + R"(]}],
+      "links": [)" +
+               link + R"(], "run": {"until": 0.4, "output": 0.4, "record": ["bob.vz", "bob.z"]})");
+  };
+  // 0.5 m down: at t = sqrt(0.1) s with sqrt(10) m/s, of which half comes back.
+  const double hit = std::sqrt(0.1), v = 0.5 * std::sqrt(10.0) - 10 * (0.4 - hit);
+  const Table rope = bob(
+      R"({"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_p": [0,0,-0.5], "at_s": [0,0,0], "length": 1,
+    "unilateral": {"restitution": 0.5, "side": "below"}})",
+      "-0.5");
+  CHECK(rope.last("bob.vz") == Approx(v).epsilon(1e-6));
+  const Table floor =
+      bob(R"({"name": "floor", "type": "point_on_plane", "p": "bob", "s": "ground", "at_p": [0,0,0.5], "at_s": [0,0,0],
+    "unilateral": {"restitution": 0.5}})",
+          "0.5");
+  CHECK(floor.last("bob.vz") == Approx(v).epsilon(1e-6));
+  CHECK(floor.last("bob.z") == Approx(rope.last("bob.z") + 1).epsilon(1e-6));
+}
+
+TEST_CASE("each row of a lock that contradicts another is found, the last one too", "[mutants]") {
+  // Two locks of one mask, of which the second moves its last row away.
+  struct Row {
+    const char *mask, *law;
+  };
+  const std::string push = R"({"type": "polynomial", "coefficients": [0, 0, 2]})";
+  const auto move = [&](const std::string& axis) {
+    return R"("move": {"type": "along", "axis": )" + axis + R"(, "law": )" + push + "}";
+  };
+  const auto turn = [&](const std::string& axis) {
+    return R"("turn": {"type": "axis_rotation", "axis": )" + axis + R"(, "law": )" + push + "}";
+  };
+  const std::vector<std::pair<std::string, std::string>> rows = {
+      {"x y", move("[0,1,0]")},        {"x y", move("[1,0,0]")},       {"x z", move("[0,0,1]")},
+      {"x y z", move("[0,0,1]")},      {"x y e1 e2", turn("[0,1,0]")}, {"x y z e3", turn("[0,0,1]")},
+      {"x e1 e2 e3", turn("[0,0,1]")}, {"y z e1 e3", turn("[0,0,1]")}, {"e1 e2", turn("[0,1,0]")},
+      {"x y z e1 e2", turn("[0,1,0]")}};
+  for (const std::string solver : {"schur", "block", "sparse", "dense"})
+    for (const auto& [mask, law] : rows) {
+      const std::string lock = R"("type": "lock", "mask": ")" + mask + R"(", "p": "arm", "s": "ground", "at": [0,0,0])";
+      Mechanism m = made(kArm + R"("links": [{"name": "still", )" + lock + R"(}, {"name": "moved", )" + lock + ", " +
+                         law + R"(}], "run": {"until": 1, "solver": ")" + solver + "\"}");
+      Dynamics dynamics = dynamics_of(m);
+      INFO(solver << ", " << mask << ", " << law);
+      std::string refusal = "none";
+      try {
+        dynamics.evaluate(m.system.start());
+      } catch (const SolveError& error) {
+        refusal = error.what();
+      }
+      CHECK((refusal.find("'still'") != std::string::npos || refusal.find("'moved'") != std::string::npos));
+    }
+}
+
+TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of forces' markers", "[mutants]") {
+  const std::string translation = R"({"type": "along", "axis": [1,0,0], "law": )" + kRise + "}";
+  const std::string moved =
+      R"("markers": [{"name": "M", "body": "ground", "at": [0,0,0], "translation": )" + translation + R"(},
+    {"name": "N", "body": "arm", "at": [0,0,0]}, {"name": "Z", "body": "ground", "at": [1,2,3]}], )";
+  const std::vector<std::pair<const char*, std::string>> scenes = {
+      {"marker S of a link", moved + R"("links": [{"name": "A", "type": "point_on_plane", "p": "N", "s": "M"}])"},
+      {"marker P of a link", moved + R"("links": [{"name": "A", "type": "point_on_plane", "p": "M", "s": "N"}])"},
+      {"turn of a link", R"("links": [{"name": "A", "type": "fixed", "p": "arm", "s": "ground", "at": [0,0,0],
+         "turn": {"type": "axis_rotation", "axis": [0,0,1], "law": )" +
+                             kRise + "}}]"},
+      {"move of a link",
+       R"("links": [{"name": "A", "type": "spherical", "p": "arm", "s": "ground", "at": [0,0,0], "move": )" +
+           translation + "}]"},
+      {"slip of a screw",
+       R"("links": [{"name": "A", "type": "screw", "lead": 0.01, "p": "arm", "s": "ground", "at": [0, 0, 0], "slip": )" +
+           kRise + "}]"},
+      {"drive",
+       R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": )" +
+           kRise + "}}]"},
+      {"marker S of a force",
+       moved + R"("forces": [{"name": "F", "type": "spring_damper", "p": "Z", "s": "M", "stiffness": 1},
+         {"name": "G", "type": "spring_damper", "p": "N", "s": "Z", "stiffness": 1}])"},
+      {"marker P of a force",
+       moved + R"("forces": [{"name": "F", "type": "spring_damper", "p": "M", "s": "N", "stiffness": 1}])"},
+      {"law of a force", R"("forces": [{"name": "F", "type": "applied_force", "p": "arm", "at": [0,0,0], "law": )" +
+                             kRise + R"(, "direction": "x"}])"},
+  };
+  for (const auto& [what, scene] : scenes) {
+    INFO(what);
+    const Mechanism m = made(kArm + scene);
+    const std::vector<double> instants = m.system.breakpoints(0, 1);
+    CHECK(has(instants, 0.3));
+    CHECK(has(instants, 0.7));
+  }
+}
+
+TEST_CASE("axes that stand beside a marker are those of the other one", "[mutants]") {
+  const Mechanism m = made(
+      kArm + R"("markers": [{"name": "M", "body": "arm", "at": [0,0,0], "orientation": {"y": [0,0,1], "x": [1,0,0]}}],
+    "links": [{"name": "A", "type": "cylindrical", "p": "M", "s": "ground", "at_s": [0,0,0], "orientation": {"z": [0,1,0], "x": [1,0,0]}}])");
+  const Vec3 z = rotation(m.system.marker("A.S").local.q).col(2);
+  CHECK((z - Vec3(0, 1, 0)).norm() < 1e-12);
+}
+
+TEST_CASE("a NaN anywhere in a history is its error", "[mutants]") {
+  History sound;
+  for (int i = 0; i < 3; ++i) {
+    VecX q = VecX::Zero(7);
+    q[3] = 1;
+    sound.t.push_back(i), sound.energy.push_back(1), sound.kinetic.push_back(1);
+    sound.q.push_back(q), sound.v.push_back(VecX::Zero(6)), sound.load.push_back(VecX::Zero(6));
+  }
+  CHECK(difference(sound, sound, 1).position == 0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < 3; ++i) {
+    INFO("row " << i);
+    const auto spoiled = [&](auto&& spoil) {
+      History h = sound;
+      spoil(h);
+      return h;
+    };
+    const History place = spoiled([&](History&h) { h.q[i][0] = nan; }),
+                  turn = spoiled([&](History&h) { h.q[i][4] = nan; });
+    const History speed = spoiled([&](History&h) { h.v[i][1] = nan; }),
+                  rate = spoiled([&](History&h) { h.v[i][4] = nan; });
+    const History force = spoiled([&](History&h) { h.load[i][2] = nan; }),
+                  moment = spoiled([&](History&h) { h.load[i][5] = nan; });
+    const History energy = spoiled([&](History& h) { h.energy[i] = nan; });
+    for (const History* h : {&place, &turn}) CHECK(std::isinf(difference(sound, *h, 1).position));
+    for (const History* h : {&speed, &rate}) CHECK(std::isinf(difference(sound, *h, 1).velocity));
+    for (const History* h : {&force, &moment}) CHECK(std::isinf(difference(sound, *h, 1).reaction));
+    CHECK(std::isinf(difference(sound, energy, 1).energy));
+  }
+}
+
+TEST_CASE("both letters for micro are a millionth", "[mutants]") {
+  for (const char* prefix : {"u", "\u00b5", "\u03bc"}) {
+    const Measured m = in_si(3, std::string(prefix) + "m");
+    INFO(prefix << ": " << m.problem);
+    CHECK(m.problem.empty());
+    CHECK(m.value == Approx(3e-6).epsilon(1e-15));
+  }
+}
+
+TEST_CASE("off the constraints a turn that is imposed is as far off in the plane as in space", "[mutants]") {
+  for (const char* mask : {"e3", "x e3", "x y e3"})
+    for (const double off : {-0.4, 0.05, 0.9}) {
+      double violation[2], angle[2];
+      for (const bool plane : {false, true}) {
+        Mechanism m =
+            made(std::string(R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+          "links": [{"name": "A", "type": "lock", "mask": ")") +
+                 (plane ? mask : std::string(mask) + " z e1 e2") + R"(", "p": "arm", "s": "ground", "at": [0,0,0],
+            "turn": {"type": "axis_rotation", "axis": [0,0,1], "law": 0.3}}], "planar": ")" +
+                 (plane ? "z" : "off") + "\"");
+        Dynamics dynamics = dynamics_of(m);
+        State s = m.system.start();
+        StateEditor editor(s);
+        const Body& arm = m.system.body("arm");
+        editor.set_pose(arm, {editor.pose(arm).x, exponential(Vec3(0, 0, off))});
+        violation[plane] = dynamics.violation(s);
+        dynamics.project(s);
+        const Quat q = editor.pose(arm).q;
+        angle[plane] = 2 * std::atan2(q.z, q.w);
+      }
+      INFO(mask << ", " << off);
+      CHECK(violation[1] == Approx(violation[0]).epsilon(1e-12));
+      CHECK(angle[1] == Approx(0.3).epsilon(1e-9));
+      CHECK(angle[0] == Approx(0.3).epsilon(1e-9));
+    }
+}
+
+}  // namespace planted_test
