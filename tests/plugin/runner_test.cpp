@@ -132,7 +132,8 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
 }
 
 TEST_CASE("every verb has help with an example", "[runner]") {
-  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "chart", "advise", "sweep"}) {
+  for (const char* verb : {"", "run", "check", "list", "describe", "schema", "assemble", "statics", "kinematics",
+                           "inverse", "explain", "chart", "advise", "sweep"}) {
     const Called r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);

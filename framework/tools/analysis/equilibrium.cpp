@@ -31,9 +31,9 @@ constexpr int kLeaves = 10;        // unstable positions that are left
 constexpr double kPushOff = 0.05;  // lengths
 
 /// Forces at a state at rest: f - J^T lambda = M a with J a = 0.
-class Unrest {
+class ForcesAtRest {
  public:
-  explicit Unrest(Dynamics& dynamics) : dynamics_(dynamics), length_(dynamics.system().length()) {}
+  explicit ForcesAtRest(Dynamics& dynamics) : dynamics_(dynamics), length_(dynamics.system().length()) {}
 
   void look(const State& state) {
     e = &dynamics_.gather(state);
@@ -472,7 +472,7 @@ class Search {
   State& state_;
   const EquilibriumOptions& options_;
   EquilibriumReport& report_;
-  Unrest now_;
+  ForcesAtRest now_;
   Contacts contacts_;
   NewtonMatrix matrix_;
   State start_;
