@@ -19,7 +19,7 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostDense = 1200;  // unknowns
+constexpr int kMostCounted = 1200;  // unknowns
 
 /// A coordinate of a link that its mask leaves free.
 struct FreeCoordinate {
@@ -110,7 +110,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
       if (const auto drive = drives.find(row); drive != drives.end()) set.push_back(drive->second);
     if (!set.empty()) report.too_many.push_back(std::move(set));
   }
-  if (report.freedoms == 0 || system.n_velocities() > kMostDense) return report;
+  if (report.freedoms == 0 || system.n_velocities() > kMostCounted) return report;
 
   const std::vector<int> unknowns = unknowns_of(system);
   const Evaluation& e = dynamics.gather(state);

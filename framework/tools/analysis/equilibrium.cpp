@@ -31,9 +31,9 @@ constexpr int kLeaves = 10;        // unstable positions that are left
 constexpr double kPushOff = 0.05;  // lengths
 
 /// Forces at a state at rest: f - J^T lambda = M a with J a = 0.
-class Unrest {
+class ForcesAtRest {
  public:
-  explicit Unrest(Dynamics& dynamics) : dynamics_(dynamics), length_(dynamics.system().length()) {}
+  explicit ForcesAtRest(Dynamics& dynamics) : dynamics_(dynamics), length_(dynamics.system().length()) {}
 
   void look(const State& state) {
     e = &dynamics_.gather(state);
@@ -174,7 +174,7 @@ class Search {
   /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is not
   /// positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
   bool find_dense_step(bool either_way) {
-    constexpr double kNone = 1e-11, kNoPotential = 1e-6;
+    constexpr double kNone = 1e-11, kUnsymmetric = 1e-6;
     const RestMatrices A(*now_.e, now_.lambda);
     if (A.N.cols() == 0) return false;
     const MatX K = A.N.transpose() * A.K * A.N, M = A.N.transpose() * A.M * A.N;
@@ -183,7 +183,7 @@ class Search {
       g[static_cast<Eigen::Index>(i)] = now_.r[A.at[i]] / (A.at[i] % 6 < 3 ? 1.0 : length_);
     g = (A.N.transpose() * g).eval();
     VecX y;
-    const bool has_potential = (K - K.transpose()).norm() <= kNoPotential * A.K.norm();
+    const bool has_potential = (K - K.transpose()).norm() <= kUnsymmetric * A.K.norm();
     if (!has_potential) y = MatX(K + shift_ * M).partialPivLu().solve(g);
     if (has_potential || !y.allFinite() || (!either_way && y.dot(g) < 0)) {
       const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K + K.transpose()), M);
@@ -472,7 +472,7 @@ class Search {
   State& state_;
   const EquilibriumOptions& options_;
   EquilibriumReport& report_;
-  Unrest now_;
+  ForcesAtRest now_;
   Contacts contacts_;
   NewtonMatrix matrix_;
   State start_;

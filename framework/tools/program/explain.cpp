@@ -148,7 +148,7 @@ std::vector<std::pair<std::string, Contribution>> shares_of(Dynamics& dynamics, 
   return all;
 }
 
-State state_at(const Arguments& args, Mechanism& m, Dynamics& dynamics, const Registry& registry) {
+State state_to_explain(const Arguments& args, Mechanism& m, Dynamics& dynamics, const Registry& registry) {
   const double t = args.at.empty() || args.at == "0" ? 0 : positive_number("--at", args.at, Unit::time);
   State state = assembled_start(dynamics, m);
   if (t > 0) {
@@ -187,7 +187,7 @@ int explain_command(const Arguments& args) {
   if (!args.name.empty() && std::ranges::find(known, args.name) == known.end())
     throw UsageError("nothing of the scene that moves, links or pushes is named \"" + args.name + "\"" +
                      text::suggestion(args.name, known));
-  const State state = state_at(args, m, dynamics, loaded.registry);
+  const State state = state_to_explain(args, m, dynamics, loaded.registry);
   if (!args.json) fmt::print("{}, t = {:.9g} s\n", loaded.title(), state.t);
 
   for (const Body& body : system.bodies())

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double instant_of(const Arguments& args) {
+double instant_of_loads(const Arguments& args) {
   if (args.at.empty() || args.at == "0") return 0;
   return positive_number("--at", args.at, Unit::time);
 }
@@ -41,7 +41,7 @@ struct Resting {
 
   /// From the assembled start, or from the poses of `before`, if it has as many.
   void find(const Arguments& args, const State* before) {
-    state.t = instant_of(args);
+    state.t = instant_of_loads(args);
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q;
     state.v.setZero();
     if (m.run.assemble || before != nullptr) assemble(dynamics, state);
@@ -231,7 +231,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
   constexpr int kMostStarts = 1'000'000;
   const int starts = whole_number("--all", args.all, kMostStarts);
   Resting first(loaded.scene, loaded.registry);
-  first.state.t = instant_of(args);
+  first.state.t = instant_of_loads(args);
   first.state.v.setZero();
   if (first.m.run.assemble) assemble(first.dynamics, first.state);
   EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
