@@ -26,7 +26,7 @@ const std::string kBob = R"("gravity": [0,-9.81,0],
   "bodies": [{"name": "bob", "mass": 2, "inertia": [0.2, 0.25, 0.3], "position": [0, -0.7, 0]}],
   "links": [{"name": "pivot", "type": "revolute", "p": "bob", "s": "ground", "at": [0,0,0]}],
   "forces": [{"name": "motor", "type": "torque_motor", "p": "bob", "s": "ground", "at": [0,0,0], "torque": 0},
-             {"name": "push", "type": "applied_force", "p": "bob", "force": [0, -3, 0]}],
+             {"name": "push", "type": "applied_force", "p": "bob", "at": [0,-0.7,0], "force": [0, -3, 0]}],
   "run": {"until": 1, "output": 0.1, "record": ["pivot.angle_z"]})";
 const double kSwing = std::sqrt(2 * 9.81 * 0.7 / (0.3 + 2 * 0.49));  // sqrt(m g d/(I + m d^2))
 

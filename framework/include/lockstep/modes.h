@@ -63,7 +63,7 @@ struct Modes {
   std::vector<std::string> notes{};  ///< as LinearMotion
 
   /// All eigenvalues that were found: zeros, and pairs as two.
-  std::vector<std::complex<double>> eigenvalues() const;
+  LOCKSTEP_API std::vector<std::complex<double>> eigenvalues() const;
 };
 
 /// Finds the modes about a state. Throws as linear_motion(); ModelError for a pose in which rows become dependent that

@@ -129,9 +129,10 @@ Found eigen_of(const MatX& H, bool symmetric) {
 // The problem with one shift: l^2 = -w^2 of K + sigma M where nothing damps, else l of the whole equation at a real shift.
 class Shifted {
  public:
-  Shifted(const LinearMotion& m, bool symmetric, double sigma) : m_(m), symmetric_(symmetric), s_(std::sqrt(sigma)) {
+  Shifted(const LinearMotion& m, bool symmetric, double sigma, bool redundant)
+      : m_(m), symmetric_(symmetric), s_(std::sqrt(sigma)) {
     factor_ = std::make_unique<SaddleFactor>(
-        m, symmetric ? SparseMat(m.K + sigma * m.M) : SparseMat(m.K + s_ * m.D + sigma * m.M));
+        m, symmetric ? SparseMat(m.K + sigma * m.M) : SparseMat(m.K + s_ * m.D + sigma * m.M), redundant);
   }
   Eigen::Index size() const { return symmetric_ ? n() : 2 * n(); }
   VecX image(const VecX& x) const {
@@ -215,8 +216,8 @@ struct Values {
   MatXc x;
 };
 
-Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count) {
-  const Shifted shifted(m, symmetric, sigma);
+Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count, bool redundant) {
+  const Shifted shifted(m, symmetric, sigma, redundant);
   Subspace space([&](const VecX& x) { return shifted.image(x); }, [&](const VecX& x) { return shifted.metric(x); },
                  shifted.size());
   const auto wanted = static_cast<std::size_t>(symmetric ? count : 2 * count);
@@ -285,13 +286,13 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
 
 }  // namespace
 
-Spectrum lowest_spectrum(const LinearMotion& m, int count) {
+Spectrum lowest_spectrum(const LinearMotion& m, int count, bool redundant) {
   const double K = m.K.norm();
   const bool symmetric = m.D.norm() == 0 && SparseMat(m.K - SparseMat(m.K.transpose())).norm() <= 1e-10 * K;
   double sigma = 1e-6 * largest_rate(m);
   if (!(sigma > 0)) sigma = 1;  // nothing acts: every eigenvalue is zero
   for (int round = 0;; ++round) {
-    const Values values = with_shift(m, symmetric, sigma, count);
+    const Values values = with_shift(m, symmetric, sigma, count, redundant);
     // A shift beside the lowest that is not zero: far above it, it blurs the lowest; far below, zeros blur them.
     double lowest = 0;
     bool has_zeros = false;
@@ -304,8 +305,7 @@ Spectrum lowest_spectrum(const LinearMotion& m, int count) {
     }
     const bool well = lowest == 0 || (sigma <= 10 * lowest && (!has_zeros || sigma >= 1e-2 * lowest));
     if (well || round == 3) {
-      Spectrum out = spectrum_from(m, symmetric, values);
-      return out;
+      return spectrum_from(m, symmetric, values);
     }
     sigma = lowest;
   }

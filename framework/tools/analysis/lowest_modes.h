@@ -6,8 +6,8 @@
 
 namespace lockstep {
 
-/// The `count` eigenvalues (a pair counts once) nearest to zero, with vectors in the unknown velocities. Throws
-/// SolveError where they do not settle.
-Spectrum lowest_spectrum(const LinearMotion&, int count);
+/// The `count` eigenvalues (a pair counts once) nearest to zero, with vectors in the unknown velocities. `redundant`:
+/// whether rows depend on one another. Throws SolveError where they do not settle.
+Spectrum lowest_spectrum(const LinearMotion&, int count, bool redundant);
 
 }  // namespace lockstep

@@ -87,9 +87,12 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   out.length = motion.length, out.spin = motion.spin, out.unrest = motion.unrest, out.notes = motion.notes;
   const bool dense = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
   MatX N;
-  const Spectrum found =
-      dense ? of_all(dynamics, state, motion, N, out) : lowest_spectrum(motion, options.count > 0 ? options.count : 20);
-  if (!dense) out.freedoms = mobility(dynamics, state).freedoms;
+  const auto lowest = [&] {
+    const MobilityReport mobile = mobility(dynamics, state);
+    out.freedoms = mobile.freedoms;
+    return lowest_spectrum(motion, options.count > 0 ? options.count : 20, mobile.redundant > 0);
+  };
+  const Spectrum found = dense ? of_all(dynamics, state, motion, N, out) : lowest();
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
   const auto full = [&](const Eigen::VectorXcd& y) { return dense ? Eigen::VectorXcd(N.cast<Complex>() * y) : y; };
   for (Eigen::Index k = 0; k < found.rigid.cols(); ++k)

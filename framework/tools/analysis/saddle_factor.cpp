@@ -6,8 +6,8 @@
 
 namespace lockstep {
 
-SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A) {
-  constexpr double kProximal = 1e-10;
+SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool redundant) {
+  const double proximity = redundant ? 1e-10 : 0.0;
   const Eigen::Index n = A.rows(), rows = m.J.rows();
   scale_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i)
@@ -27,10 +27,11 @@ SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A) {
       entries.emplace_back(it.row(), n + row, to * it.value());
       entries.emplace_back(n + row, it.row(), to * it.value());
     }
-    proximal.emplace_back(n + row, n + row, -kProximal * size);
+    proximal.emplace_back(n + row, n + row, -proximity * size);
   }
   matrix_.resize(n + rows, n + rows);
   matrix_.setFromTriplets(entries.begin(), entries.end());
+  sizes_ = matrix_.cwiseAbs();
   SparseMat with_proximal(n + rows, n + rows);
   entries.insert(entries.end(), proximal.begin(), proximal.end());
   with_proximal.setFromTriplets(entries.begin(), entries.end());
@@ -40,13 +41,34 @@ SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A) {
 }
 
 VecX SaddleFactor::solve(const VecX& f) const {
-  constexpr int kCorrections = 3;
+  constexpr int kCorrections = 40;  // a long loop of joints lets the proximal term go slowly
+  constexpr double kEnough = 1e-15, kRefused = 1e-9;
   const Eigen::Index n = scale_.size();
   VecX b = VecX::Zero(matrix_.rows());
   b.head(n) = scale_.cwiseProduct(f);
-  VecX x = lu_.solve(b);
-  for (int k = 0; k < kCorrections; ++k) x += lu_.solve(VecX(b - matrix_ * x));
-  if (!x.allFinite()) throw SolveError("a solution of the linear equations is not finite");
+  VecX x = lu_.solve(b), left = b - matrix_ * x;
+  // The residual of each equation, relative to its largest terms.
+  const auto error = [&] {
+    const VecX terms = b.cwiseAbs() + sizes_ * x.cwiseAbs();
+    const double most = terms.maxCoeff();
+    return most > 0 ? left.cwiseAbs().cwiseQuotient(terms.cwiseMax(1e-6 * most)).maxCoeff() : 0.0;
+  };
+  double now = error();
+  for (int k = 0; k < kCorrections && now > kEnough; ++k) {
+    const VecX before = x;
+    x += lu_.solve(left);
+    left = b - matrix_ * x;
+    const double next = error();
+    if (!(next < 0.7 * now)) {
+      if (!(next < now)) x = before;
+      now = std::min(now, next);
+      break;
+    }
+    now = next;
+  }
+  if (!x.allFinite() || !(now <= kRefused))
+    throw SolveError("the sparse matrix of the linear equations is too badly conditioned: a solution leaves " +
+                     std::to_string(now) + " of its terms; ask for a dense solution (dense_limit)");
   return scale_.cwiseProduct(x.head(n));
 }
 

@@ -313,6 +313,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
       out.accuracy = std::max(out.accuracy, off.row(row).maxCoeff() / largest);
   for (const Channel& channel : channels) out.outputs.push_back({channel.name, channel.unit});
   out.C = all.leftCols(2 * f), out.D = all.rightCols(static_cast<Eigen::Index>(columns.size()));
+  for (MatX* matrix : {&out.A, &out.B, &out.C, &out.D}) matrix->array() += 0.0;  // no zero with a sign
   return out;
 }
 
