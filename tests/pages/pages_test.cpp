@@ -206,8 +206,8 @@ TEST_CASE("commands of the pages are those of the program", "[pages]") {
 
 TEST_CASE("options that the pages mention exist", "[pages]") {
   std::string all;
-  for (const std::string verb : {"run", "check", "assemble", "statics", "kinematics", "explain", "chart", "advise",
-                                 "sweep", "new-plugin", "plugins list"})
+  for (const std::string verb : {"run", "check", "assemble", "statics", "kinematics", "explain", "modes", "linearize",
+                                 "matrices", "atlas", "chart", "advise", "sweep", "new-plugin", "plugins list"})
     all += help_of(verb);
   for (const Page& of : pages()) {
     if (of.name == "framework/CHANGELOG.md") continue;  // history

@@ -218,7 +218,8 @@ void check_motion(const Case& c, const View& view) {
     if (body.fixed) continue;
     const Pose ours = body_pose(body, end);
     const Pose theirs = view.frame * body_pose(reduced.mechanism.system.body(body.name), reduced_end);
-    moved = std::max(moved, (ours.x - body_pose(body, full.start).x).norm());
+    const Pose before = body_pose(body, full.start);
+    moved = std::max({moved, (ours.x - before.x).norm(), (rotation(ours.q) - rotation(before.q)).norm()});
     CAPTURE(body.name);
     CHECK((ours.x - theirs.x).norm() < 1e-9);
     CHECK((rotation(ours.q) - rotation(theirs.q)).norm() < 1e-9);

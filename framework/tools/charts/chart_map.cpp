@@ -112,7 +112,7 @@ void add_map(Script& out, const MapSpec& spec) {
 
 // Pixels.
 namespace page {
-constexpr double kTitle = 54, kLegendRow = 24, kRemark = 19, kAbove = 40, kBelow = 62, kLeft = 92, kBetween = 92,
+constexpr double kTitle = 54, kLegendRow = 24, kRemark = 19, kAbove = 40, kBelow = 74, kLeft = 92, kBetween = 108,
                  kRight = 24, kBeforeRemarks = 10;
 }
 
@@ -121,12 +121,25 @@ struct MapLayout {
   double width, height, top, map_width, map_height;  // pixels
 };
 
+constexpr std::size_t kLegendColumns = 2;  // labels are long
+
+// Numbers of the kinds that some map shows.
+std::vector<std::size_t> shown_kinds(const MapGridSpec& spec) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < spec.maps.front().kinds.size(); ++k)
+    if (std::ranges::any_of(spec.maps, [&](const MapSpec& map) { return has_kind(map, static_cast<int>(k)); }))
+      shown.push_back(k);
+  return shown;
+}
+
 MapLayout map_layout_of(const MapGridSpec& spec) {
   MapLayout all{};
   all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.maps.size());
   all.n_rows = (spec.maps.size() + all.n_columns - 1) / all.n_columns;
   const auto n = static_cast<double>(all.n_columns);
-  all.width = spec.width, all.top = page::kTitle + page::kLegendRow * (spec.curve_label.empty() ? 1 : 2);
+  all.width = spec.width;
+  all.top = page::kTitle +
+            page::kLegendRow * static_cast<double>((shown_kinds(spec).size() + kLegendColumns) / kLegendColumns);
   all.map_width = (all.width - page::kLeft - page::kRight - page::kBetween * (n - 1)) / n;
   all.map_height = spec.map_height - page::kAbove - page::kBelow;
   all.height = all.top + spec.map_height * static_cast<double>(all.n_rows) +
@@ -146,18 +159,15 @@ void add_map_legend(Script& out, const MapGridSpec& spec, const MapLayout& all) 
   whole_map_page(out);
   std::vector<std::string> clauses{"2 notitle"};
   const std::vector<MapSpec::Kind>& kinds = spec.maps.front().kinds;
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    const auto shown = [&](const MapSpec& map) { return has_kind(map, static_cast<int>(k)); };
-    if (std::ranges::none_of(spec.maps, shown)) continue;
+  for (const std::size_t k : shown_kinds(spec))
     clauses.push_back(fmt::format("keyentry with boxes lc rgb '{}' fs solid 0.85 title {}",
                                   color_or(kinds[k].color, k, "kind \"" + kinds[k].label + "\""),
                                   quoted_text(kinds[k].label)));
-  }
   if (!spec.curve_label.empty())
     clauses.push_back(
         fmt::format("keyentry with lines lc rgb '#111111' lw 2.4 title {}", quoted_text(spec.curve_label)));
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width 2",
-                       page::kLeft / all.width, 1 - (page::kTitle - 6) / all.height, spec.curve_label.empty() ? 7 : 4));
+                       page::kLeft / all.width, 1 - (page::kTitle - 6) / all.height, kLegendColumns));
   plot(out, clauses);
   out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
 }
@@ -228,6 +238,7 @@ void write_map_grid(const std::string& path, const MapGridSpec& spec) {
     MapSpec map = spec.maps[k];
     for (Series& s : map.curves) s.label.clear();
     out.line(fmt::format("set title {} noenhanced font ',13'", quoted_text(map.title)));
+    out.line("set xtics nomirror out\nset ytics nomirror out");
     add_map(out, map);
   }
   add_map_remarks(out, spec, all);

@@ -129,11 +129,12 @@ std::vector<double> numbers_of(const Variable& v) {
   return all;
 }
 
-// Even in the logarithm rather than in the number.
+// Whether the numbers lie rather on a logarithmic axis: decades apart, or evenly in the logarithm.
 bool is_log(const std::vector<double>& x) {
-  if (x.front() <= 0 || x.size() < 3) return false;
-  return x.back() / x[x.size() - 2] < 1.5 * (x[1] / x[0]) && x[1] / x[0] < 1.5 * (x.back() / x[x.size() - 2]) &&
-         x.back() > 3 * x.front();
+  if (x.front() <= 0 || x.size() < 3 || x.back() < 3 * x.front()) return false;
+  const double middle = x[x.size() / 2];
+  return std::abs(std::log(middle / std::sqrt(x.front() * x.back()))) <
+         std::abs(std::log(middle / (0.5 * (x.front() + x.back()))));
 }
 
 AtlasPlan make_plan(const Arguments& args) {

@@ -109,7 +109,9 @@ double step_limit(const MethodSpec& method, const SmallMotions& s, double low, d
   if (!growth) return std::numeric_limits<double>::quiet_NaN();
   double own = 0;  // growth of the motions themselves
   for (const Complex rate : rates) own = std::max(own, rate.real());
-  const auto grows = [&](double h) { return growth(h) > kGrows * std::exp(h * own); };
+  const auto grows = [&](double h) {
+    return growth(h) > kGrows * std::exp(2 * h * own);
+  };  // twice: an explicit step overshoots
   double before = low;
   for (int k = 0; k <= kScan; ++k) {
     double h = low * std::pow(high / low, static_cast<double>(k) / kScan);

@@ -1,0 +1,103 @@
+// The verb atlas, called as a person calls it.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.h"
+#include "tests/support/program.h"
+
+namespace runner_atlas_test {
+
+using namespace lockstep::testing;
+using Json = nlohmann::json;
+
+namespace {
+
+// A mass of 1 kg on a spring, let go 0.1 m off its rest.
+std::string spring() {
+  return scene_file("atlas_spring", R"("bodies": [{"name": "m", "particle": 1, "position": [0.1, 0, 0]}],
+    "markers": [{"name": "wall", "body": "ground", "at": [-3, 0, 0]}, {"name": "hook", "body": "m"}],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "hook", "s": "wall", "stiffness": 100, "free_length": 3}],
+    "run": {"integrator": "dop853", "tolerance": 1e-8, "step": 0.01, "until": 20})");
+}
+
+std::size_t lines_of(const std::string& file) {
+  std::ifstream in(kRunnerFolder + "/" + file);
+  std::size_t n = 0;
+  for (std::string line; std::getline(in, line);) ++n;
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE("atlas: a method works below the limit of its theory and fails above it", "[runner][atlas]") {
+  const Called called = call("atlas '" + spring() +
+                             "' --vary run.step=0.02:0.8:8:log --vary forces.spring.stiffness=25,100,400 "
+                             "--integrators semi_implicit_euler,generalized_alpha,dop853 --error 0.5 --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Json j = Json::parse(called.text);
+  REQUIRE(j["maps"].size() == 3);
+  const Json &euler = j["maps"][0], &steps = j["axes"][0]["values"], &stiffness = j["axes"][1]["values"];
+  REQUIRE(euler["limit"]["x"].size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double limit = 2 / std::sqrt(stiffness[k].get<double>());
+    CHECK(euler["limit"]["x"][k].get<double>() == Approx(limit).epsilon(0.01));
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const double h = steps[i];
+      const std::string outcome = euler["outcomes"][i][k];
+      CAPTURE(h, limit, outcome);
+      if (h > 1.05 * limit) CHECK(outcome != "works");
+      if (h > 1.05 * limit) CHECK(outcome != "wrong without a word");
+      if (h < 0.02 * limit) CHECK(outcome == "works");
+    }
+  }
+  CHECK_FALSE(j["maps"][1].contains("limit"));  // unconditionally stable
+  CHECK(j["maps"][1]["counts"].value("stops with an error", 0) == 0);
+  CHECK(j["maps"][2]["counts"]["works"] == 24);  // it chooses its steps
+  CHECK(lines_of("atlas_spring_atlas.csv") == 1 + 3 * 24);
+  for (const char* file : {"atlas_spring_atlas.png", "atlas_spring_atlas.svg"})
+    CHECK(std::filesystem::exists(kRunnerFolder + "/" + file));
+}
+
+TEST_CASE("atlas: Baumgarte's gain has the limit of (2.16)", "[runner][atlas]") {
+  const std::string rod = scene_file("atlas_rod", R"("gravity": [0, -9.81, 0], "planar": "off",
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+    "parameters": {"gain": "100 Hz"},
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
+    "run": {"integrator": "rk4", "step": 0.01, "formulation": "omega", "until": 0.5,
+            "stabilization": {"kind": "baumgarte", "alpha": "=gain", "beta": "=gain"}})");
+  const Called called = call("atlas '" + rod +
+                             "' --vary run.step=1e-3:0.1:5:log --vary gain=50,100,200 --integrators "
+                             "rk4,semi_implicit_euler --stabilizations baumgarte --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Json j = Json::parse(called.text);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double gain = j["axes"][1]["values"][k];
+    CHECK(j["maps"][0]["limit"]["x"][k].get<double>() * gain == Approx(2.785).epsilon(0.04));
+    CHECK(j["maps"][1]["limit"]["x"][k].get<double>() * gain == Approx(2 * std::sqrt(2.0) - 2).epsilon(0.01));
+  }
+}
+
+TEST_CASE("atlas: what it cannot draw is refused by name", "[runner][atlas]") {
+  const std::string scene = spring();
+  const auto refused = [&](const std::string& words, const std::string& part) {
+    const Called called = call("atlas '" + scene + "' " + words);
+    INFO(called.text);
+    CHECK(called.exit == 2);
+    CHECK(contains(called.text, part));
+  };
+  refused("--vary run.step=1e-3:1e-1:4:log", "two axes");
+  refused("--vary run.step=1e-3:1e-1:4:log --vary forces.spring.stifness=1,2", "stifness");
+  refused("--vary run.step=0:1e-1:4:log --vary forces.spring.stiffness=1,2", "above 0");
+  refused("--vary run.step=0.1,0.01 --vary forces.spring.stiffness=1,2", "rising");
+  refused("--vary run.integrator=rk4,dop853 --vary forces.spring.stiffness=1,2", "numbers");
+  refused("--vary run.step=0.01,0.1 --vary forces.spring.stiffness=1,2 --integrators rk5", "rk5");
+  refused("--vary run.step=0.01,0.1 --vary forces.spring.stiffness=1,2 --step 0.1", "run.step");
+}
+
+}  // namespace runner_atlas_test

@@ -1,0 +1,73 @@
+// Fast rotors and long runs of turns: the turn in a step, and the length of quaternions.
+#include <cmath>
+
+#include <lockstep/joints.h>
+#include <lockstep/simulation.h>
+#include "tests/support/catch.h"
+#include "tests/support/outcome.h"
+
+namespace spin_test {
+
+using namespace lockstep;
+using namespace lockstep::stability;
+
+namespace {
+
+// A rotor in a hinge, for ten steps of `turn` radians each.
+Outcome spin(const std::string& method, double rate, double turn) {
+  const std::string text = R"({"lockstep": 1, "planar": "off",
+    "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 2], "omega_body": [0, 0, $w]}],
+    "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0]}],
+    "run": {"integrator": $method, "step": $h, "formulation": "omega", "until": $until, "output": $h,
+            "record": ["b.qw", "b.qz"]}})";
+  return outcome_of(filled(filled(filled(filled(text, "$method", method), "$w", rate), "$h", turn / rate), "$until",
+                           10 * turn / rate));
+}
+
+double angle_error(const Outcome& o, double angle) {
+  const double a = 2 * std::atan2(o.table.last("b.qz"), o.table.last("b.qw"));
+  return std::abs(std::remainder(a - angle, 2 * 3.14159265358979323846));
+}
+
+}  // namespace
+
+TEST_CASE("up to 1e5 rad/s the error depends on the turn in a step alone, and beyond a radian it is told",
+          "[stability][spin]") {
+  for (const char* method : {R"("rk4")", R"("semi_implicit_euler")", R"({"type": "dopri5", "fixed": true})"}) {
+    for (const double turn : {0.01, 0.1, 0.5, 1.5, 3.0}) {
+      const Outcome slow = spin(method, 1, turn), fast = spin(method, 1e5, turn);
+      CAPTURE(method, turn, slow.error, fast.error);
+      CHECK(slow.ended() == fast.ended());
+      if (!slow.ended() || !fast.ended()) continue;
+      CHECK(angle_error(fast, 10 * turn) == Approx(angle_error(slow, 10 * turn)).epsilon(1e-3).margin(1e-9));
+      if (turn > 1) CHECK(fast.told());
+      if (turn < 0.2) CHECK(angle_error(fast, 10 * turn) < 1e-3);
+    }
+  }
+}
+
+namespace {
+
+// Steps of a body that tumbles by 0.1 rad in each; the largest distance of its quaternion's length from one.
+double length_error(long steps) {
+  System sys;
+  Body& b = sys.add_body("b", MassProperties{1.0, Vec3::Zero(), Vec3(1, 2, 3).asDiagonal()});
+  b.start.w = Vec3(3, 9, 1);
+  Simulation run(sys, {.integrator = "rk4", .step = 0.01, .output = 1e9});
+  double worst = 0;
+  for (long k = 0; k < steps; ++k) {
+    run.loop().step();
+    if (k % 1000 == 999) worst = std::max(worst, std::abs(run.state().q.segment<4>(3).norm() - 1));
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("quaternions keep their length over 1e5 steps", "[stability][spin]") { CHECK(length_error(100000) < 1e-14); }
+
+TEST_CASE("quaternions keep their length over 1e7 steps", "[stability][spin][long]") {
+  CHECK(length_error(10000000) < 1e-14);
+}
+
+}  // namespace spin_test
