@@ -71,8 +71,10 @@ void check_rows(const std::string& file) {
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   const auto whole = commas(text.substr(0, text.find('\n')));
   std::size_t at = 0;
+  long torn = 0;
   for (std::size_t next; (next = text.find('\n', at)) != std::string::npos; at = next + 1)
-    CHECK(commas(text.substr(at, next - at)) == whole);
+    torn += commas(text.substr(at, next - at)) != whole ? 1 : 0;
+  CHECK(torn == 0);
 }
 
 }  // namespace
@@ -92,9 +94,12 @@ TEST_CASE("a request for memory that fails ends by one sentence and exit code 10
         std::ofstream(old) << "t,old\n0,1\n";
         const Called r = with_failing("malloc:" + std::to_string(k) + on, words);
         INFO(verb << ", malloc:" << k << on << " of " << n << ", exit code " << r.exit << ":\n" << r.text);
-        CHECK((r.exit == 10 || r.exit == 0));
-        if (r.exit == 10) CHECK(contains(r.text, "out of memory"));
-        if (verb != "check" && r.exit != 0) CHECK(bytes_of(old) == "t,old\n0,1\n");
+        // In a sweep a run that needs the memory is a failed row of a table that is whole.
+        const bool failed_row =
+            r.exit == 1 && verb.starts_with("sweep") && contains(bytes_of(old), "failed: out of memory");
+        CHECK((r.exit == 10 || r.exit == 0 || failed_row));
+        if (r.exit != 0) CHECK(contains(r.text, "out of memory"));
+        if (verb != "check" && r.exit == 10) CHECK(bytes_of(old) == "t,old\n0,1\n");
         fs::remove(old + ".partial");
       }
   }

@@ -12,7 +12,7 @@ using nlohmann::json;
 class Mutator {
  public:
   explicit Mutator(std::mt19937_64& bits) : bits_(bits) {}
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits_() % n); }
+  std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(bits_() % n); }
 
   std::string word() {
     static const std::vector<std::string> kWords{"0",
@@ -185,6 +185,7 @@ class Mutator {
       }
       case 4: {  // something stands twice, or a key where it does not belong
         json& whole = structure(top);
+        if (whole.empty()) return;
         if (whole.is_array())
           whole.push_back(json(whole[below(whole.size())]));
         else if (whole.is_object()) {

@@ -136,8 +136,7 @@ TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of 
        R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": )" +
            kRise + "}}]"},
       {"marker S of a force",
-       moved + R"("forces": [{"name": "F", "type": "spring_damper", "p": "Z", "s": "M", "stiffness": 1},
-         {"name": "G", "type": "spring_damper", "p": "N", "s": "Z", "stiffness": 1}])"},
+       moved + R"("forces": [{"name": "F", "type": "spring_damper", "p": "N", "s": "M", "stiffness": 1}])"},
       {"marker P of a force",
        moved + R"("forces": [{"name": "F", "type": "spring_damper", "p": "M", "s": "N", "stiffness": 1}])"},
       {"law of a force", R"("forces": [{"name": "F", "type": "applied_force", "p": "arm", "at": [0,0,0], "law": )" +
@@ -217,7 +216,7 @@ TEST_CASE("off the constraints a turn that is imposed is as far off in the plane
         const Body& arm = m.system.body("arm");
         editor.set_pose(arm, {editor.pose(arm).x, exponential(Vec3(0, 0, off))});
         violation[plane] = dynamics.violation(s);
-        dynamics.project(s);
+        assemble(dynamics, s);
         const Quat q = editor.pose(arm).q;
         angle[plane] = 2 * std::atan2(q.z, q.w);
       }

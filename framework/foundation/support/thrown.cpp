@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <typeinfo>
 
 namespace lockstep {
@@ -29,6 +30,8 @@ std::string thrown_words(const std::exception_ptr& thrown) {
   if (!thrown) return "something that is not a C++ exception";
   try {
     std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    return "out of memory";
   } catch (const std::exception& error) {
     std::string words = what_of(error);
     const auto* outer = dynamic_cast<const std::nested_exception*>(&error);

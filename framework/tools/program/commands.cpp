@@ -559,7 +559,7 @@ int run_words(int argc, const char* const* argv) {
   const int code = guarded([&] { return called->second->run(arguments); });
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
-  return code == kExitOk ? kExitFile : code;
+  return code == kExitOk || code == kExitFailure ? kExitFile : code;  // a failed write may have ended the command
 }
 
 }  // namespace
