@@ -63,7 +63,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_CASE("a robot in URDF moves as the same robot in C++", "[unit][scene]") {
   const ImportedRobot robot = read_urdf(kArms, "arms.urdf", false);
-  CHECK(robot.left_out.empty());
+  CHECK(robot.left_out == std::vector<std::string>{"limits of effort: of 'elbow'", "limits of velocity: of 'elbow'",
+                                                   "visual shapes: of 'upper'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), "arms.json"), builtin_registry());
   const std::vector<std::string> channels{"shoulder.angle_z", "elbow.angle_z", "shoulder.force_on_p_world_z"};
   const std::vector<double> imported = last_of(m.system, channels);
@@ -145,8 +146,52 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
   check_words(said(replaced(kArms, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>")), {"shoulder", "axis", "3 numbers"});
   const std::string mesh = replaced(kArms, "<box size=\"1 0.1 0.1\"/>", "<mesh filename=\"upper.stl\"/>");
   const ImportedRobot robot = read_urdf(mesh, "arms.urdf", false);
-  REQUIRE(robot.left_out.size() == 1);
-  CHECK(robot.left_out[0] == "link 'upper': its mesh");
+  CHECK(robot.left_out.back() == "meshes: of 'upper'");
+  const std::string twice = replaced(kArms, "name=\"grip\"", "name=\"wrist\"");
+  check_words(said(twice), {"joint 'wrist'", "twice"});
+  check_words(said(replaced(kArms, "izz=\"0.06\"", "izz=\"0.6\"")), {"lower", "inertia"});
+  std::string deep = "<robot>";
+  for (int k = 0; k < 300000; ++k) deep += "<a>";
+  check_words(said(deep), {"nested"});
+  check_words(said("<robot name='r\xff'/>"), {"UTF-8"});
+  CHECK_NOTHROW(
+      read_urdf(replaced(kArms, "<child link=\"tip\"/>", "<child link=\"tip\"/><axis xyz=\"0 0 0\"/>"), "a", false));
+}
+
+TEST_CASE("limits of a robot that its zero breaks are left out by name", "[unit][scene]") {
+  const ImportedRobot robot = read_urdf(replaced(kArms, "upper=\"1.5\"", "upper=\"-0.5\""), "arms.urdf", false);
+  CHECK(robot.left_out.front() == "limits of effort: of 'elbow'");
+  CHECK(std::count(robot.left_out.begin(), robot.left_out.end(),
+                   "limits outside of which the joint's zero lies: of 'elbow'") == 1);
+  CHECK(write_json_line(robot.scene).find("stops") == std::string::npos);
+}
+
+TEST_CASE("sliders, planes and free links of a robot, and names that a scene cannot have", "[unit][scene]") {
+  const std::string link =
+      R"(<link name="@"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>)";
+  const auto links = [&](std::initializer_list<const char*> names) {
+    std::string all;
+    for (const char* name : names) all += replaced(link, "@", name);
+    return all;
+  };
+  const std::string robot =
+      "<robot name='r'><link name='base'/>" + links({"a.b", "ground", "c"}) +
+      R"(<joint name="slide" type="prismatic"><parent link="base"/><child link="a.b"/><axis xyz="0 3 4"/><dynamics damping="2"/></joint>
+                               <joint name="free" type="floating"><parent link="base"/><child link="ground"/></joint>
+                               <joint name="c" type="planar"><parent link="base"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>)";
+  const ImportedRobot imported = read_urdf(robot, "r.urdf", false);
+  CHECK(imported.left_out ==
+        std::vector<std::string>{"names, which are others here: of 'a.b (a_b)', 'ground (ground_2)', 'c (c_2)'"});
+  Mechanism m = build_mechanism(scene_from_text(write_json(imported.scene), "r.json"), builtin_registry());
+  Simulation run(m.system, {.integrator = "dop853", .tolerance = 1e-12, .output = 0.25});
+  const Table& table = run.record({"a_b.y", "a_b.z", "ground_2.z", "c.z"});
+  run.run_until(0.5);
+  // Along the slide m s'' = -m g 0.8 - 2 s', from rest: s = -(0.8 g/2) (t - (1 - exp(-2 t))/2).
+  const double t = 0.5, s = -0.8 * 9.81 / 2 * (t - (1 - std::exp(-2 * t)) / 2);
+  CHECK(table.last("a_b.y") == Approx(0.6 * s).epsilon(1e-9));
+  CHECK(table.last("a_b.z") == Approx(0.8 * s).epsilon(1e-9));
+  CHECK(table.last("ground_2.z") == Approx(-9.81 * t * t / 2).epsilon(1e-9));
+  CHECK(std::abs(table.last("c.z")) < 1e-9);
 }
 
 }  // namespace urdf_test

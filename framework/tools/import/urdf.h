@@ -12,7 +12,7 @@ namespace lockstep {
 /// What a file of URDF becomes.
 struct ImportedRobot {
   Value scene;                          ///< a whole scene
-  std::vector<std::string> left_out{};  ///< what the file has and the scene has not, by name
+  std::vector<std::string> left_out{};  ///< what the file has and the scene has not, a line a kind
 };
 
 /// Links with a mass become bodies, joints links, with their limits as stops and their damping as forces; positions are

@@ -26,10 +26,6 @@ ErrorKind kind_of(const Arguments& args) {
   return ErrorKind::position;
 }
 
-std::string in_quotes(const std::string& word) {
-  return word.find_first_of(" \t'\"\\$&;()<>|*?") == std::string::npos ? word : "'" + word + "'";
-}
-
 // The command that repeats this run; it gives every setting, so that none is taken from the scene.
 std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
   std::string text = "lockstep run " + in_quotes(args.scene);

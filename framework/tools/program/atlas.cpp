@@ -500,9 +500,7 @@ int atlas_command(const Arguments& args) {
   const std::string of = args.of == "position" ? "status" : args.of;  // the default of the other verbs
   AtlasPlan plan = make_plan(args);
   const std::string csv = csv_path(
-      args.out.empty() ? ""
-                       : (std::filesystem::path(args.out) / std::filesystem::path(args.scene).stem()).string() + ".csv",
-      args.scene);
+      args.out.empty() ? "" : (std::filesystem::path(args.out) / stem_of(args.scene)).string() + ".csv", args.scene);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_atlas";
   check_writable(base + ".csv");
   const Interrupt interrupt;

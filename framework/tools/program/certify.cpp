@@ -85,8 +85,9 @@ std::vector<Repeat> others_of(const Loaded& loaded, const RunSettings& run, cons
   return all;
 }
 
-// Makes the repeat and keeps it if it reached the end; else prints why not and returns false.
-bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& run, Repeat repeat, double limit) {
+// Makes the repeat and keeps it if it reached the end; else says why not in `text` and returns false.
+bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& run, Repeat repeat, double limit,
+         std::string& text) {
   std::string failure = fmt::format("given up after {:.2g} s; give more with --budget", limit);
   try {
     if (std::optional<Table> table = make_again(loaded, run, repeat, limit)) {
@@ -97,7 +98,7 @@ bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& 
   } catch (const Error& error) {
     failure = error.what();
   }
-  fmt::print("             {} at {}: {}\n", repeat.name, repeat.setting, failure);
+  text += fmt::format("             {} at {}: {}\n", repeat.name, repeat.setting, failure);
   return false;
 }
 
@@ -119,7 +120,7 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
 
 }  // namespace
 
-void print_certificate(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
+std::string certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
   const IntegratorInfo own = make_integrator(with_step, loaded.registry)->info();
@@ -128,15 +129,12 @@ void print_certificate(const Loaded& loaded, const Arguments& args, const RunSet
   options.output_times.erase(std::unique(options.output_times.begin(), options.output_times.end()),
                              options.output_times.end());
   const double limit = 0.5 * budget_of(args);
-  fmt::print("  certificate\n");
+  std::string text = "  certificate\n";
   std::vector<Repeat> repeats;
-  add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit);
+  add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit, text);
   for (const Repeat& other : others_of(loaded, run, own, options))
-    if (add(repeats, loaded, run, other, limit)) break;
-  if (repeats.empty()) {
-    fmt::print("             no repeat came to an end: nothing is certified\n");
-    return;
-  }
+    if (add(repeats, loaded, run, other, limit, text)) break;
+  if (repeats.empty()) return text + "             no repeat came to an end: nothing is certified\n";
   std::vector<const Table*> tables;
   std::vector<std::string> names, against;
   for (const Repeat& repeat : repeats) {
@@ -145,8 +143,8 @@ void print_certificate(const Loaded& loaded, const Arguments& args, const RunSet
     against.push_back(fmt::format("{} ({})", repeat.name, repeat.setting));
   }
   const Certificate c = certify(table, tables);
-  fmt::print("  digits of each column that agree with {}: log10(largest / difference)\n{}{}", text::join(against),
-             certificate_text(c, names), verdict(c, repeats));
+  return text + fmt::format("  digits of each column that agree with {}: log10(largest / difference)\n{}{}",
+                            lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats));
 }
 
 }  // namespace lockstep

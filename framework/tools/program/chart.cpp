@@ -162,9 +162,7 @@ int chart_command(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const std::string csv = csv_path(
-      args.out.empty() ? ""
-                       : (std::filesystem::path(args.out) / std::filesystem::path(args.scene).stem()).string() + ".csv",
-      args.scene);
+      args.out.empty() ? "" : (std::filesystem::path(args.out) / stem_of(args.scene)).string() + ".csv", args.scene);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
   const std::string report = args.report.empty() ? "" : report_path(args.report, base + ".csv", loaded.scene);

@@ -118,7 +118,7 @@ std::string owner_of(const ChannelHelp& channel, const System& system) {
 }
 
 // `of`: the name of what they belong to; "" for all.
-void list_channels(const System& system, const std::string& of, bool as_json) {
+void list_channels(const System& system, const std::string& of, nlohmann::ordered_json* json) {
   std::vector<ChannelHelp> all = channel_help(system);
   std::erase_if(all, [](const ChannelHelp& c) { return c.name.starts_with("ground."); });  // it never moves
   if (!of.empty()) {
@@ -138,8 +138,8 @@ void list_channels(const System& system, const std::string& of, bool as_json) {
     name = std::max(name, c.name.size()), unit = std::max(unit, c.unit.size());
     j.push_back({{"name", c.name}, {"unit", c.unit}, {"of", owner_of(c, system)}, {"help", c.help}});
   }
-  if (as_json) {
-    fmt::print("{}\n", j.dump(1, ' '));
+  if (json != nullptr) {
+    *json = std::move(j);
     return;
   }
   std::string last;
@@ -286,7 +286,16 @@ State counted_start(Dynamics& dynamics, const Mechanism& m, const State& typed) 
 void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (args.channels) return list_channels(m.system, args.name, args.json);
+  if (args.channels) {
+    if (!args.json && !args.more_scenes.empty()) fmt::print("{}\n", loaded.title());
+    nlohmann::ordered_json channels;
+    list_channels(m.system, args.name, args.json ? &channels : nullptr);
+    if (args.json && args.more_scenes.empty())
+      results.push_back(std::move(channels));
+    else if (args.json)
+      results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
+    return;
+  }
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
@@ -389,7 +398,7 @@ int check_command(const Arguments& args) {
   else
     check_scene(args, results);
   using Json = nlohmann::ordered_json;
-  if (args.json && !args.channels)
+  if (args.json)
     fmt::print("{}\n", (several ? results : results.front()).dump(1, ' ', false, Json::error_handler_t::replace));
   return code;
 }

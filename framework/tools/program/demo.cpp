@@ -9,6 +9,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
 
 namespace lockstep {
@@ -48,7 +49,7 @@ int demo_command(const Arguments& args) {
   run.record = (folder / "four_bar.csv").string();
   run.report = (folder / "four_bar.html").string();
   run.open = !args.no_open;
-  if (run.until.empty()) run.until = "2.5";
+  if (contents_of(run.scene) == demo_scene()) run.until = "2.5";  // some turns
   const int code = run_command(run);
   fmt::print(
       "\nNext:\n"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -25,13 +26,30 @@ namespace lockstep {
 
 namespace fs = std::filesystem;
 
+std::string in_quotes(const std::string& word) {
+  return word.find_first_of(" \t'\"\\$&;()<>|*?") == std::string::npos ? word : "'" + word + "'";
+}
+
+std::string standard_input() {
+  constexpr std::size_t kMost = std::size_t{64} << 20;
+  std::string text;
+  char part[1 << 16];
+  while (text.size() <= kMost) {
+    const std::size_t n = std::fread(part, 1, sizeof part, stdin);
+    if (n == 0) break;
+    text.append(part, n);
+  }
+  return text;
+}
+
+std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : fs::path(scene).stem().string(); }
+
 std::string csv_path(const std::string& record, const std::string& scene) {
   if (record == "-") return record;
   const char* folder = std::getenv("LOCKSTEP_OUTPUT");
   fs::path file = record;
   if (record.empty()) {
-    file =
-        fs::path(folder != nullptr && *folder != 0 ? folder : ".") / (scene == "-" ? "stdin" : fs::path(scene).stem());
+    file = fs::path(folder != nullptr && *folder != 0 ? folder : ".") / stem_of(scene);
     file += ".csv";
   }
   std::error_code error;
@@ -154,6 +172,8 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
 }  // namespace
 
 std::string report_path(const std::string& report, const std::string& csv, const Scene& scene) {
+  if (report == "-")
+    throw UsageError("--report: a page for the browser goes to a file; name one, as in --report out.html");
   const fs::path file = fs::path(report).lexically_normal();
   std::error_code error;
   if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);

@@ -9,6 +9,15 @@
 
 namespace lockstep {
 
+/// All of standard input, up to one byte more than the longest scene: reading that refuses it.
+std::string standard_input();
+
+/// A word as a shell reads it: in quotes where it needs them.
+std::string in_quotes(const std::string& word);
+
+/// The name of a scene's file without folder and ending; "stdin" for standard input.
+std::string stem_of(const std::string& scene);
+
 /// The CSV file: `record` if given, else <scene>.csv in LOCKSTEP_OUTPUT or the current folder. Makes its folder. Throws
 /// FileError.
 std::string csv_path(const std::string& record, const std::string& scene);

@@ -103,19 +103,6 @@ void put_shortcuts(Scene& scene, const Arguments& args) {
   });
 }
 
-// All of it, up to one byte more than the longest scene: reading it refuses that.
-std::string standard_input() {
-  constexpr std::size_t kMost = std::size_t{64} << 20;
-  std::string text;
-  char part[1 << 16];
-  while (text.size() <= kMost) {
-    const std::size_t n = std::fread(part, 1, sizeof part, stdin);
-    if (n == 0) break;
-    text.append(part, n);
-  }
-  return text;
-}
-
 }  // namespace
 
 Registry make_registry(const std::vector<std::string>& plugins, const std::vector<std::string>& required) {

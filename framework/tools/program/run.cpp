@@ -21,6 +21,7 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/run_words.h"
+#include "framework/tools/program/words.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -71,26 +72,6 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
                audit.limits.violation);
   return audit;
 }
-
-/// Where the words of a run go.
-class Words {
- public:
-  /// Nowhere with --quiet and --json; to standard error where standard output takes the rows.
-  explicit Words(const Arguments& args)
-      : to_(args.quiet || args.json ? nullptr
-            : args.record == "-"    ? stderr
-                                    : stdout) {}
-  explicit operator bool() const { return to_ != nullptr; }
-  template <class... Args>
-  void say(fmt::format_string<Args...> format, Args&&... args) const {
-    if (to_ == nullptr) return;
-    fmt::print(to_, format, std::forward<Args>(args)...);
-    std::fflush(to_);
-  }
-
- private:
-  std::FILE* to_;
-};
 
 // The table first: it is reported even if the picture fails.
 std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table,
@@ -182,8 +163,6 @@ int report_command(const Arguments& args) {
 
 int run_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
-  if (args.json && args.record == "-")
-    throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
   const Words words(args);
   Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
@@ -259,7 +238,8 @@ int run_command(const Arguments& args) {
     j["files"] = files;
     print_json(args, loaded, std::move(j));
   }
-  if (args.certify && !ended.interrupted) print_certificate(loaded, args, m.run, recorder->table());
+  if (args.certify && !ended.interrupted)
+    fmt::print(args.record == "-" ? stderr : stdout, "{}", certificate_of(loaded, args, m.run, recorder->table()));
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   if (ended.interrupted) return kExitInterrupted;
@@ -288,7 +268,7 @@ int assemble_command(const Arguments& args) {
                                          {"iterations", r.iterations},   {"largest_move", r.largest_move},
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (args.json) fmt::print("{}\n", report.dump(1, ' '));
+  if (args.json) fmt::print("{}\n", report.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   return kExitOk;
 }
 

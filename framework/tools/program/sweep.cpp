@@ -25,6 +25,7 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
@@ -160,7 +161,7 @@ Plan make_plan(const Arguments& args) {
 }
 
 std::string table_path(const Arguments& args, Shard shard) {
-  const std::string stem = std::filesystem::path(args.scene).stem().string();
+  const std::string stem = stem_of(args.scene);
   const std::string share = args.shard.empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
   return csv_path(args.record, stem + "_sweep" + share + ".json");
 }
@@ -347,21 +348,20 @@ class Sweep {
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
 };
 
-void print_heading(const Plan& plan, long n) {
-  fmt::print("{}\n", plan.loaded.title());
+void print_heading(const Plan& plan, long n, const Words& words) {
+  words.say("{}\n", plan.loaded.title());
   const std::string share =
       plan.shard.count > 1 ? fmt::format(" of {}, share {}/{}", plan.grid.n_runs(), plan.shard.index, plan.shard.count)
                            : "";
-  fmt::print("  runs       {}{}\n", n, share);
-  std::fflush(stdout);
+  words.say("  runs       {}{}\n", n, share);
 }
 
-void print_end(const Plan& plan, const Tally& tally, const std::string& csv) {
-  fmt::print("  done       {}, {} failed\n", tally.done, tally.failed);
-  if (tally.in_lanes > 0) fmt::print("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
-  if (tally.in_lanes == 0 && !tally.alone.empty()) fmt::print("             one by one: {}\n", tally.alone);
-  fmt::print("  files      {} ({} rows)\n", csv, tally.done);
-  if (tally.histories > 0) fmt::print("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
+void print_end(const Plan& plan, const Tally& tally, const std::string& csv, const Words& words) {
+  words.say("  done       {}, {} failed\n", tally.done, tally.failed);
+  if (tally.in_lanes > 0) words.say("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
+  if (tally.in_lanes == 0 && !tally.alone.empty()) words.say("             one by one: {}\n", tally.alone);
+  words.say("  files      {} ({} rows)\n", csv == "-" ? "the rows on standard output" : csv, tally.done);
+  if (tally.histories > 0) words.say("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
 }
 
 void print_json(const Plan& plan, const Tally& tally, const std::string& csv) {
@@ -387,19 +387,22 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
 }
 
 // The first variable of numbers against the first result.
-void write_report(const Plan& plan, const std::string& csv, const std::string& report) {
+void write_report(const Plan& plan, const std::string& csv, const std::string& report, const Words& words) {
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
   write_runs_report(report, text_of(plan.arguments, plan.loaded), contents_of(csv), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false);
-  if (!plan.arguments.quiet && !plan.arguments.json) fmt::print("             {}\n", report);
+  words.say("             {}\n", report);
 }
 
 }  // namespace
 
 int sweep_command(const Arguments& args) {
   if (args.quiet) set_logger(nullptr);
+  const Words words(args);
+  if (args.record == "-" && !args.report.empty())
+    throw UsageError("--report: it is made from the rows, which go to standard output; give --record a file");
   const Plan plan = make_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
@@ -408,16 +411,16 @@ int sweep_command(const Arguments& args) {
   GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
-  if (!args.quiet && !args.json) print_heading(plan, sweep.n_runs());
+  print_heading(plan, sweep.n_runs(), words);
   const Tally tally = [&] {
     const FewMessages few(kMostReasons);
     return run_and_commit(sweep, rows);
   }();
   if (args.json)
     print_json(plan, tally, csv);
-  else if (!args.quiet)
-    print_end(plan, tally, csv);
-  if (!report.empty()) write_report(plan, csv, report);
+  else
+    print_end(plan, tally, csv, words);
+  if (!report.empty()) write_report(plan, csv, report, words);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);
     return kExitInterrupted;

@@ -1,0 +1,306 @@
+#include <algorithm>
+#include <boost/property_tree/ptree.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+#include <lockstep/body.h>
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/tools/import/robot.h"
+
+namespace lockstep::urdf {
+namespace {
+
+using Tree = boost::property_tree::ptree;
+
+constexpr int kMostDepth = 200;                            // of tags: the parser calls itself
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // as of scenes
+
+/// The nesting of tags, at most.
+int depth_of(const std::string& text) {
+  int depth = 0, most = 0;
+  for (std::size_t at = text.find('<'); at != std::string::npos && at + 1 < text.size(); at = text.find('<', at + 1)) {
+    const char next = text[at + 1];
+    if (next == '!' || next == '?') continue;
+    const std::size_t end = text.find('>', at);
+    if (next == '/')
+      --depth;
+    else if (end == std::string::npos || text[end - 1] != '/')
+      most = std::max(most, ++depth);
+  }
+  return most;
+}
+
+bool is_utf8(const std::string& text) {
+  for (std::size_t k = 0; k < text.size();) {
+    const auto c = static_cast<unsigned char>(text[k]);
+    const int more = c < 0x80                ? 0
+                     : c >= 0xc2 && c < 0xe0 ? 1
+                     : c >= 0xe0 && c < 0xf0 ? 2
+                     : c >= 0xf0 && c < 0xf5 ? 3
+                                             : -1;
+    if (more < 0 || k + static_cast<std::size_t>(more) >= text.size() + (more == 0 ? 1 : 0)) return false;
+    for (int i = 1; i <= more; ++i)
+      if ((static_cast<unsigned char>(text[k + static_cast<std::size_t>(i)]) & 0xc0) != 0x80) return false;
+    k += 1 + static_cast<std::size_t>(more);
+  }
+  return true;
+}
+
+/// Reads a robot, and knows where it is for messages.
+class Reader {
+ public:
+  explicit Reader(std::string file) { robot_.file = std::move(file); }
+
+  Robot read(const std::string& text) {
+    const Tree tree = tree_of(text);
+    robot_.name = tree.get<std::string>("<xmlattr>.name", "robot");
+    read_colors(tree);
+    for (const auto& [tag, child] : tree) {
+      if (tag == "link") read_link(child);
+      if (tag == "joint") read_joint(child);
+      if (tag == "transmission") leave_out("transmissions", child.get<std::string>("<xmlattr>.name", "one"));
+    }
+    connect();
+    return std::move(robot_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw SceneError(robot_.file + ": " + what, robot_.file); }
+  void leave_out(const std::string& what, const std::string& of) { robot_.left_out[what].push_back(of); }
+
+  Tree tree_of(const std::string& text) const {
+    if (text.size() > kMostBytes) fail("it is larger than 64 MB");
+    if (!is_utf8(text)) fail("it is not in UTF-8");
+    if (depth_of(text) > kMostDepth) fail("its tags are nested deeper than " + std::to_string(kMostDepth));
+    Tree tree;
+    std::istringstream in(text);
+    try {
+      boost::property_tree::read_xml(in, tree, boost::property_tree::xml_parser::no_comments);
+    } catch (const boost::property_tree::xml_parser_error& error) {
+      throw SceneError(robot_.file + ":" + std::to_string(error.line()) + ": " + error.message() + "; this is no XML",
+                       robot_.file);
+    }
+    const auto robot = tree.find("robot");
+    if (robot == tree.not_found())
+      fail("there is no <robot>: is it URDF? Of a xacro file `xacro robot.xacro` makes one");
+    return robot->second;
+  }
+
+  template <std::size_t N>
+  std::array<double, N> numbers(const std::string& words, const std::string& of) const {
+    std::array<double, N> all{};
+    std::istringstream in(words);
+    in.imbue(std::locale::classic());
+    for (double& x : all)
+      if (!(in >> x) || !std::isfinite(x))
+        fail(of + ": \"" + words + "\" should be " + std::to_string(N) + " number" + (N == 1 ? "" : "s"));
+    if (std::string rest; in >> rest) fail(of + ": \"" + words + "\" has more than " + std::to_string(N) + " numbers");
+    return all;
+  }
+  double number(const Tree& tree, const std::string& attribute, const std::string& of, double fallback) const {
+    const auto words = tree.get_optional<std::string>("<xmlattr>." + attribute);
+    return words ? numbers<1>(*words, of + ", " + attribute)[0] : fallback;
+  }
+  Vec3 vector(const Tree& tree, const std::string& attribute, const std::string& of, const Vec3& fallback) const {
+    const auto words = tree.get_optional<std::string>("<xmlattr>." + attribute);
+    if (!words) return fallback;
+    const std::array<double, 3> x = numbers<3>(*words, of + ", " + attribute);
+    return {x[0], x[1], x[2]};
+  }
+  std::string attribute(const Tree& tree, const std::string& name, const std::string& of) const {
+    const auto words = tree.get_optional<std::string>("<xmlattr>." + name);
+    if (!words || words->empty()) fail(of + ": it has no " + name);
+    return *words;
+  }
+
+  // rpy: turns about the fixed axes x, y, z, one after the other.
+  Pose origin(const Tree& tree, const std::string& of) const {
+    const auto found = tree.get_child_optional("origin");
+    if (!found) return {};
+    const Vec3 rpy = vector(*found, "rpy", of + ", origin", Vec3::Zero());
+    const Quat q =
+        axis_angle(Vec3::UnitZ(), rpy[2]) * axis_angle(Vec3::UnitY(), rpy[1]) * axis_angle(Vec3::UnitX(), rpy[0]);
+    return {vector(*found, "xyz", of + ", origin", Vec3::Zero()), q};
+  }
+
+  // Of the robot's own materials, and of those that a visual of any link defines.
+  void read_colors(const Tree& robot) {
+    const auto keep = [&](const Tree& material) {
+      if (const std::string color = color_of(material); !color.empty())
+        colors_[material.get<std::string>("<xmlattr>.name", "")] = color;
+    };
+    for (const auto& [tag, tree] : robot) {
+      if (tag == "material") keep(tree);
+      if (tag == "link")
+        for (const auto& [part, visual] : tree)
+          if (const auto material = visual.get_child_optional("material"); part == "visual" && material)
+            keep(*material);
+    }
+  }
+  std::string color_of(const Tree& material) const {
+    const auto rgba = material.get_optional<std::string>("color.<xmlattr>.rgba");
+    if (!rgba) return "";
+    std::string text = "#";
+    const std::array<double, 4> c = numbers<4>(*rgba, "material, rgba");
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto level = static_cast<unsigned>(std::lround(255 * std::clamp(c[k], 0.0, 1.0)));
+      for (const unsigned digit : {level / 16, level % 16}) text += "0123456789abcdef"[digit];
+    }
+    return text;
+  }
+
+  void read_link(const Tree& tree) {
+    Part part{attribute(tree, "name", "a link")};
+    const std::string of = "link '" + part.name + "'";
+    if (!parts_.emplace(part.name, robot_.parts.size()).second) fail(of + " is there twice");
+    if (const auto inertial = tree.get_child_optional("inertial")) read_inertial(*inertial, of, part);
+    for (const auto& [tag, visual] : tree) {
+      if (tag == "collision") leave_out("collision shapes", part.name);
+      if (tag != "visual") continue;
+      leave_out(visual.get_child_optional("geometry.mesh") ? "meshes" : "visual shapes", part.name);
+      if (const auto material = visual.get_child_optional("material"); material && part.color.empty()) {
+        part.color = color_of(*material);
+        if (part.color.empty()) part.color = colors_[material->get<std::string>("<xmlattr>.name", "")];
+      }
+    }
+    robot_.parts.push_back(std::move(part));
+  }
+
+  void read_inertial(const Tree& inertial, const std::string& of, Part& part) {
+    part.centre = origin(inertial, of + ", inertial");
+    if (const auto mass = inertial.get_child_optional("mass")) part.mass = number(*mass, "value", of + ", mass", 0);
+    if (part.mass < 0) fail(of + ": its mass is negative");
+    const auto inertia = inertial.get_child_optional("inertia");
+    if (!inertia && part.mass > 0) fail(of + ": it has a mass and no <inertia>; give it one");
+    if (!inertia) return;
+    std::size_t k = 0;
+    for (const char* entry : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
+      part.inertia[k++] = number(*inertia, entry, of + ", inertia", 0);
+    const std::array<double, 6>& J = part.inertia;
+    if (part.mass == 0) {
+      if (J[0] != 0 || J[3] != 0 || J[5] != 0) leave_out("inertias of links without a mass", part.name);
+      return;
+    }
+    Mat3 full;
+    full << J[0], J[1], J[2], J[1], J[3], J[4], J[2], J[4], J[5];
+    try {
+      check_mass({part.mass, Vec3::Zero(), full}, of);
+    } catch (const ModelError& error) {
+      fail(error.what());
+    }
+  }
+
+  void read_joint(const Tree& tree) {
+    Joint joint;
+    joint.name = attribute(tree, "name", "a joint");
+    const std::string of = "joint '" + joint.name + "'";
+    if (!joints_.emplace(joint.name, robot_.joints.size()).second) fail(of + " is there twice");
+    joint.type = attribute(tree, "type", of);
+    static const std::vector<std::string> types{"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
+    if (std::find(types.begin(), types.end(), joint.type) == types.end())
+      fail(of + ": unknown type \"" + joint.type + "\"; known: " + text::join(types));
+    for (const auto& [end, link] : {std::pair{"parent", &joint.parent_name}, std::pair{"child", &joint.child_name}}) {
+      const auto found = tree.get_child_optional(end);
+      if (!found) fail(of + ": it has no <" + end + ">");
+      *link = attribute(*found, "link", of + ", " + end);
+    }
+    joint.origin = origin(tree, of);
+    if (joint.moves_along_axis() || joint.type == "planar") {  // others have none, whatever is written
+      if (const auto axis = tree.get_child_optional("axis"))
+        joint.axis = vector(*axis, "xyz", of + ", axis", joint.axis);
+      if (!(joint.axis.norm() > 0)) fail(of + ": its axis is zero");
+    }
+    read_limits(tree, of, joint);
+    if (const auto dynamics = tree.get_child_optional("dynamics")) {
+      joint.damping = number(*dynamics, "damping", of + ", dynamics", 0);
+      if (number(*dynamics, "friction", of + ", dynamics", 0) != 0) leave_out("friction", joint.name);
+    }
+    if (tree.get_child_optional("mimic")) leave_out("mimicry", joint.name);
+    robot_.joints.push_back(std::move(joint));
+  }
+
+  // A stop holds from the start: one that is passed there would throw the joint back.
+  void read_limits(const Tree& tree, const std::string& of, Joint& joint) {
+    const auto limit = tree.get_child_optional("limit");
+    if (!limit) return;
+    for (const char* name : {"effort", "velocity"})
+      if (limit->get_optional<std::string>(std::string("<xmlattr>.") + name))
+        leave_out(std::string("limits of ") + name, joint.name);
+    if (joint.type != "revolute" && joint.type != "prismatic") return;
+    const double low = number(*limit, "lower", of + ", limit", 0), high = number(*limit, "upper", of + ", limit", 0);
+    if (!(low < high))
+      leave_out("limits whose lower is not below their upper", joint.name);
+    else if (low > 0 || high < 0)
+      leave_out("limits outside of which the joint's zero lies", joint.name);
+    else
+      joint.low = low, joint.high = high;
+  }
+
+  // Puts the parts in the order of the tree, from the root outward, and each in its place.
+  void connect() {
+    if (robot_.parts.empty()) fail("there is no <link>");
+    std::vector<std::vector<std::size_t>> joints_below(robot_.parts.size());
+    for (std::size_t k = 0; k < robot_.joints.size(); ++k) {
+      Joint& joint = robot_.joints[k];
+      joint.parent = part_of(joint.parent_name, joint), joint.child = part_of(joint.child_name, joint);
+      Part& child = robot_.parts[joint.child];
+      if (child.joint != kNone)
+        fail("link '" + child.name + "' is the child of two joints, '" + robot_.joints[child.joint].name + "' and '" +
+             joint.name + "'");
+      child.joint = k;
+      joints_below[joint.parent].push_back(k);
+    }
+    std::vector<std::size_t> order = roots();
+    for (std::size_t next = 0; next < order.size(); ++next)
+      for (const std::size_t k : joints_below[order[next]]) order.push_back(robot_.joints[k].child);
+    if (order.size() != robot_.parts.size()) fail_circle(order);
+    std::vector<std::size_t> place_of(robot_.parts.size());
+    std::vector<Part> sorted;
+    for (const std::size_t k : order) place_of[k] = sorted.size(), sorted.push_back(std::move(robot_.parts[k]));
+    robot_.parts = std::move(sorted);
+    for (Joint& joint : robot_.joints) joint.parent = place_of[joint.parent], joint.child = place_of[joint.child];
+    for (std::size_t k = 0; k < robot_.parts.size(); ++k) place(k);
+  }
+  std::size_t part_of(const std::string& name, const Joint& joint) const {
+    const auto found = parts_.find(name);
+    if (found == parts_.end()) fail("joint '" + joint.name + "': there is no link '" + name + "'");
+    return found->second;
+  }
+  std::vector<std::size_t> roots() const {
+    std::vector<std::size_t> all;
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < robot_.parts.size(); ++k)
+      if (robot_.parts[k].joint == kNone) all.push_back(k), names.push_back("'" + robot_.parts[k].name + "'");
+    if (all.empty()) fail("its joints go in a circle: every link is the child of one");
+    if (all.size() > 1) fail("several links are the child of no joint: " + text::join(names));
+    return all;
+  }
+  [[noreturn]] void fail_circle(const std::vector<std::size_t>& reached) const {
+    for (std::size_t k = 0; k < robot_.parts.size(); ++k)
+      if (std::find(reached.begin(), reached.end(), k) == reached.end())
+        fail("the joints above link '" + robot_.parts[k].name + "' go in a circle");
+    fail("its joints go in a circle");
+  }
+  void place(std::size_t k) {
+    Part& part = robot_.parts[k];
+    part.group = k;
+    if (part.joint == kNone) return;
+    const Joint& joint = robot_.joints[part.joint];
+    const Part& parent = robot_.parts[joint.parent];
+    part.place = parent.place * joint.origin;
+    if (joint.type == "fixed") part.group = parent.group;
+  }
+
+  Robot robot_;
+  std::map<std::string, std::string> colors_;
+  std::map<std::string, std::size_t> parts_, joints_;
+};
+
+}  // namespace
+
+Robot read_robot(const std::string& text, const std::string& file) { return Reader(file).read(text); }
+
+}  // namespace lockstep::urdf

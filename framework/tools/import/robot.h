@@ -1,0 +1,55 @@
+// A robot as URDF has it: a tree of links that joints connect.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lockstep/math.h>
+#include <lockstep/params.h>
+
+namespace lockstep::urdf {
+
+inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// A link.
+struct Part {
+  std::string name, color{};        ///< color: "#rrggbb" or ""
+  double mass = 0;                  ///< kg
+  Pose centre{};                    ///< of mass, with the axes of the inertia; in the link's frame
+  std::array<double, 6> inertia{};  ///< xx xy xz yy yz zz, kg m^2
+  std::size_t joint = kNone;        ///< whose child it is; none of the root
+  std::size_t group = 0;            ///< the outermost of the links that fixed joints connect with it
+  Pose place{};                     ///< in the world, all joints at zero
+  std::string body{};               ///< of the scene, with which it moves
+};
+
+struct Joint {
+  std::string name, type;
+  std::string parent_name, child_name;
+  std::size_t parent = kNone, child = kNone;  ///< parts
+  Pose origin{};                              ///< of the child's frame in the parent's
+  Vec3 axis = Vec3::UnitX();                  ///< in the child's frame
+  std::optional<double> low{}, high{};        ///< m or rad
+  double damping = 0;                         ///< N s/m or N m s/rad
+
+  bool moves_along_axis() const { return type == "revolute" || type == "continuous" || type == "prismatic"; }
+};
+
+struct Robot {
+  std::string file, name;
+  std::vector<Part> parts;  ///< the root first, each after its parent
+  std::vector<Joint> joints;
+  std::map<std::string, std::vector<std::string>> left_out;  ///< what: of whom
+};
+
+/// Reads a file of URDF. Throws SceneError.
+Robot read_robot(const std::string& text, const std::string& file);
+
+/// The robot as a scene; what is left out is added to it. Throws SceneError.
+Value scene_of(Robot&, bool floating);
+
+}  // namespace lockstep::urdf

@@ -1,0 +1,65 @@
+#include "framework/tools/program/options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace lockstep {
+
+CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help) {
+  return verb.add_option(name, to, help)->type_name(type);
+}
+CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help,
+                 const Choices& choices) {
+  return add(verb, name, to, type, help)->check(CLI::IsMember(choices));
+}
+
+CLI::Option* add_json(CLI::App& verb, Arguments& a) {
+  return verb.add_flag("--json", a.json, "print the result as JSON, and nothing else");
+}
+
+void add_plugins(CLI::App& verb, Arguments& a) {
+  verb.add_option("--plugin", a.plugins, "load a plugin, by name or path; may be given several times")
+      ->type_name("P")
+      ->allow_extra_args(false);
+}
+
+void add_scene(CLI::App& verb, Arguments& a) {
+  add(verb, "scene", a.scene, "SCENE", "the scene file (JSON); -: from standard input")->required();
+  add_plugins(verb, a);
+  add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
+      {"off", "auto", "x", "y", "z"});
+  verb.add_option("--set", a.set,
+                  "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep "
+                  "--help`; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
+  verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
+}
+
+// What run and sweep share.
+void add_settings(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add(verb, "--integrator", a.integrator, "N", "see `lockstep list integrators`; with keys: dopri5:fixed=true");
+  CLI::Option* step = add(verb, "--step", a.step, "H", "fixed step, or the largest step of an adaptive integrator, s");
+  add(verb, "--tolerance", a.tolerance, "T", "relative tolerance of adaptive integrators")->excludes(step);
+  add(verb, "--until", a.until, "T", "end of the run, s");
+  add(verb, "--formulation", a.formulation, "F",
+      "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
+      "joints "
+      "where that can be, else omega",
+      formulation_names());
+  add(verb, "--stabilization", a.stabilization, "S", "constraint stabilisation", kStabilizations);
+  add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
+}
+
+// What a run writes beside its report.
+void add_run_outputs(CLI::App& verb, Arguments& a) {
+  add(verb, "--record", a.record, "FILE.csv",
+      "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
+  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file");
+  CLI::Option* quiet =
+      verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
+  add_json(verb, a)->excludes(quiet);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,51 @@
+// Verbs with their options, and what several verbs share of these.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/tools/program/commands.h"
+
+namespace CLI {
+class Option;
+}
+
+namespace lockstep {
+
+/// A verb of the program.
+struct Verb {
+  const char* name;
+  const char* help;
+  void (*add_options)(CLI::App&, Arguments&);
+  int (*run)(const Arguments&);
+  const char* footer;
+};
+
+/// Those that run a scene, once or many times.
+std::span<const Verb> run_verbs();
+/// Those that say something of a mechanism besides its motion.
+std::span<const Verb> analysis_verbs();
+/// Those on types, plugins, other formats and the command line.
+std::span<const Verb> other_verbs();
+/// `plugins list`.
+const Verb& plugins_list_verb();
+
+using Choices = std::vector<std::string>;
+inline const Choices kStabilizations{"project", "baumgarte", "none"};
+
+/// An option or a positional, as text.
+CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help);
+/// One of some words.
+CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help,
+                 const Choices& choices);
+CLI::Option* add_json(CLI::App& verb, Arguments&);
+void add_plugins(CLI::App& verb, Arguments&);
+/// The scene, and what changes it.
+void add_scene(CLI::App& verb, Arguments&);
+/// The scene, and how it is run.
+void add_settings(CLI::App& verb, Arguments&);
+/// What a run writes beside its report.
+void add_run_outputs(CLI::App& verb, Arguments&);
+
+}  // namespace lockstep

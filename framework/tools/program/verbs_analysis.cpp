@@ -1,0 +1,141 @@
+// The verbs that say something of a mechanism besides its motion: their options.
+#include <CLI/CLI.hpp>
+
+#include "framework/tools/program/options.h"
+
+namespace lockstep {
+namespace {
+
+void add_check(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  CLI::Option* channels =
+      verb.add_flag("--channels", a.channels, "list every channel that the scene may record, with unit and meaning");
+  add(verb, "--of", a.name, "NAME", "with --channels: only those of this body, marker, link or force")->needs(channels);
+  verb.add_option("more", a.more_scenes, "further scenes")->type_name("SCENE");
+}
+
+void add_assemble(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  add(verb, "--branches", a.branches, "N",
+      "look from N random starts for all ways in which a driven scene fits together");
+}
+
+void add_statics(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  add(verb, "--at", a.at, "T", "the instant at which laws and drives are taken, s; default 0");
+  verb.add_flag("--nearest", a.nearest, "take the equilibrium that is met first, stable or not");
+  add(verb, "--all", a.all, "N", "look from N random starts for all equilibria, unstable ones too");
+  verb.add_option("--vary", a.vary,
+                  "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the equilibrium "
+                  "before")
+      ->type_name("NAME=...")
+      ->allow_extra_args(false);
+  add(verb, "--record", a.record, "FILE.csv", "write poses and reactions as CSV");
+}
+
+void add_driven(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+  add(verb, "--until", a.until, "T", "the last instant, s; default: that of the scene's run");
+  add(verb, "--output", a.interval, "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole");
+  add(verb, "--record", a.record, "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here");
+  verb.add_flag("--quiet", a.quiet, "print errors only");
+}
+
+void add_explain(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add(verb, "thing", a.name, "THING", "a body, link or force by its name; default: every body");
+  add_json(verb, a);
+  add(verb, "--at", a.at, "T", "the instant, s, to which the scene is run; default 0");
+}
+
+void add_instant(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add(verb, "--at", a.at, "T", "the instant, s, to which the scene is run; default 0, its assembled start");
+}
+
+void add_motion(CLI::App& verb, Arguments& a) {
+  add_instant(verb, a);
+  add_json(verb, a);
+  add(verb, "--spin", a.spin, "X,Y,Z",
+      "angular velocity of the axes in which a steady rotation rests, rad/s; default: found from the state");
+  verb.add_flag("--frozen", a.frozen, "take the coefficients of an instant that is neither an equilibrium nor steady");
+}
+
+void add_modes(CLI::App& verb, Arguments& a) {
+  add_motion(verb, a);
+  add(verb, "--count", a.count, "N",
+      "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more");
+  add(verb, "--csv", a.csv, "FILE.csv", "one row per mode, with its shape");
+}
+
+constexpr const char* kModesFooter =
+    R"(The state must be an equilibrium or a steady rotation; what accelerates, and how much, is said where it is none. Modes are in
+space, also of a scene that moves in a plane, unless the scene has a key "planar" or --planar gives one.
+A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
+
+Example (gravity along the arm, so that it hangs):
+  lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)";
+
+void add_linearize(CLI::App& verb, Arguments& a) {
+  add_motion(verb, a);
+  const auto list = [&](const char* name, std::vector<std::string>& to, const char* help) {
+    verb.add_option(name, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  };
+  list("--inputs", a.inputs,
+       "driven links (A, or A.rz of several drives: value, rate and second rate) and forces with a magnitude");
+  list("--outputs", a.outputs, "channels, as `lockstep check SCENE --channels` lists them");
+  add(verb, "--csv", a.csv, "FILE.csv", "one table: rows x' and y, columns x and u");
+}
+
+constexpr const char* kLinearizeFooter =
+    R"(x' = A x + B u, y = C x + D u. The states are displacements of bodies from the state, one for each freedom, then their rates.
+
+Example:
+  lockstep linearize arm.json --inputs motor --outputs hinge.angle_z,hinge.force_on_p_world_x --json)";
+
+void add_matrices(CLI::App& verb, Arguments& a) {
+  add_instant(verb, a);
+  add_json(verb, a);
+  add(verb, "--out", a.out, "DIR", "folder for M, D, K and J as Matrix Market, and rows.csv and unknowns.csv");
+}
+
+constexpr Verb kAnalysisVerbs[] = {
+    {"check", "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom", add_check,
+     check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
+    {"assemble", "Bring the start of a scene onto its constraints; report what moved how far", add_assemble,
+     assemble_command, "Example:\n  lockstep assemble samples/scenes/four_bar.json"},
+    {"statics", "Find where a scene rests under its loads; report poses, reactions and whether it stays there",
+     add_statics, statics_command,
+     "Newton's method goes downhill, from far away too; where it fails, dynamic relaxation goes on. Velocities are "
+     "zero, drives hold their coordinates.\n\n"
+     "Example:\n  lockstep statics samples/scenes/double_pendulum.json"},
+    {"kinematics", "Follow a fully driven scene over time: positions, velocities, accelerations, without integration",
+     add_driven, kinematics_command,
+     "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or the "
+     "drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2"},
+    {"inverse",
+     "Find the forces of the drives and all reactions of a fully driven scene over time, without integration",
+     add_driven, inverse_command,
+     "Columns: those of the scene, then every drive and every reaction.\n\n"
+     "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2"},
+    {"explain", "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant",
+     add_explain, explain_command, "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1"},
+    {"modes", "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation", add_modes,
+     modes_command, kModesFooter},
+    {"linearize", "A, B, C, D of the linear equations about a state, with named inputs and outputs", add_linearize,
+     linearize_command, kLinearizeFooter},
+    {"matrices", "Mass, damping, stiffness, jacobian and right sides at an instant, with the names of rows and columns",
+     add_matrices, matrices_command,
+     "M a + J^T lambda = f, J a = c.\n\nExample:\n  lockstep matrices samples/scenes/four_bar.json --at 0.1 --out "
+     "four_bar"},
+};
+
+}  // namespace
+
+std::span<const Verb> analysis_verbs() { return kAnalysisVerbs; }
+
+}  // namespace lockstep

@@ -1,0 +1,35 @@
+// Where the words of a verb go that writes rows.
+#pragma once
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdio>
+
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// Nowhere with --quiet and --json; to standard error where standard output takes the rows (--record -).
+class Words {
+ public:
+  /// Throws UsageError where rows and JSON would go to standard output together.
+  explicit Words(const Arguments& args)
+      : to_(args.quiet || args.json ? nullptr
+            : args.record == "-"    ? stderr
+                                    : stdout) {
+    if (args.json && args.record == "-")
+      throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
+  }
+  explicit operator bool() const { return to_ != nullptr; }
+  template <class... Args>
+  void say(fmt::format_string<Args...> format, Args&&... args) const {
+    if (to_ == nullptr) return;
+    fmt::print(to_, format, std::forward<Args>(args)...);
+    std::fflush(to_);
+  }
+
+ private:
+  std::FILE* to_;
+};
+
+}  // namespace lockstep
