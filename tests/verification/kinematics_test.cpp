@@ -240,6 +240,12 @@ TEST_CASE("branches: a driven four-bar has two, and they are where circles meet"
     };
     CHECK(std::min(at(report.branches[0]), at(report.branches[1])) <= 1e-10);
   }
+  // Its rhombus folds flat, and its arms then turn as they like: one entry, however many such positions are met.
+  Driven folds("peaucellier");
+  const BranchReport folded = find_branches(folds.dynamics, folds.start);
+  const auto loose = [](const AssemblyBranch& b) { return b.freedoms > 0; };
+  CHECK(std::ranges::count_if(folded.branches, loose) == 1);
+  CHECK(std::ranges::find_if(folded.branches, loose)->found > 10);
   Driven free("double_pendulum");
   CHECK_THROWS_AS(find_branches(free.dynamics, free.start), ModelError);
 }

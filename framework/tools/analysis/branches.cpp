@@ -37,8 +37,9 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
     }
     std::string body;
     const int freedoms = mobility(dynamics, state).freedoms;
-    const auto known = std::ranges::find_if(
-        report.branches, [&](const AssemblyBranch& b) { return apart(system, b.state, state, body) <= same; });
+    const auto known = std::ranges::find_if(report.branches, [&](const AssemblyBranch& b) {
+      return b.freedoms == freedoms && (freedoms > 0 || apart(system, b.state, state, body) <= same);
+    });
     if (known != report.branches.end()) {
       ++known->found;
       continue;
