@@ -14,6 +14,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/certify.h"
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/frames_taken.h"
@@ -133,6 +134,16 @@ void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoo
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
+// The recorded columns that hold reactions which are not unique at the start.
+std::vector<std::string> not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
+  const auto is_reaction = [](const ChannelRequest& r) {
+    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
+           r.channel.find(".lambda_") != std::string::npos;
+  };
+  if (std::ranges::none_of(run.record, is_reaction)) return {};
+  return columns_not_unique(run, uniqueness(dynamics, start));
+}
+
 // What a run showed until it failed; the error itself matters more than one of this file.
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
   if (!report) return;
@@ -190,6 +201,11 @@ int run_command(const Arguments& args) {
       for (const std::string& text : frames_taken(loaded.scene))
         words.say("  taken      {}, as no place is given\n", text);
   }
+
+  if (!args.quiet)
+    if (const std::vector<std::string> columns = not_unique(dynamics, start, m.run); !columns.empty())
+      fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
+                 first_of(columns));
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
   GrowingCsv rows(file, recorder->table());
