@@ -70,7 +70,8 @@ Variant fixed(const std::string& integrator, const std::string& formulation, dou
             const Trial coarse = compute(scene_text(d), way);
             way.step = 0.5 * step;
             Trial fine = compute(scene_text(d), way);
-            if (coarse.ok() && fine.ok()) allowed += 3 * difference(coarse.history, fine.history);
+            if (!coarse.ok()) return coarse;  // nothing to judge the finer one by
+            if (fine.ok()) allowed += 3 * difference(coarse.history, fine.history);
             return fine;
           }};
 }
