@@ -14,6 +14,23 @@
 namespace lockstep {
 namespace {
 
+constexpr double kShortest = 1e-6;  // m, of a system
+
+// Particles without links have no length of their own: that between the ends of a force, else between bodies, else 1 m.
+template <class Forces, class Bodies>
+double length_between_points(const Forces& forces, const Bodies& bodies) {
+  double length = kShortest;
+  for (const auto& force : forces) {
+    const std::vector<const Marker*> ends = force->markers();
+    for (const Marker* end : ends)
+      length = std::max(length, ((end->body->home * end->local).x - (ends[0]->body->home * ends[0]->local).x).norm());
+  }
+  if (length <= kShortest)
+    for (const Body& body : bodies)
+      if (body.slot != kGround) length = std::max(length, (body.home.x - bodies.front().home.x).norm());
+  return length > kShortest ? length : 1;
+}
+
 template <class Item>
 const std::string& name_of(const Item& item) {
   if constexpr (requires { item->name(); })
@@ -243,7 +260,7 @@ void System::setup_states() {
 }
 
 void System::setup_length() {
-  length_ = 1e-6;
+  length_ = kShortest;
   for (const Marker& m : markers_)
     if (m.body->slot != kGround) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
   for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
@@ -251,6 +268,7 @@ void System::setup_length() {
   for (const auto& link : links_)
     for (const auto& [p, s] : link->pairs())
       length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
+  if (length_ <= kShortest) length_ = length_between_points(forces_, bodies_);
 }
 
 void System::setup_links() {

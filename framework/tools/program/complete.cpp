@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
@@ -89,7 +90,8 @@ class SceneAtHand {
  private:
   template <class Use>
   void with_scene(Use&& use) {
-    if (args_.scene.empty() || args_.scene == "-") return;
+    std::error_code error;  // a pipe would wait for somebody to write
+    if (!std::filesystem::is_regular_file(args_.scene, error)) return;
     try {
       use(read_with_plugins(args_));
     } catch (...) {  // whoever types a line is not told of a scene that is not ready
@@ -162,7 +164,8 @@ Completion of_positional(const Line& line, SceneAtHand& scene) {
     all.insert(all.end(), words.begin(), words.end());
     return {std::move(all)};
   }
-  if (next.get_name().starts_with("scene")) return {{}, true};
+  const std::string type = next.get_type_name();
+  if (type == "SCENE" || type.find("FILE") != std::string::npos) return {{}, true};
   if (verb == "explain") return {scene.things()};
   return {};
 }
@@ -182,35 +185,46 @@ Completion all_of(const Line& line, SceneAtHand& scene) {
   return found;
 }
 
-constexpr const char* kBash =
-    R"(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.
+constexpr const char* kBash = R"_(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.
 _lockstep() {
-  local word="${COMP_WORDS[COMP_CWORD]}" line="${COMP_LINE:0:COMP_POINT}" IFS=$' \t' words
-  read -ra words <<<"$line"
-  [[ "$line" == *[[:space:]] ]] && words+=("")
-  local whole="${words[-1]}" IFS=$'\n' all
-  mapfile -t all < <(lockstep complete "${words[@]:1}" 2>/dev/null)
+  # bash begins a new word after = and :, the program does not: what stands together in the line is one word.
+  local line="${COMP_LINE:0:COMP_POINT}" words=() each i
+  for ((i = 0; i <= COMP_CWORD; i++)); do
+    each="${COMP_WORDS[i]}"
+    if ((i > 0)) && [[ "$line" != [[:space:]]* ]]; then words[-1]+="$each"; else words+=("$each"); fi
+    line="${line#"${line%%[![:space:]]*}"}"
+    line="${line#"$each"}"
+  done
+  for i in "${!words[@]}"; do  # without quotes
+    each="${words[i]//\\/}"
+    each="${each#[\"\']}"
+    words[i]="${each%[\"\']}"
+  done
+  local whole="${words[-1]}" word="${COMP_WORDS[COMP_CWORD]}" all
+  mapfile -t all < <("${words[0]}" complete "${words[@]:1}" 2>/dev/null)
   COMPREPLY=()
   if [[ "${all[0]-}" == :files ]]; then
     compopt -o filenames 2>/dev/null
-    COMPREPLY=($(compgen -f -- "${whole#--*=}"))
+    local value="$whole"
+    [[ "$value" == --*=* ]] && value="${value#*=}"
+    mapfile -t COMPREPLY < <(compgen -f -- "$value")
     all=("${all[@]:1}")
   fi
-  # bash begins a new word after = and :, the program does not.
-  local kept="${whole%"$word"}" each
+  local kept=""
+  [[ "$whole" == *[=:]* && "$word" != *[=:]?* ]] && kept="${whole%"$word"}"
   [[ "$word" == [=:] ]] && kept="$whole"
   for each in "${all[@]}"; do COMPREPLY+=("${each#"$kept"}"); done
   [[ ${#COMPREPLY[@]} -eq 1 && "${COMPREPLY[0]}" == *= ]] && compopt -o nospace 2>/dev/null
   return 0
 }
 complete -F _lockstep lockstep
-)";
+)_";
 
 constexpr const char* kZsh = R"(#compdef lockstep
 # Completion of lockstep for zsh: `lockstep completion zsh`, as _lockstep in a folder of $fpath.
 _lockstep() {
   local -a all
-  all=("${(@f)$(lockstep complete "${(@)words[2,CURRENT]}" 2>/dev/null)}")
+  all=("${(@f)$("${(Q)words[1]}" complete "${(@Q)words[2,CURRENT]}" 2>/dev/null)}")
   if [[ "${all[1]}" == :files ]]; then
     all=("${(@)all[2,-1]}")
     [[ "$PREFIX" == --*=* ]] && compset -P '*='

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -66,6 +67,9 @@ Vec3 read_vector(const std::string& option, const std::string& text) {
     const bool last = k == 2;
     if (error != std::errc() || (last ? next != end : next == end || *next != ','))
       throw UsageError(option + ": \"" + text + "\" is no vector; write three numbers, as in " + option + " 0,0,8");
+    if (!std::isfinite(x[k]))
+      throw UsageError(option + ": \"" + text + "\": number " + std::to_string(k + 1) +
+                       " of the vector is not finite; write three finite numbers, as in " + option + " 0,0,8");
     at = next + 1;
   }
   return {x[0], x[1], x[2]};
