@@ -13,6 +13,7 @@ namespace lockstep {
 struct FreeMotion {
   /// What holds it, 1/s^2: the square of its angular frequency without damping. Below zero it grows instead.
   double stiffness = 0;
+  double bound = 0;  ///< stiffnesses of this motion of at most this size, 1/s^2, are zero: round-off of its own terms
   /// 6 per slot: m (world) and rad (slot axes). The largest of all moves, and turns times System::length(), is 1 m.
   VecX motion;
   std::string words;  ///< "'crank' turns about z, 'slider' moves along x"
@@ -29,8 +30,7 @@ struct Stability {
   };
   Kind kind = Kind::stable;  ///< the verdict
   int freedoms = 0;          ///< number of free motions
-  double bound = 0;          ///< stiffnesses of at most this, 1/s^2, are zero
-  double softest = 0;        ///< smallest stiffness above the bound, 1/s^2; 0 where there is none
+  double softest = 0;        ///< smallest stiffness above its bound, 1/s^2; 0 where there is none
   /// Whether the loads have a potential here. Without one (follower forces) an oscillation may grow too, and damping is
   /// not looked at.
   bool has_potential = true;
@@ -41,8 +41,9 @@ struct Stability {
 LOCKSTEP_API std::string to_string(Stability::Kind);
 
 /// Judges a state at rest: eigenvalues of K against M in the null space of the rows, K with the geometric stiffness of
-/// the links. One-sided links in force count as two-sided. `lambda`: 1 per row, at this evaluation. Zero is what lies
-/// within 1e-10 of the norm of K, as accelerations by lengths. It allocates, and is dense: up to 1200 unknowns.
+/// the links. One-sided links in force count as two-sided. `lambda`: 1 per row, at this evaluation. Zero is what
+/// lies within 1e-12 of the terms of u^T K u by their size, for each motion u by itself; without a potential, within
+/// 1e-14 of the norm of K too. It allocates, and is dense: up to 1200 unknowns.
 LOCKSTEP_API Stability judge_rest(const Evaluation&, const VecX& lambda);
 
 /// How an equilibrium is looked for.

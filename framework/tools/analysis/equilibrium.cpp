@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <lockstep/error.h>
@@ -16,7 +15,7 @@
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/analysis/rest_motions.h"
 
 namespace lockstep {
 namespace {
@@ -174,32 +173,31 @@ class Search {
   /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is not
   /// positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
   bool find_dense_step(bool either_way) {
-    constexpr double kNone = 1e-11, kUnsymmetric = 1e-6;
+    constexpr double kNone = 1e-11, kNearlyZero = 10;
     const RestMatrices A(*now_.e, now_.lambda);
     if (A.N.cols() == 0) return false;
-    const MatX K = A.N.transpose() * A.K * A.N, M = A.N.transpose() * A.M * A.N;
     VecX g(static_cast<Eigen::Index>(A.at.size()));
     for (std::size_t i = 0; i < A.at.size(); ++i)
       g[static_cast<Eigen::Index>(i)] = now_.r[A.at[i]] / (A.at[i] % 6 < 3 ? 1.0 : length_);
-    g = (A.N.transpose() * g).eval();
-    VecX y;
-    const bool has_potential = (K - K.transpose()).norm() <= kUnsymmetric * A.K.norm();
-    if (!has_potential) y = MatX(K + shift_ * M).partialPivLu().solve(g);
-    if (has_potential || !y.allFinite() || (!either_way && y.dot(g) < 0)) {
-      const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K + K.transpose()), M);
-      const double zero = kNone * eigen.eigenvalues().cwiseAbs().maxCoeff();
-      VecX share = eigen.eigenvectors().transpose() * g;
+    const RestMotions motions = rest_motions(A);
+    const bool potential = has_potential(A, motions);
+    VecX share = motions.U.transpose() * g, y;
+    if (!potential) {
+      const MatX K = motions.U.transpose() * A.K * motions.U;
+      y = MatX(K + shift_ * MatX::Identity(K.rows(), K.cols())).partialPivLu().solve(share);
+    }
+    if (potential || !y.allFinite() || (!either_way && y.dot(share) < 0)) {
       const double rounding = kNone * now_.force / std::sqrt(heaviest_);
       for (Eigen::Index i = 0; i < share.size(); ++i) {
-        const double mu = eigen.eigenvalues()[i];
-        if (std::abs(mu) <= zero)
+        const double mu = motions.stiffness[i];
+        if (std::abs(mu) <= kNearlyZero * motions.bound[i])
           share[i] = std::abs(share[i]) <= rounding ? 0.0 : share[i] / std::max(shift_, now_.speed_up / length_);
         else
           share[i] /= either_way ? mu : std::abs(mu) + shift_;
       }
-      y = eigen.eigenvectors() * share;
+      y = share;
     }
-    step_ = motion_of(system_, A.at, A.N * y);
+    step_ = motion_of(system_, A.at, motions.U * y);
     if (!step_.allFinite()) return false;
     if (const double size = size_of(step_); size > kLongest) step_ *= kLongest / size;
     slope_ = now_.r.dot(step_);

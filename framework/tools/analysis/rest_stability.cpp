@@ -9,20 +9,19 @@
 
 #include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/analysis/rest_motions.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kMostUnknowns = 1200;
-constexpr double kZeroStiffness = 1e-10;  // of the norm of K
-constexpr double kNoPotential = 1e-6;     // of the norm of K: an unsymmetric part that rounding does not make
+constexpr double kSolver = 1e-14;   // of the norm of K: round-off of the eigenvalues of an unsymmetric matrix
+constexpr double kFlutters = 1e-5;  // of the terms of u^T K u: an imaginary part that rounding does not make
 
-/// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. y: in the basis
-/// of the free motions.
-VecX unit_motion(const RestMatrices& A, const System& system, const VecX& y) {
+/// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. u: in the
+/// unknowns.
+VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
   constexpr double kHardly = 0.1;
-  const VecX u = A.N * y;
   const auto largest = [&](bool turns) {
     double most = 0;
     for (std::size_t i = 0; i < A.at.size(); ++i)
@@ -37,14 +36,32 @@ VecX unit_motion(const RestMatrices& A, const System& system, const VecX& y) {
   return (positive ? 1 : -1) / motion_size(system, out) * out;
 }
 
-void sort_motion(Stability& s, const System& system, const Inputs& in, double stiffness, bool grows, VecX motion) {
-  if (!grows && stiffness > s.bound) {
+void sort_motion(Stability& s, const System& system, const Inputs& in, double stiffness, double bound, bool grows,
+                 VecX motion) {
+  if (!grows && stiffness > bound) {
     s.softest = s.softest > 0 ? std::min(s.softest, stiffness) : stiffness;
     return;
   }
-  FreeMotion found{stiffness, std::move(motion), ""};
+  FreeMotion found{stiffness, bound, std::move(motion), ""};
   found.words = motion_words(system, in, found.motion);
   (grows ? s.unstable : s.neutral).push_back(std::move(found));
+}
+
+/// x'' = -mu x grows for every mu that is not real and positive.
+void judge_without_potential(Stability& out, const Evaluation& e, const RestMatrices& A, const RestMotions& motions) {
+  const MatX K = motions.U.transpose() * A.K * motions.U;
+  const Eigen::EigenSolver<MatX> eigen(K);
+  const double solver = kSolver * K.norm();
+  for (Eigen::Index i = 0; i < K.cols(); ++i) {
+    const std::complex<double> mu = eigen.eigenvalues()[i];
+    const Eigen::VectorXcd u = motions.U.cast<std::complex<double>>() * eigen.eigenvectors().col(i);
+    const VecX re = u.real(), im = u.imag(), sizes = u.cwiseAbs();
+    const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = sizes.dot(A.size_K * sizes) / mass;
+    const double bound = round_off(A, sizes) / mass + solver;
+    const bool flutters = std::abs(mu.imag()) > std::sqrt(terms * (kFlutters * kFlutters * terms + solver));
+    sort_motion(out, e.system(), e.inputs(), mu.real(), bound, mu.real() < -bound || flutters,
+                unit_motion(A, e.system(), re));
+  }
 }
 
 }  // namespace
@@ -64,29 +81,12 @@ Stability judge_rest(const Evaluation& e, const VecX& lambda) {
   const RestMatrices A(e, lambda);
   out.freedoms = static_cast<int>(A.N.cols());
   if (out.freedoms == 0) return out;
-  const MatX M = A.N.transpose() * A.M * A.N, K = A.N.transpose() * A.K * A.N;
-  // The norm of M^-1/2 K M^-1/2 in all unknowns, of which rounding leaves its share in the null space.
-  const MatX L = A.M.llt().matrixL();
-  const MatX half = L.triangularView<Eigen::Lower>().solve(A.K);
-  const MatX whole = L.triangularView<Eigen::Lower>().solve(half.transpose());
-  out.bound = kZeroStiffness * whole.norm();
-  const double unsymmetric = (K - K.transpose()).norm();
-  out.has_potential = unsymmetric <= kNoPotential * A.K.norm();
-  const Inputs& in = e.inputs();
-  if (out.has_potential) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K + K.transpose()), M);
-    for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
-      const double mu = eigen.eigenvalues()[i];
-      sort_motion(out, system, in, mu, mu < -out.bound, unit_motion(A, system, eigen.eigenvectors().col(i)));
-    }
-  } else {  // x'' = -mu x grows for every mu that is not real and positive
-    const Eigen::EigenSolver<MatX> eigen(M.ldlt().solve(K));
-    for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
-      const std::complex<double> mu = eigen.eigenvalues()[i];
-      const bool flutters = std::abs(mu.imag()) > std::sqrt(out.bound * whole.norm());
-      sort_motion(out, system, in, mu.real(), mu.real() < -out.bound || flutters,
-                  unit_motion(A, system, eigen.eigenvectors().col(i).real()));
-    }
+  const RestMotions motions = rest_motions(A);
+  out.has_potential = has_potential(A, motions);
+  if (!out.has_potential) judge_without_potential(out, e, A, motions);
+  for (Eigen::Index i = 0; out.has_potential && i < motions.stiffness.size(); ++i) {
+    const double mu = motions.stiffness[i], bound = motions.bound[i];
+    sort_motion(out, system, e.inputs(), mu, bound, mu < -bound, unit_motion(A, system, motions.U.col(i)));
   }
   std::ranges::sort(out.unstable, {}, &FreeMotion::stiffness);
   out.kind = !out.unstable.empty()  ? Stability::Kind::unstable

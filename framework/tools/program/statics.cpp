@@ -80,7 +80,7 @@ std::string stability_text(const Stability& s) {
 
 Json motions_json(const std::vector<FreeMotion>& motions) {
   Json all = Json::array();
-  for (const FreeMotion& m : motions) all.push_back({{"motion", m.words}, {"stiffness", m.stiffness}});
+  for (const FreeMotion& m : motions) all.push_back({{"motion", m.words}, {"stiffness", m.stiffness}, {"zero_below", m.bound}});
   return all;
 }
 
@@ -96,7 +96,6 @@ Json report_json(Resting& r) {
           {"stability", to_string(e.stability.kind)},
           {"freedoms", e.stability.freedoms},
           {"softest", e.stability.softest},
-          {"zero_below", e.stability.bound},
           {"unstable", motions_json(e.stability.unstable)},
           {"not_held", motions_json(e.stability.neutral)},
           {"left", e.left},
