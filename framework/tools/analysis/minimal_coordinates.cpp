@@ -77,7 +77,10 @@ void refuse_singular_pose(Dynamics& dynamics, const State& state, const Mechanis
     const SparseMat geometric = stiffness_with(dynamics, state, stress) - K;
     const MatX left = c.N.transpose() * (geometric * c.N);
     const SparseMat scaled = turned * geometric * turned;  // as N is: turns as lengths
-    double size = 0;
+    double size = 0;  // also of what cancels: redundant rows of one axis have no stiffness at all
+    for (Eigen::Index i = 0; i < stress.size(); ++i)
+      size = std::max(size, std::abs(stress[i]) / m.length /
+                                (m.kinds[static_cast<std::size_t>(i)] == RowKind::translation ? 1.0 : m.length));
     for (Eigen::Index i = 0; i < scaled.cols(); ++i)
       for (SparseMat::InnerIterator it(scaled, i); it; ++it) size = std::max(size, std::abs(it.value()));
     if (left.cwiseAbs().maxCoeff() <= 1e-6 * size) continue;
