@@ -124,6 +124,58 @@ TEST_CASE("runner: kinematics needs no masses, and refuses too few drives", "[pl
   CHECK(contains(few.text, "Drive "));
 }
 
+// Words that depend on masses count in what follows the name of a thing alone.
+TEST_CASE("runner: kinematics takes the names of bodies for no quantities", "[plugin][runner]") {
+  const std::string members = R"("bodies": [{"name": "mass_c"}, {"name": "force_b"}],
+    "links": [{"name": "A", "type": "revolute", "p": "mass_c", "s": "ground", "at": [0, 0, 0], "axis": "z",
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 2}}},
+              {"name": "B", "type": "revolute", "p": "force_b", "s": "ground", "at": [0, 0, 0], "axis": "z",
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 3}}}],
+    "run": {"until": 1, "output": 0.25, "record": [)";
+  const Called moves =
+      call("kinematics " + scene_file("mass_c.json", members + R"("mass_c.x", "force_b.angle_z"]})") + " --json");
+  INFO(moves.text);
+  REQUIRE(moves.exit == 0);
+  CHECK(std::abs(Json::parse(moves.text)["force_b.angle_z [rad]"].back().get<double>() - 3) <= 1e-12);
+  const Called forces = call("kinematics " + scene_file("mass_c_force.json", members + R"("A.force_on_p_world_x"]})"));
+  CHECK(forces.exit == 3);
+  CHECK(contains(forces.text, "\"A.force_on_p_world_x\" depends on masses"));
+}
+
+TEST_CASE("runner: kinematics says what an interval of the poses leaves", "[plugin][runner]") {
+  const Called ends = call("kinematics " + sample("four_bar") + " --until 0.1 --output 0.2 --record ends.csv");
+  CHECK(ends.exit == 0);
+  CHECK(contains(ends.text, "only start and end are computed"));
+  const Table table = read_csv(kRunnerFolder + "/ends.csv");
+  REQUIRE(table.n_rows() == 2);
+  CHECK(table.columns().front().values.back() == 0.1);
+  const Called many = call("kinematics " + sample("four_bar") + " --until 1 --output 1e-12");
+  CHECK(many.exit == 2);
+  CHECK(contains(many.text, "--output"));
+  CHECK(contains(many.text, "1e+12 poses"));
+}
+
+TEST_CASE("runner: the instant 0 of --at may be written as any other", "[plugin][runner]") {
+  for (const std::string verb : {"statics", "explain", "matrices"})
+    for (const std::string at : {"0", "0.0", "'0 s'", "0s"}) {
+      const Called called = call(verb + " " + sample("four_bar") + " --at " + at);
+      CAPTURE(verb, at, called.text);
+      CHECK(called.exit == 0);
+    }
+  for (const std::string verb : {"statics", "explain", "matrices"}) {
+    const Called before = call(verb + " " + sample("four_bar") + " --at=-1");
+    CAPTURE(verb, before.text);
+    CHECK(before.exit == 2);
+    CHECK(contains(before.text, "it must be 0 or greater"));
+  }
+}
+
+TEST_CASE("runner: statics refuses --nearest with --all", "[plugin][runner]") {
+  const Called called = call("statics " + sample("rod_pendulum") + " --all 3 --nearest");
+  CHECK(called.exit == 2);
+  CHECK(contains(called.text, "--nearest"));
+}
+
 TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
   const Json j = json_of("explain " + sample("four_bar") + " coupler --at 0.1 --json");
   CHECK(j["body"] == "coupler");

@@ -73,8 +73,27 @@ TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][m
   CHECK(contains(frozen.text, "frozen coefficients"));
   CHECK(call("modes '" + scene + "' --set gravity.0=9.81 --set gravity.1=0").exit == 0);
   CHECK(call("modes '" + scene + "' --frozen --spin 1,2").exit == 2);
+  for (const char* spin : {"nan,0,0", "0,inf,0"}) {
+    const Called endless = call("modes '" + scene + "' --frozen --spin " + spin);
+    INFO(endless.text);
+    CHECK(endless.exit == 2);
+    for (const char* word : {"--spin", spin, "not finite"}) CHECK(contains(endless.text, word));
+  }
   CHECK(call("modes '" + scene + "' --frozen --count none").exit == 2);
   CHECK(call("modes '" + scene + "' --frozen --at yesterday").exit == 2);
+}
+
+TEST_CASE("modes refuse a slender rod that falls about a hinge beside it", "[runner][modes]") {
+  const std::string scene = scene_file("falling", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "arm", "rod": {"mass": 2, "from": [0, 0, 0.5], "to": [1, 0, 0.5], "radius": 0.0004}}],
+    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}],
+    "run": {"until": 1})");
+  for (const char* verb : {"modes", "linearize"}) {
+    const Called refused = call(std::string(verb) + " '" + scene + "'");
+    INFO(refused.text);
+    CHECK(refused.exit == 3);
+    CHECK(contains(refused.text, "'arm' accelerates with"));
+  }
 }
 
 TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]") {
@@ -183,6 +202,34 @@ TEST_CASE("matrices as files that agree with one another", "[runner][linear]") {
   for (const auto& e : j["J"]["entries"])
     left[e[0].get<std::size_t>() - 1] += e[2].get<double>() * j["v"][e[1].get<std::size_t>() - 1].get<double>();
   for (const double x : left) CHECK(std::abs(x) < 1e-8);
+}
+
+TEST_CASE("matrices of a scene in which nothing moves have all keys", "[runner][linear]") {
+  const std::string scene = scene_file("still", R"("bodies": [{"name": "frame", "fixed": true}], "run": {"until": 1})");
+  const Called called = call("matrices '" + scene + "' --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const json j = json::parse(called.text);
+  for (const char* key : {"unknowns", "rows", "v", "lambda"}) {
+    CAPTURE(key);
+    REQUIRE(j.contains(key));
+    CHECK(j[key] == json::array());
+  }
+}
+
+TEST_CASE("matrices do not replace the scene that they are of", "[runner][linear]") {
+  for (const char* name : {"M.mtx", "D.mtx", "K.mtx", "J.mtx", "rows.csv"}) {
+    const std::string folder = kRunnerFolder + "/matrices_of_itself", scene = folder + "/" + name;
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    fs::copy_file(scene_file("bob", without_push()), scene);
+    const auto size = fs::file_size(scene);
+    const Called called = call("matrices '" + scene + "' --out matrices_of_itself");
+    INFO(called.text);
+    CHECK(called.exit == 2);
+    CHECK(contains(called.text, "would replace"));
+    CHECK(fs::file_size(scene) == size);
+  }
 }
 
 }  // namespace runner_linear_test

@@ -352,4 +352,22 @@ TEST_CASE("the loop allocates nothing in its steps and outputs", "[unit][dynamic
   CHECK(allocations_of(steps) == 0);
 }
 
+TEST_CASE("a state that is not finite is refused, rows or none", "[unit]") {
+  System system;
+  system.add_body("ball", shapes::sphere(1, 0.1));
+  Simulation run(system, {.output = 0.1});
+  const auto refused = [&]<class E>(auto&& spoil) {
+    State state = run.state();
+    spoil(state);
+    return message_of<E>([&] { run.loop().set_state(std::move(state)); });
+  };
+  lockstep::testing::check_words(refused.operator()<ModelError>([](State& s) { s.t = NAN; }), {"time", "nan"});
+  lockstep::testing::check_words(refused.operator()<NonFiniteError>([](State& s) { s.v[2] = INFINITY; }),
+                                 {"ball", "not finite"});
+  lockstep::testing::check_words(refused.operator()<NonFiniteError>([](State& s) { s.q[0] = NAN; }),
+                                 {"ball", "not finite"});
+  run.run_until(0.2);  // the state before is untouched
+  CHECK(run.state().t == Approx(0.2));
+}
+
 }  // namespace simulation_test

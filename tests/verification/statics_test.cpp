@@ -380,4 +380,77 @@ TEST_CASE("statics: a stop that would pull is released", "[verification][statics
   CHECK(found.report.free == std::vector<std::string>{"A.stop_rz_high"});
 }
 
+// The spring is 1e12 times as stiff per mass as the pendulum is unstable.
+TEST_CASE("statics: a light part on a stiff spring hides no unstable motion of another part",
+          "[verification][statics]") {
+  const std::string text = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "bodies": [{"name": "tip", "mass": 0.001, "inertia": [1e-6, 1e-6, 1e-6], "position": [1, 0, 0]},
+               {"name": "rod", "mass": 1, "inertia": [0.1, 0.1, 0.1], "center": [0, 0.5, 0]}],
+    "links": [{"name": "G", "type": "prismatic", "p": "tip", "s": "ground", "at": [1, 0, 0], "axis": [1, 0, 0]},
+              {"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
+    "forces": [{"name": "k", "type": "spring_damper", "p": "tip", "s": "ground", "at_p": [1, 0, 0], "at_s": [3, 0, 0],
+                "stiffness": 1e9, "free_length": 2}]})";
+  for (const bool nearest : {true, false}) {
+    Mechanism m = build_mechanism(scene_from_text(text, "stiff.json"), builtin_registry());
+    const AtRest found(m.system, {.nearest = nearest});
+    const Stability& s = found.report.stability;
+    const double square = 9.81 * 0.5 / (0.1 + 0.25);  // m g s/(J + m s^2)
+    CAPTURE(nearest);
+    CHECK(s.kind == (nearest ? Kind::unstable : Kind::stable));
+    CHECK(s.neutral.empty());
+    if (nearest) {
+      REQUIRE(s.unstable.size() == 1);
+      CHECK(s.unstable.front().stiffness == Approx(-square).epsilon(1e-9));
+      CHECK(s.unstable.front().words == "'rod' turns about z");
+    } else {
+      CHECK(s.softest == Approx(square).epsilon(1e-9));
+      CHECK(found.report.left == std::vector<std::string>{"'rod' turns about z"});
+      CHECK(rotation(body_pose(m.system.body("rod"), found.state).q)(1, 1) == Approx(-1).epsilon(1e-9));
+    }
+  }
+}
+
+// The bob rests where the spring is unstrained, at x = +-0.6, and stands at x = 0; the wheel rests at any angle.
+TEST_CASE("statics: a wheel that nothing holds makes no two equilibria of another part one",
+          "[verification][statics]") {
+  const std::string text = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "bodies": [{"name": "bob", "mass": 1, "inertia": [0.01, 0.01, 0.01], "position": [0, 0.8, 0]},
+               {"name": "wheel", "mass": 1, "inertia": [1, 1, 1], "position": [5, 0, 0]}],
+    "links": [{"name": "G", "type": "prismatic", "p": "bob", "s": "ground", "at": [0, 0.8, 0], "axis": [1, 0, 0]},
+              {"name": "W", "type": "revolute", "p": "wheel", "s": "ground", "at": [5, 0, 0]}],
+    "forces": [{"name": "k", "type": "spring_damper", "p": "bob", "s": "ground", "at_p": [0, 0.8, 0],
+                "at_s": [0, 0, 0], "stiffness": 1000, "free_length": 1}]})";
+  Mechanism m = build_mechanism(scene_from_text(text, "wheelwell.json"), builtin_registry());
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  const EquilibriaReport found = find_equilibria(dynamics, m.system.start(), {.starts = 40});
+  CHECK(found.failed == 0);
+  REQUIRE(found.all.size() == 3);
+  std::vector<double> x;
+  for (const Equilibrium& e : found.all) {
+    x.push_back(body_pose(m.system.body("bob"), e.state).x[0]);
+    REQUIRE(e.report.stability.neutral.size() == 1);
+    CHECK(e.report.stability.neutral.front().words == "'wheel' turns about z");
+  }
+  CHECK(std::abs(x[0] * x[1] + 0.36) <= 1e-9);
+  CHECK(std::abs(x[0] + x[1]) <= 1e-9);
+  CHECK(std::abs(x[2]) <= 1e-9);
+  CHECK(found.all[2].report.stability.kind == Kind::unstable);
+}
+
+// The damper takes up what the spring gives: k (l - l0) = d v at v = 1 m/s of the marker.
+TEST_CASE("statics: a note names a marker that a law moves under a damper", "[verification][statics]") {
+  const std::string text = R"({"lockstep": 1,
+    "bodies": [{"name": "b", "particle": 1, "position": [1.3, 0, 0]}],
+    "markers": [{"name": "M", "body": "ground", "translation": {"type": "components",
+                 "x": {"type": "polynomial", "coefficients": [0, 1]}}}, {"name": "P", "body": "b"}],
+    "links": [{"name": "G", "type": "point_on_line", "p": "b", "s": "ground", "at": [1.3, 0, 0], "axis": [1, 0, 0]}],
+    "forces": [{"name": "s", "type": "spring_damper", "p": "P", "s": "M", "stiffness": 123, "damping": 10,
+                "free_length": 1.1}]})";
+  Mechanism m = build_mechanism(scene_from_text(text, "marker.json"), builtin_registry());
+  const AtRest found(m.system);
+  CHECK(found.report.notes ==
+        std::vector<std::string>{"marker 'M' moves by a law: dampers on it act as they do at that instant"});
+  CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
+}
+
 }  // namespace statics_test

@@ -42,6 +42,20 @@ void check_formulation(Dynamics& dynamics, const State& state, const IntegratorI
                      "; take the formulation auto or omega");
 }
 
+// Without rows nothing else would notice it before the first step.
+void check_finite(const System& system, const State& state) {
+  if (!std::isfinite(state.t))
+    throw ModelError(fmt::format("StepLoop::set_state: the time is {}; it must be finite", state.t));
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (!state.q.segment<7>(7 * k).allFinite() || !state.v.segment<6>(6 * k).allFinite())
+      throw NonFiniteError(fmt::format("StepLoop::set_state: body '{}' has a position or velocity that is not finite",
+                                       system.body_of_slot(k).name),
+                           state.t);
+  if (!state.s.allFinite())
+    throw NonFiniteError("StepLoop::set_state: an integrated state of a link, force or auxiliary is not finite",
+                         state.t);
+}
+
 }  // namespace
 
 template <class Act>
@@ -75,6 +89,7 @@ void StepLoop::set_state(State state) {
   exclusively("set_state", [&] {
     system().check_size(state);
     dynamics_.to_slots(state);
+    check_finite(system(), state);
     check_start(dynamics_, state, options_.start_limit);
     state_ = std::move(state);
     report_ = {};

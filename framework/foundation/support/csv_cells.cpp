@@ -21,6 +21,17 @@ void split_csv(std::string_view line, char separator, std::vector<std::string>& 
   for (std::string& cell : cells) cell = std::string(text::trimmed(cell));
 }
 
+std::string csv_cell(std::string_view text) {
+  std::string plain, doubled;
+  for (const char c : text) {
+    plain += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    if (c == '"') doubled += '"';
+    doubled += plain.back();
+  }
+  const bool whole = plain == text::trimmed(plain) && plain.find_first_of(",\"") == std::string::npos;
+  return whole ? plain : '"' + doubled + '"';
+}
+
 bool take_byte_order_mark(std::string& first_line) {
   if (first_line.starts_with("\xEF\xBB\xBF")) first_line.erase(0, 3);
   return !first_line.starts_with("\xFF\xFE") && !first_line.starts_with("\xFE\xFF");

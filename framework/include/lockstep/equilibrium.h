@@ -75,7 +75,7 @@ struct EquilibriumReport {
 };
 
 /// Moves a state into equilibrium, at its time: forces and laws have their values there, drives hold their coordinates,
-/// velocities are zero, integrated states keep their values. Newton's method on rows and forces with a line search,
+/// velocities of bodies are zero (a marker that moves by a law keeps its rate, and is noted), integrated states keep their values. Newton's method on rows and forces with a line search,
 /// downhill: up to 400 unknowns in the free motions, against each stiffness by its size; beyond with the sparse matrix
 /// K + s M, s as large as it takes. Where that fails, dynamic relaxation. One-sided links come
 /// into force where they are touched and are released where they would pull. The state, in the slots' own coordinates,
@@ -108,8 +108,8 @@ struct EquilibriaOptions {
 
 /// Looks for equilibria downhill from this state, then from random poses that fit the rows, by turns as
 /// EquilibriumOptions::nearest, which finds unstable ones too, and downhill. Where a motion is held by nothing, the
-/// positions along it count as one: those of the same softest stiffness and largest force. Throws as find_equilibrium()
-/// does for the state given.
+/// positions along it count as one: those of the same softest stiffness and largest force that are the same in all that
+/// is held. Throws as find_equilibrium() does for the state given.
 LOCKSTEP_API EquilibriaReport find_equilibria(Dynamics&, const State&, const EquilibriaOptions& options = {});
 
 }  // namespace lockstep

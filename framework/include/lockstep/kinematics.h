@@ -59,7 +59,6 @@ class LOCKSTEP_API DrivenMotion {
   State state_, trial_, guess_;
   std::vector<SpeedDrive> speed_drives_;
   VecX a_, jerk_, way_;
-  double h_ = 0;  // of the step before; 0: none
   long steps_ = 0;
   std::string why_;
   const Solution* solution_ = nullptr;

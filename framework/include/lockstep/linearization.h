@@ -47,7 +47,10 @@ struct MechanismMatrices {
       C, Ct,      ///< residuals of the rows, and their partial derivatives in time
       a, lambda;  ///< the solution: accelerations and multipliers
   double length = 1;  ///< System::length(), m, by which turns are compared with translations
-  VecX loads;         ///< of each slot: the forces over its mass, m/s^2, their terms taken one by one
+  /// What unrest is measured by, with all terms by their size, so that it stays where they cancel; of each slot:
+  VecX loads,   ///< its forces over its mass, m/s^2
+      levers,   ///< acceleration of its mass centre that moments other than reactions can give it on an arm, m/s^2
+      moments;  ///< three: the moments about its mass centre, slot axes, N m
 };
 
 /// Evaluates a mechanism at a state and writes its matrices. Friction in joints enters f at the solution. Throws what
@@ -66,12 +69,14 @@ struct LinearMotionOptions {
 
 /// How far a state is from an equilibrium, or from a steady rotation, in the axes that turn with it.
 struct Unrest {
-  double acceleration = 0,        ///< the largest of a slot against its limit, m/s^2; angular ones times `length`
-      speed = 0;                  ///< the largest of a slot against its limit, m/s
-  std::string accelerates,        ///< the body of that acceleration; "" where there is none
-      moves;                      ///< the body of that speed
-  double acceleration_limit = 0,  ///< 1e-6 of that body's load (MechanismMatrices::loads), m/s^2
-      speed_limit = 0;            ///< 1e-6 of the speed that such a load gives on a circle of the radius `length`, m/s
+  double acceleration = 0,  ///< the largest of a slot against its limit, m/s^2; angular ones times `length`
+      speed = 0;            ///< the largest of a slot against its limit, m/s
+  std::string accelerates,  ///< the body of that acceleration; "" where there is none
+      moves;                ///< the body of that speed
+  /// 1e-6 of that body's loads and levers (MechanismMatrices), m/s^2; for an angular acceleration also of its moment over
+  /// its inertia about the same principal axis. More only where round-off leaves more.
+  double acceleration_limit = 0;
+  double speed_limit = 0;  ///< 1e-6 of the speed that such loads give on a circle of the radius `length`, m/s
   /// Whether both are within their limits.
   bool is_still() const { return acceleration <= acceleration_limit && speed <= speed_limit; }
 };
@@ -132,9 +137,9 @@ struct StateSpace {
       inputs,                  ///< u
       outputs;                 ///< y
   MatX A, B, C, D;             ///< as above
-  /// Largest difference between derivatives by central differences of sixth order with two steps, relative to the
-  /// largest of the same row of C and D or column of B. A has analytic derivatives, as far as forces and links give
-  /// them.
+  /// Largest difference between derivatives by central differences of sixth order with two steps: of B, relative to the
+  /// largest of the rows of one kind, of the forces or of the moments that a value or rate of an input gives; of C and D,
+  /// to the largest of the same row. A has analytic derivatives, as far as forces and links give them.
   double accuracy = 0;
   Vec3 spin = Vec3::Zero();          ///< as LinearMotion
   Unrest unrest;                     ///< as LinearMotion

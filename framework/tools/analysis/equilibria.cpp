@@ -10,15 +10,54 @@
 namespace lockstep {
 namespace {
 
-/// Whether two equilibria are one: the same poses, or, where a motion is held by nothing, the same family of them.
+/// What a slot does in the motions that nothing holds: its position or its orientation may then differ along a family.
+struct Unheld {
+  bool moves = false;
+  int turns = 0;             ///< 0 none, 1 about one axis, 2 about several
+  Vec3 axis = Vec3::Zero();  ///< the one axis, slot axes
+};
+
+Unheld unheld_of(const Stability& s, const System& system, int slot) {
+  constexpr double kNone = 1e-6;  // of the size of a motion
+  Unheld out;
+  Vec3 move = Vec3::Zero();
+  for (const FreeMotion& m : s.neutral) {
+    const Vec3 turn = system.length() * m.motion.segment<3>(6 * slot + 3);
+    move = move.cwiseMax(Vec3(m.motion.segment<3>(6 * slot).cwiseAbs()));
+    if (turn.norm() <= kNone) continue;
+    const bool same = out.turns == 0 || cross(out.axis, turn).norm() <= kNone;
+    out.turns = same ? std::max(out.turns, 1) : 2;
+    if (out.axis.isZero(0)) out.axis = turn.normalized();
+  }
+  out.moves = move.norm() > kNone;
+  return out;
+}
+
+/// Whether the slot's poses are the same but for what nothing holds.
+bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length, double near) {
+  if (!unheld.moves && (p.x - q.x).norm() > near) return false;
+  if (unheld.turns == 0) return length * rotation_vector(conjugate(normalized(p.q)) * normalized(q.q)).norm() <= near;
+  return unheld.turns > 1 || length * (rotation(p.q) * unheld.axis - rotation(q.q) * unheld.axis).norm() <= near;
+}
+
+/// Whether two equilibria are one: the same poses, or, where a motion is held by nothing, the same family of them: as
+/// stiff, under the same forces, and the same in all that is held.
 bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibrium& b, double same) {
   std::string body;
   if (apart(system, a.state, b.state, body) <= same * system.length()) return true;
   constexpr double kAlike = 1e-6;
   const Stability &s = a.report.stability, &o = b.report.stability;
   const auto alike = [](double x, double y) { return std::abs(x - y) <= kAlike * std::max(std::abs(x), std::abs(y)); };
-  return !s.neutral.empty() && s.neutral.size() == o.neutral.size() && s.unstable.size() == o.unstable.size() &&
-         alike(s.softest, o.softest) && alike(a.report.largest_force, b.report.largest_force);
+  if (s.neutral.empty() || s.neutral.size() != o.neutral.size() || s.unstable.size() != o.unstable.size() ||
+      !alike(s.softest, o.softest) || !alike(a.report.largest_force, b.report.largest_force))
+    return false;
+  for (int k = 0; k < system.n_slots(); ++k) {
+    Unheld unheld = unheld_of(s, system, k);
+    if (system.slot(k).freedoms == Freedoms::particle) unheld.turns = 2;
+    if (!same_pose(a.state.slot_pose(k), b.state.slot_pose(k), unheld, system.length(), same * system.length()))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace

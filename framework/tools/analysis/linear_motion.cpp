@@ -9,6 +9,7 @@
 // and a steady motion has v = u0 + Om x x, a = Om x v, al = W x w.
 #include <lockstep/linearization.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kStill = 1e-6;      // of the load on a slot
-constexpr double kRoundOff = 1e-12;  // of the largest load, and of the stiffness times the length
+constexpr double kRoundOff = 1e-12;  // of the largest load, of the stiffness times the length, and of whole moments
 constexpr double kSymmetric = 1e-9;  // of the inertia
 
 // A rigid motion of the axes.
@@ -53,17 +54,47 @@ Turning turning_with(const Vec3& spin, const std::vector<SlotMotion>& slots) {
   return t;
 }
 
+double load_of(const MechanismMatrices& at, Eigen::Index slot) { return at.loads[slot] + at.levers[slot]; }
+double most_load(const MechanismMatrices& at) { return at.loads.size() > 0 ? (at.loads + at.levers).maxCoeff() : 0.0; }
+
 // The speed of a slot that its load makes large: such an acceleration on a circle of the radius `length`.
 double speed_of_load(const MechanismMatrices& at, std::size_t slot) {
-  const double most = at.loads.size() > 0 ? at.loads.maxCoeff() : 0.0;
-  return std::sqrt(std::max(at.loads[static_cast<Eigen::Index>(slot)], kRoundOff * most) * at.length);
+  return std::sqrt(std::max(load_of(at, static_cast<Eigen::Index>(slot)), kRoundOff * most_load(at)) * at.length);
+}
+
+// An acceleration of a slot, m/s^2, angular ones times `length`, and what of it counts as none.
+struct Share {
+  double size = 0, limit = 0;
+  double of_limit() const { return size == 0 ? 0.0 : size / limit; }
+};
+
+// The worst of a slot: that of its mass centre, or an angular one about a principal axis. Each axis has a limit of its
+// own: a moment of no matter to a body is much to its slender axis, and the other way round.
+Share worst_of(const System& system, const MechanismMatrices& at, int slot, const Vec3& a, const Vec3& al,
+               double round_off) {
+  const double limit = kStill * load_of(at, slot);
+  Share worst{a.norm(), std::max(limit, round_off)};
+  const BodyMass mass(system.slot(slot), system.plane());
+  if (system.slot(slot).freedoms == Freedoms::particle) return worst;
+  const Mat3 axes =
+      system.plane() ? Mat3(Mat3::Identity()) : Mat3(Eigen::SelfAdjointEigenSolver<Mat3>(mass.J()).eigenvectors());
+  const Vec3 moments = at.moments.segment<3>(3 * slot);
+  const double whole = moments.norm() + at.length * mass.m() * at.loads[slot];
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 axis = axes.col(i);
+    const double moment = std::max(kStill * axis.cwiseAbs().dot(moments), kRoundOff * whole),
+                 turning = at.length * moment * axis.dot(mass.inverse_J() * axis);
+    const Share share{at.length * std::abs(axis.dot(al)), std::max(limit + turning, round_off)};
+    if (share.of_limit() > worst.of_limit()) worst = share;
+  }
+  return worst;
 }
 
 Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::vector<SlotMotion>& slots,
                  const Turning& axes) {
   Unrest out;
   double worst = -1, worst_speed = -1;
-  const double most = at.loads.size() > 0 ? at.loads.maxCoeff() : 0.0;
+  const double most = most_load(at);
   VecX stiffness = VecX::Zero(static_cast<Eigen::Index>(slots.size()));
   for (std::size_t i = 0; i < at.unknowns.size(); ++i) {
     const auto c = static_cast<Eigen::Index>(i);
@@ -75,21 +106,18 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
     const auto at_k = static_cast<Eigen::Index>(k);
     const SlotMotion& m = slots[k];
     const Vec3 W = m.A.transpose() * axes.spin;
-    const bool turns = system.slot(static_cast<int>(k)).freedoms != Freedoms::particle;
-    const double a = std::max((m.a - cross(axes.spin, m.v)).norm(),
-                              turns ? at.length * (m.al - cross(W, m.w)).norm() : 0.0),
-                 v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
-    const double limit = std::max({kStill * at.loads[at_k], kRoundOff * most, kRoundOff * stiffness[at_k] * at.length,
-                                   kRoundOff * m.w.squaredNorm() * at.length});
+    const double round_off = kRoundOff * std::max({most, stiffness[at_k] * at.length, m.w.squaredNorm() * at.length});
+    const Share share = worst_of(system, at, static_cast<int>(k), Vec3(m.a - cross(axes.spin, m.v)),
+                                 Vec3(m.al - cross(W, m.w)), round_off);
+    const double v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
     const double speed_limit = std::max(kStill * speed_of_load(at, k),
                                         kRoundOff * (axes.u0.norm() + axes.spin.norm() * (m.x.norm() + at.length)));
     const std::string& body = system.body_of_slot(static_cast<int>(k)).name;
-    const auto share = [](double of, double size) { return of == 0 ? 0.0 : of / size; };
-    if (share(a, limit) > worst)
-      worst = share(a, limit), out.acceleration = a, out.acceleration_limit = limit,
-      out.accelerates = a > 0 ? body : "";
-    if (share(v, speed_limit) > worst_speed)
-      worst_speed = share(v, speed_limit), out.speed = v, out.speed_limit = speed_limit, out.moves = v > 0 ? body : "";
+    if (share.of_limit() > worst)
+      worst = share.of_limit(), out.acceleration = share.size, out.acceleration_limit = share.limit,
+      out.accelerates = share.size > 0 ? body : "";
+    if (const Share speed{v, speed_limit}; speed.of_limit() > worst_speed)
+      worst_speed = speed.of_limit(), out.speed = v, out.speed_limit = speed_limit, out.moves = v > 0 ? body : "";
   }
   return out;
 }
@@ -241,7 +269,7 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
     WrenchSum sum(solution.in.motions, one);
     force->reacting()->react(solution.in, reactions, sum);
     for (int k = 0; k < system.n_slots(); ++k)
-      if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kStill * at.loads[k])
+      if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kStill * load_of(at, k))
         throw ModelError(
             "force '" + force->name() + "' depends on the reactions and acts (" + text::brief(a) + " m/s^2 on '" +
             system.body_of_slot(k).name +

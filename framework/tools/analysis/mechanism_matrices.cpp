@@ -109,8 +109,13 @@ void write_rows(const System& system, const RowTable& table, const Unknowns& at,
   out.J = sparse(table.n_rows, at.n(), entries);
 }
 
-// Of each slot: its forces over its mass, their terms taken one by one, so that it measures them also where they cancel.
-VecX loads_of(const System& system, const Evaluation& e, const Unknowns& at, const MechanismMatrices& m) {
+constexpr double kForceless = 1e-6;  // of the levers: loads below are what is left of their balance
+constexpr double kMostLever = 10;    // of the largest load
+
+// The loads, levers and moments of each slot. The arm on which a moment accelerates a mass centre most is the radius of
+// gyration: M / (2 sqrt(J m)), here with the largest J of the slot, so that no slender axis makes much of a moment that
+// its hinge carries.
+void write_loads(const System& system, const Evaluation& e, const Unknowns& at, MechanismMatrices& m) {
   VecX sum = VecX::Zero(6 * system.n_slots());
   VecX one(sum.size());
   for (const auto& force : system.forces()) {
@@ -120,16 +125,21 @@ VecX loads_of(const System& system, const Evaluation& e, const Unknowns& at, con
     force->apply(e.inputs(), wrench);
     sum += one.cwiseAbs();
   }
-  sum += at.to_slots(VecX(m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs()));
-  VecX loads(system.n_slots());
+  const VecX reactions = at.to_slots(VecX(m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs()));
+  m.loads.setZero(system.n_slots()), m.levers.setZero(system.n_slots()), m.moments.setZero(3 * system.n_slots());
   for (int k = 0; k < system.n_slots(); ++k) {
     const BodyMass mass(system.slot(k), system.plane());
     const Vec3 w = e.inputs().slot(k).w;
-    const Vec3 turning = sum.segment<3>(6 * k + 3) + Vec3(cross(w, Vec3(mass.J() * w))).cwiseAbs();
-    loads[k] = system.gravity().norm() + sum.segment<3>(6 * k).norm() / mass.m() +
-               system.length() * (mass.inverse_J().cwiseAbs() * turning).norm();
+    Vec3 turning = sum.segment<3>(6 * k + 3) + Vec3(cross(w, Vec3(mass.J() * w))).cwiseAbs();
+    for (int i = 0; i < 3; ++i)
+      if (at.column(k, 3 + i) < 0) turning[i] = 0;
+    m.loads[k] = system.gravity().norm() + (sum + reactions).segment<3>(6 * k).norm() / mass.m();
+    m.moments.segment<3>(3 * k) = turning + reactions.segment<3>(6 * k + 3);
+    if (const double J = 0.5 * mass.J().trace(); J > 0) m.levers[k] = turning.norm() / (2 * std::sqrt(J * mass.m()));
   }
-  return loads;
+  if (m.loads.size() == 0) return;
+  if (const double most = m.loads.maxCoeff(); most > kForceless * m.levers.maxCoeff())
+    m.levers = m.levers.cwiseMin(kMostLever * most);
 }
 
 }  // namespace
@@ -155,7 +165,7 @@ MechanismMatrices matrices_at(Dynamics& dynamics, const State& given) {
   out.f = at.of_slots(f), out.a = at.of_slots(solution.a), out.v = at.of_slots(state.v);
   out.lambda = solution.lambda;
   out.length = system.length();
-  out.loads = loads_of(system, e, at, out);
+  write_loads(system, e, at, out);
   return out;
 }
 

@@ -66,6 +66,15 @@ std::vector<int> independent_unknowns(const MechanismMatrices& m, const MatX& N)
   return chosen;
 }
 
+Eigen::LLT<MatX> mass_factor(const MatX& M) {
+  Eigen::LLT<MatX> llt(M);
+  if (llt.info() != Eigen::Success)
+    throw SolveError(
+        "the mass matrix in minimal coordinates is not positive definite: a body that can move has no mass "
+        "or inertia");
+  return llt;
+}
+
 void refuse_singular_pose(Dynamics& dynamics, const State& state, const MechanismMatrices& m,
                           const MinimalCoordinates& c) {
   if (c.stresses.cols() == 0 || c.N.cols() == 0) return;

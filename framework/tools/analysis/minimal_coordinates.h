@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include <lockstep/linearization.h>
 
 namespace lockstep {
@@ -20,6 +22,9 @@ MinimalCoordinates minimal_coordinates(const MechanismMatrices&);
 
 /// Unknowns that can stand for the minimal coordinates: N = C inverse(C at these), well conditioned.
 std::vector<int> independent_unknowns(const MechanismMatrices&, const MatX& N);
+
+/// The factor of a mass matrix in minimal coordinates. Throws SolveError where it is not positive definite.
+Eigen::LLT<MatX> mass_factor(const MatX& M);
 
 /// Throws ModelError where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row
 /// that is redundant everywhere does not.

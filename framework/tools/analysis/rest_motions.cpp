@@ -10,13 +10,13 @@
 namespace lockstep {
 namespace {
 
-constexpr double kRoundOff = 1e-12;    // of the terms of u^T K u by their size
-constexpr double kSoft = 1e-6;         // of the stiffest of a level: solved again without it
-constexpr double kNoPotential = 1e-6;  // of the terms of u^T K w: an unsymmetric part that rounding does not make
+constexpr double kRestRoundOff = 1e-12;  // of the terms of u^T K u by their size
+constexpr double kSoft = 1e-6;           // of the stiffest of a level: solved again without it
+constexpr double kNoPotential = 1e-6;    // of the terms of u^T K w: an unsymmetric part that rounding does not make
 
 }  // namespace
 
-double round_off(const RestMatrices& A, const VecX& sizes) { return kRoundOff * sizes.dot(A.size_K * sizes); }
+double rest_round_off(const RestMatrices& A, const VecX& sizes) { return kRestRoundOff * sizes.dot(A.size_K * sizes); }
 
 RestMotions rest_motions(const RestMatrices& A) {
   const Eigen::Index n = A.N.cols();
@@ -33,7 +33,7 @@ RestMotions rest_motions(const RestMatrices& A) {
     std::vector<Eigen::Index> again;
     bool zero = true;
     for (Eigen::Index i = 0; i < mu.size(); ++i) {
-      zero = zero && std::abs(mu[i]) <= round_off(A, motions.col(i).cwiseAbs());
+      zero = zero && std::abs(mu[i]) <= rest_round_off(A, motions.col(i).cwiseAbs());
       if (std::abs(mu[i]) < soft) again.push_back(i);
     }
     if (zero) again.clear();
@@ -46,7 +46,7 @@ RestMotions rest_motions(const RestMatrices& A) {
     const VecX u = all.col(i);
     const double mass = u.dot(A.M * u);
     stiffness[i] = u.dot(A.K * u) / mass;
-    bound[i] = round_off(A, u.cwiseAbs()) / mass;
+    bound[i] = rest_round_off(A, u.cwiseAbs()) / mass;
   }
   std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Eigen::Index{0});

@@ -16,7 +16,7 @@ struct RestMotions {
 RestMotions rest_motions(const RestMatrices&);
 
 /// What round-off may leave of u^T K u where u^T M u = 1, 1/s^2. `sizes`: the unknowns of u by their size.
-double round_off(const RestMatrices&, const VecX& sizes);
+double rest_round_off(const RestMatrices&, const VecX& sizes);
 
 /// Whether the loads have a potential: whether K is symmetric in these motions, up to more than round-off makes.
 bool has_potential(const RestMatrices&, const RestMotions&);

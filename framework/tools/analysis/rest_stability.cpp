@@ -57,7 +57,7 @@ void judge_without_potential(Stability& out, const Evaluation& e, const RestMatr
     const Eigen::VectorXcd u = motions.U.cast<std::complex<double>>() * eigen.eigenvectors().col(i);
     const VecX re = u.real(), im = u.imag(), sizes = u.cwiseAbs();
     const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = sizes.dot(A.size_K * sizes) / mass;
-    const double bound = round_off(A, sizes) / mass + solver;
+    const double bound = rest_round_off(A, sizes) / mass + solver;
     const bool flutters = std::abs(mu.imag()) > std::sqrt(terms * (kFlutters * kFlutters * terms + solver));
     sort_motion(out, e.system(), e.inputs(), mu.real(), bound, mu.real() < -bound || flutters,
                 unit_motion(A, e.system(), re));

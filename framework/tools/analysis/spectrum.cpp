@@ -1,6 +1,5 @@
 #include "framework/tools/analysis/spectrum.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -9,6 +8,7 @@
 #include <numeric>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {
 namespace {
@@ -28,13 +28,8 @@ struct Normal {
 double largest_row(const MatX& A) { return A.size() == 0 ? 0.0 : A.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 Normal normal_of(const QuadraticProblem& p) {
-  const Eigen::LLT<MatX> llt(p.M);
-  if (llt.info() != Eigen::Success)
-    throw SolveError(
-        "the mass matrix in minimal coordinates is not positive definite: a body that can move has no mass "
-        "or inertia");
   Normal n;
-  n.L = llt.matrixL();
+  n.L = mass_factor(p.M).matrixL();
   const auto lower = n.L.triangularView<Eigen::Lower>();
   const auto both = [&](const MatX& A) {
     const MatX half = lower.solve(A);

@@ -5,10 +5,10 @@
 // R = J^T lambda - f at fixed positions, velocities and multipliers, as a function of the input.
 #include <lockstep/linearization.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -20,6 +20,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kDifferenceStep = 4e-3;  // of a difference, in rad, or of the length; the second step is half of it
+constexpr double kNothing = 1e-9;         // of the forces, or of the length: derivatives below may be round-off alone
 
 // Puts the inputs back to zero, whatever happens.
 class Inputs0 {
@@ -147,11 +148,7 @@ Reduced reduce(const LinearMotion& m, const MatX& N) {
   Reduced r;
   r.chosen = independent_unknowns(m, N);
   r.N = N * MatX(N(r.chosen, Eigen::all)).partialPivLu().inverse();
-  r.M.compute(MatX(r.N.transpose() * (m.M * r.N)));
-  if (r.M.info() != Eigen::Success)
-    throw SolveError(
-        "the mass matrix in minimal coordinates is not positive definite: a body that can move has no mass "
-        "or inertia");
+  r.M = mass_factor(MatX(r.N.transpose() * (m.M * r.N)));
   r.D = r.N.transpose() * (m.D * r.N), r.K = r.N.transpose() * (m.K * r.N);
   return r;
 }
@@ -175,6 +172,32 @@ struct InputColumn {
   double step = 0;
 };
 
+// How far two derivatives of C, with R below it, are apart, relative to the largest in the same block: rows by what they
+// measure, forces, moments.
+double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& m) {
+  constexpr std::size_t kForces = 3, kMoments = 4;
+  std::array<double, 5> largest{}, apart{}, scale{m.length, 1, 1, 0, 0};
+  const auto count = [&](std::size_t block, Eigen::Index i) {
+    largest[block] = std::max(largest[block], std::abs(derivative[i])), apart[block] = std::max(apart[block], off[i]);
+  };
+  const Eigen::Index rows = m.J.rows();
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const RowKind kind = m.kinds[static_cast<std::size_t>(i)];
+    count(kind == RowKind::translation ? 0 : kind == RowKind::rotation ? 1 : 2, i);
+  }
+  const VecX forces = m.f.cwiseAbs() + m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs();
+  for (std::size_t i = 0; i < m.unknowns.size(); ++i) {
+    const std::size_t block = m.unknowns[i].velocity < 3 ? kForces : kMoments;
+    count(block, rows + static_cast<Eigen::Index>(i));
+    scale[block] = std::max(scale[block], forces[static_cast<Eigen::Index>(i)]);
+  }
+  scale[kMoments] = std::max(scale[kMoments], m.length * scale[kForces]);
+  double worst = 0;
+  for (std::size_t block = 0; block < largest.size(); ++block)
+    if (largest[block] > kNothing * scale[block]) worst = std::max(worst, apart[block] / largest[block]);
+  return worst;
+}
+
 // Per unit of an input: the value, its rate and its second rate, as far as they act.
 std::vector<InputColumn> columns_of(const LinearInput& input, const LinearMotion& m, const Reduced& r,
                                     const Responses& response, const Outputs& outputs, double& accuracy) {
@@ -183,9 +206,9 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const LinearMotion
   const double length_step = kDifferenceStep * (input.unit == "m" ? m.length : 1.0);
   VecX off;
   const VecX by_value = derivative([&](double h) { return response(law, {h, 0, 0}); }, length_step, off);
-  if (by_value.size() > 0 && by_value.cwiseAbs().maxCoeff() > 0)
-    accuracy = std::max(accuracy, off.maxCoeff() / by_value.cwiseAbs().maxCoeff());
+  accuracy = std::max(accuracy, accuracy_of(by_value, off, m));
   const VecX by_rate = derivative([&](double h) { return response(law, {0, h, 0}); }, 1e-2, off);
+  accuracy = std::max(accuracy, accuracy_of(by_rate, off, m));
   VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
   if (by_value.isZero(0) && by_rate.isZero(0))

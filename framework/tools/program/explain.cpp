@@ -6,11 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/explain.h>
-#include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
-#include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/state_at.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -148,26 +147,6 @@ std::vector<std::pair<std::string, Contribution>> shares_of(Dynamics& dynamics, 
   return all;
 }
 
-State state_to_explain(const Arguments& args, Mechanism& m, Dynamics& dynamics, const Registry& registry) {
-  const double t = args.at.empty() || args.at == "0" ? 0 : positive_number("--at", args.at, Unit::time);
-  State state = assembled_start(dynamics, m);
-  if (t > 0) {
-    const std::unique_ptr<Recorder> recorder = make_recorder(m);
-    StepLoopOptions options = loop_options(m.run);
-    options.output = 0, options.output_times.clear();
-    StepLoop sim(dynamics, make_integrator(m.run, registry), options);
-    for (Event& event : make_events(m, *recorder)) sim.add_event(std::move(event));
-    sim.set_state(std::move(state));
-    sim.run_until(t);
-    if (sim.state().t < t)
-      throw UsageError(
-          fmt::format("--at: the run ends at t = {:.9g} s, stopped by {}", sim.state().t, sim.report().stopped_by));
-    state = sim.state();
-  }
-  dynamics.to_slots(state);
-  return state;
-}
-
 template <class Account>
 void tell(const Account& account, bool as_json) {
   if (as_json)
@@ -181,13 +160,13 @@ void tell(const Account& account, bool as_json) {
 int explain_command(const Arguments& args) {
   Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
   const System& system = m.system;
   const std::vector<std::string> known = names_of(system);
   if (!args.name.empty() && std::ranges::find(known, args.name) == known.end())
     throw UsageError("nothing of the scene that moves, links or pushes is named \"" + args.name + "\"" +
                      text::suggestion(args.name, known));
-  const State state = state_to_explain(args, m, dynamics, loaded.registry);
+  const State state = run_to(m, loaded.registry, instant_of(args));
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
   if (!args.json) fmt::print("{}, t = {:.9g} s\n", loaded.title(), state.t);
 
   for (const Body& body : system.bodies())

@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kDefaultPoses = 100;  // where the scene names no interval of outputs
 
-// Words of channels that depend on masses.
+// Words of quantities that depend on masses.
 constexpr const char* kOfMasses[] = {"force", "torque",   "lambda", "energy", "power",
                                      "work",  "momentum", "center", "mass",   "loss"};
 
@@ -53,10 +53,24 @@ std::vector<std::string> fill_masses(Scene& scene) {
   return names;
 }
 
-void refuse_columns_of_masses(const RunSettings& run, const std::vector<std::string>& without) {
-  for (const ChannelRequest& request : run.record)
+/// What a channel gives of its thing: "force_on_p_world_x" of "A.force_on_p_world_x"; the whole where it is of none.
+std::string quantity_of(const std::string& channel, const System& system) {
+  std::size_t longest = 0;
+  const auto see = [&](const std::string& name) {
+    if (name.size() >= longest && channel.starts_with(name + ".")) longest = name.size() + 1;
+  };
+  for (const Body& body : system.bodies()) see(body.name);
+  for (const Marker& marker : system.markers()) see(marker.name);
+  for (const auto& link : system.links()) see(link->name());
+  for (const auto& force : system.forces()) see(force->name());
+  const std::string quantity = channel.substr(longest);
+  return longest > 0 ? quantity.substr(0, quantity.find('@')) : quantity;
+}
+
+void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>& without) {
+  for (const ChannelRequest& request : m.run.record)
     for (const char* word : kOfMasses)
-      if (request.channel.find(word) != std::string::npos)
+      if (quantity_of(request.channel, m.system).find(word) != std::string::npos)
         refuse(request.where, "run.record",
                "\"" + request.channel + "\" depends on masses, and " + text::join(without) +
                    (without.size() == 1 ? " has none" : " have none") + "; give them, or leave the column out");
@@ -85,15 +99,39 @@ void record_reactions(Mechanism& m) {
   }
 }
 
-std::vector<double> instants_of(const RunSettings& run) {
-  if (!run.times.empty()) return run.times;
-  const double interval = run.output > 0 ? run.output : run.until / kDefaultPoses;
-  std::vector<double> all;
-  const auto n = static_cast<long>(std::floor(run.until / interval * (1 + 1e-12)));
-  for (long k = 0; k <= n; ++k) all.push_back(static_cast<double>(k) * interval);
-  if (all.back() < run.until * (1 - 1e-12)) all.push_back(run.until);
-  return all;
-}
+/// The times of the poses: those that the scene lists, or the multiples of an interval and the end.
+class PoseTimes {
+ public:
+  explicit PoseTimes(const RunSettings& run)
+      : times_(run.times), interval_(run.output > 0 ? run.output : run.until / kDefaultPoses), until_(run.until) {
+    if (!times_.empty()) {
+      n_ = static_cast<long>(times_.size());
+      return;
+    }
+    const double whole = std::floor(until_ / interval_ * (1 + 1e-12));
+    if (!(whole <= kMostPoses))
+      throw UsageError(
+          fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}: give a longer "
+                      "interval, --output {:.6g}",
+                      whole, interval_, until_, kMostPoses, until_ / kDefaultPoses));
+    n_ = static_cast<long>(whole) + 1;
+    if (whole * interval_ < until_ * (1 - 1e-12)) ++n_;
+  }
+  long size() const { return n_; }
+  double operator[](long k) const {
+    if (!times_.empty()) return times_[static_cast<std::size_t>(k)];
+    return std::min(static_cast<double>(k) * interval_, until_);
+  }
+  /// The interval goes beyond the end.
+  bool only_ends() const { return times_.empty() && interval_ > until_ && n_ == 2; }
+  double interval() const { return interval_; }
+
+ private:
+  static constexpr double kMostPoses = 1e8;
+  const std::vector<double>& times_;
+  double interval_, until_;
+  long n_ = 0;
+};
 
 /// Peak of a column: its largest size and when.
 struct Peak {
@@ -134,8 +172,14 @@ int follow(const Arguments& args, bool inverse) {
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
+  const PoseTimes times(m.run);
+  if (times.only_ends())
+    fmt::print(stderr,
+               "lockstep: the interval of the poses, {:.6g} s, is longer than the {:.6g} s of the motion: only "
+               "start and end are computed\n",
+               times.interval(), m.run.until);
   record_places(m);
-  if (!without.empty()) refuse_columns_of_masses(m.run, without);
+  if (!without.empty()) refuse_columns_of_masses(m, without);
   if (inverse) record_reactions(m);
   const std::string csv = csv_path(args.record, args.scene);
   check_overwrites(csv, loaded.scene);
@@ -155,8 +199,8 @@ int follow(const Arguments& args, bool inverse) {
   bool first = true;
   std::exception_ptr failed;
   try {
-    for (const double t : instants_of(m.run)) {
-      motion.to(t);
+    for (long k = 0; k < times.size(); ++k) {
+      motion.to(times[k]);
       const Sample sample(dynamics, motion.state(), report);
       if (first) {
         recorder->start(sample), rows.start(sample);

@@ -66,7 +66,7 @@ int matrices_command(const Arguments& args) {
     if (error) throw FileError("folder '" + args.out + "' cannot be made: " + error.message() + "; name another");
     const auto file = [&](const std::string& name) { return files.emplace_back((fs::path(args.out) / name).string()); };
     const std::string where = fmt::format("{} at t = {} s", loaded.scene.file, text::number(at.state.t));
-    for (const char* name : {"unknowns.csv", "rows.csv"})
+    for (const char* name : {"unknowns.csv", "rows.csv", "M.mtx", "D.mtx", "K.mtx", "J.mtx"})
       check_overwrites((fs::path(args.out) / name).string(), loaded.scene);
     for (const Named& each : all_of(m))
       write_matrix_market(file(std::string(each.name) + ".mtx"), each.matrix,
@@ -77,6 +77,7 @@ int matrices_command(const Arguments& args) {
   if (args.json) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"t", at.state.t}};
     const auto numbers = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
+    j["unknowns"] = nlohmann::ordered_json::array();
     for (const UnknownVelocity& u : m.unknowns) j["unknowns"].push_back({{"name", u.name}, {"unit", u.unit}});
     j["rows"] = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < m.rows.size(); ++k)
@@ -91,7 +92,7 @@ int matrices_command(const Arguments& args) {
     j["v"] = numbers(m.v), j["f"] = numbers(m.f), j["a"] = numbers(m.a);
     j["C"] = numbers(m.C), j["Ct"] = numbers(m.Ct), j["c"] = numbers(m.c), j["lambda"] = numbers(m.lambda);
     j["files"] = files;
-    fmt::print("{}\n", j.dump(1, ' '));
+    fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return kExitOk;
   }
   fmt::print("{}\n  t = {:.6g} s: {} unknown velocities, {} rows;  M a + J^T lambda = f,  J a = c\n", loaded.title(),

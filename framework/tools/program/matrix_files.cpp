@@ -1,6 +1,7 @@
 #include "framework/tools/program/matrix_files.h"
 
 #include <lockstep/text.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/program/growing_file.h"
 
 namespace lockstep {
@@ -11,13 +12,6 @@ void write_whole(const std::string& file, const std::string& text) {
   out.clear();
   out.append(text);
   out.write(), out.commit();
-}
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

@@ -19,8 +19,11 @@ struct MechanismAt {
 /// The instant of --at, s; 0 where none is given. Throws UsageError.
 double instant_of(const Arguments&);
 
-/// Runs the mechanism to an instant by the scene's settings, from its assembled start; at t = 0 that is the state. Throws
+/// Runs the mechanism to an instant by the scene's settings, from its assembled start; at t = 0 that is the state, in the
+/// slots' own coordinates. Channels may add integrated states: make other dynamics of the mechanism afterwards. Throws
 /// what a run throws, and ModelError where an event ends the run before.
+State run_to(Mechanism&, const Registry&, double t);
+/// The same with dynamics of its own.
 MechanismAt state_at(std::unique_ptr<Mechanism>, const Registry&, double t);
 /// Builds the mechanism of a loaded scene, then as above.
 MechanismAt state_at(const Loaded&, double t);

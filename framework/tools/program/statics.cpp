@@ -16,6 +16,7 @@
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/pose_columns.h"
+#include "framework/tools/program/state_at.h"
 #include "framework/tools/record/csv_lines.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -23,11 +24,6 @@ namespace lockstep {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double instant_of_loads(const Arguments& args) {
-  if (args.at.empty() || args.at == "0") return 0;
-  return positive_number("--at", args.at, Unit::time);
-}
 
 /// A scene at rest. It stays where it is in memory.
 struct Resting {
@@ -41,7 +37,7 @@ struct Resting {
 
   /// From the assembled start, or from the poses of `before`, if it has as many.
   void find(const Arguments& args, const State* before) {
-    state.t = instant_of_loads(args);
+    state.t = instant_of(args);
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q;
     state.v.setZero();
     if (m.run.assemble || before != nullptr) assemble(dynamics, state);
@@ -80,7 +76,8 @@ std::string stability_text(const Stability& s) {
 
 Json motions_json(const std::vector<FreeMotion>& motions) {
   Json all = Json::array();
-  for (const FreeMotion& m : motions) all.push_back({{"motion", m.words}, {"stiffness", m.stiffness}, {"zero_below", m.bound}});
+  for (const FreeMotion& m : motions)
+    all.push_back({{"motion", m.words}, {"stiffness", m.stiffness}, {"zero_below", m.bound}});
   return all;
 }
 
@@ -230,7 +227,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
   constexpr int kMostStarts = 1'000'000;
   const int starts = whole_number("--all", args.all, kMostStarts);
   Resting first(loaded.scene, loaded.registry);
-  first.state.t = instant_of_loads(args);
+  first.state.t = instant_of(args);
   first.state.v.setZero();
   if (first.m.run.assemble) assemble(first.dynamics, first.state);
   EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});

@@ -26,8 +26,8 @@ void add_statics(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
   add_json(verb, a);
   add(verb, "--at", a.at, "T", "the instant at which laws and drives are taken, s; default 0");
-  verb.add_flag("--nearest", a.nearest, "take the equilibrium that is met first, stable or not");
-  add(verb, "--all", a.all, "N", "look from N random starts for all equilibria, unstable ones too");
+  CLI::Option* nearest = verb.add_flag("--nearest", a.nearest, "take the equilibrium that is met first, stable or not");
+  add(verb, "--all", a.all, "N", "look from N random starts for all equilibria, unstable ones too")->excludes(nearest);
   verb.add_option("--vary", a.vary,
                   "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the equilibrium "
                   "before")

@@ -1,0 +1,88 @@
+// One search for an equilibrium: Newton's method, dynamic relaxation where that fails, one-sided links.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/equilibrium.h>
+#include <lockstep/newton.h>
+#include "framework/dynamics/simulate/contacts.h"
+#include "framework/tools/analysis/forces_at_rest.h"
+
+namespace lockstep {
+
+/// A search from one state, which it moves. All must outlive it.
+class EquilibriumSearch {
+ public:
+  EquilibriumSearch(Dynamics&, State&, const EquilibriumOptions&, EquilibriumReport&);
+  /// Ends at rest, or throws SolveError.
+  void run();
+
+ private:
+  /// Onto the rows, without velocities. False where that fails: too far off, or outside of where a law or function of a
+  /// link is defined.
+  bool settle(State& state);
+
+  // -- Newton's method
+
+  double least_shift() const;
+  /// A step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False where there is
+  /// none.
+  bool find_step(bool either_way);
+  /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is not
+  /// positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
+  bool find_dense_step(bool either_way);
+  /// (K + s M) dx + J^T dl = r, J dx = -C. s grows until the step goes with the forces and is short enough.
+  bool find_sparse_step(bool either_way);
+  bool accepts(double share, double slope_before, double unbalanced_before, double power_before) const;
+  /// The largest turn, rad, or move by the extent of the mechanism.
+  double size_of(const VecX& step) const;
+  /// Looks at the present state. False where its forces are not finite.
+  bool look();
+  /// One step along the line. False where no share of it is accepted; the state is then the old one.
+  bool take_step();
+  bool newton(int most);
+
+  // -- dynamic relaxation
+
+  /// FIRE: the motion itself, its velocity turned into the forces' direction, stopped whenever it goes against them.
+  void relax();
+  double mass_norm(const VecX& v) const;
+  bool gone() const;
+  [[noreturn]] void no_equilibrium();
+
+  // -- unstable positions
+
+  /// Leaves one along the motion that grows.
+  void push_off(const FreeMotion& motion);
+
+  // -- one-sided links
+
+  std::size_t most_releases() const { return 200 + 4 * contacts_.size(); }
+  /// Puts into force those that the state passes through, or touches. Returns whether there were any.
+  bool touch(State& state);
+  double push(std::size_t i) const;
+  /// Releases the link that pulls most. Returns whether one did.
+  bool release();
+  std::vector<std::string> contact_names() const;
+
+  /// Whether a law moves it at this instant, and a force acts on it.
+  bool moves_under_force(const Marker& marker) const;
+  void finish();
+
+  Dynamics& dynamics_;
+  const System& system_;
+  State& state_;
+  const EquilibriumOptions& options_;
+  EquilibriumReport& report_;
+  ForcesAtRest now_;
+  Contacts contacts_;
+  NewtonMatrix matrix_;
+  State start_;
+  VecX step_, turned_;
+  double length_, extent_ = 0, heaviest_ = 0, shift_ = 0, slope_ = 0;
+  std::size_t releases_ = 0;
+  int released_at_ = -1;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,48 @@
+// What an atlas computes: two numbers of a scene that vary, and the methods that have a map each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/analysis.h>
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/sweep/atlas_run.h"
+
+namespace lockstep {
+
+/// One map: a method over the whole grid.
+struct AtlasPanel {
+  MethodSpec integrator;
+  Stabilization::Kind stabilization;
+  bool adaptive = false;
+  std::vector<AtlasCell> cells{};            ///< by the run of the grid, from 0
+  std::vector<double> limit_x{}, limit_y{};  ///< the largest stable step by linear theory, along both axes
+  std::string unsuited{};                    ///< why it is left out
+
+  std::string name() const { return to_word(integrator) + ", " + to_string(stabilization); }
+};
+
+/// The axes, the maps and the limits; it refers to the arguments.
+struct AtlasPlan {
+  const Arguments& arguments;
+  Loaded loaded;
+  std::vector<Variable> variables;
+  Grid grid;
+  std::vector<AtlasPanel> panels;
+  AtlasLimits limits;
+  double budget;
+
+  /// The scene of a run of the grid, from 1, with the method of a map.
+  Scene scene(long run, const AtlasPanel& panel) const;
+  /// Runs of equal words have one reference: settings of the run but for its end make no difference to it.
+  std::string reference_key(long run) const;
+};
+
+/// Reads what varies, the methods and the limits. Throws UsageError for axes that make no map, SceneError.
+AtlasPlan make_atlas_plan(const Arguments&);
+
+/// The values of an axis. Throws UsageError where they are no numbers, fewer than two, or not rising.
+std::vector<double> axis_numbers(const Variable&);
+
+}  // namespace lockstep
