@@ -100,7 +100,7 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
   const std::string scene = scene_file("settling", R"("gravity": [0,-9.81,0],
     "bodies": [{"name": "mass", "mass": 2, "inertia": [0.1, 0.1, 0.1]}],
     "links": [{"name": "rail", "type": "prismatic", "p": "mass", "s": "ground", "at": [0,0,0], "axis": "y"}],
-    "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_s": [0,-1,0],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_p": [0,0,0], "at_s": [0,-1,0],
                 "stiffness": 200, "damping": 20, "free_length": 1}],
     "run": {"until": 1, "tolerance": 1e-10})");
   CHECK(call("modes '" + scene + "'").exit == 3);

@@ -66,7 +66,8 @@ TEST_CASE("run --json tells of a run that failed, and of one that is wrong", "[r
   CHECK(f["t"].get<double>() < 0.7);
 
   const Called off = call("run '" + kPendulum +
-                          "' --json --integrator rk4 --step 0.2 --formulation omega --stabilization none --no-picture "
+                          "' --json --set run.violation_limit=1e-6 --integrator rk4 --step 0.2 --formulation omega "
+                          "--stabilization none --no-picture "
                           "--record drifts.csv 2>/dev/null");
   CHECK(off.exit == 9);
   const json w = json::parse(off.text);
@@ -187,8 +188,9 @@ TEST_CASE("import writes a robot as a scene that runs", "[runner]") {
   const Called r = call("import bot.urdf --out bot.json");
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "left out: meshes: of 'arm'"));
-  CHECK(call("run bot.json --no-picture").exit == 0);
-  CHECK(read_csv(kRunnerFolder + "/bot.csv").last("arm.z") < -0.1);
+  const Called run = call("run bot.json --no-picture");
+  CHECK(run.exit == 0);
+  CHECK(contains(run.text, "moved      arm"));
   CHECK(call("import bot.urdf --out bot.json").exit == 2);
   CHECK(call("import missing.urdf").exit == 8);
 }

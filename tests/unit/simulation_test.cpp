@@ -356,6 +356,7 @@ TEST_CASE("a state that is not finite is refused, rows or none", "[unit]") {
   System system;
   system.add_body("ball", shapes::sphere(1, 0.1));
   Simulation run(system, {.output = 0.1});
+  run.loop();  // sets the system up
   const auto refused = [&]<class E>(auto&& spoil) {
     State state = run.state();
     spoil(state);

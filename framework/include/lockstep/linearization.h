@@ -44,8 +44,10 @@ struct MechanismMatrices {
   VecX v,         ///< velocities at the state
       f,          ///< gravity, -w x J w and all forces: the right side of M a + J^T lambda = f
       c,          ///< the right side of J a = c
-      C, Ct,      ///< residuals of the rows, and their partial derivatives in time
-      a, lambda;  ///< the solution: accelerations and multipliers
+      C,          ///< residuals of the rows
+      Ct,         ///< their partial derivatives in time
+      a,          ///< the solution: accelerations
+      lambda;     ///< and multipliers
   double length = 1;  ///< System::length(), m, by which turns are compared with translations
   /// What unrest is measured by, with all terms by their size, so that it stays where they cancel; of each slot:
   VecX loads,   ///< its forces over its mass, m/s^2
@@ -136,7 +138,10 @@ struct StateSpace {
   std::vector<Signal> states,  ///< x
       inputs,                  ///< u
       outputs;                 ///< y
-  MatX A, B, C, D;             ///< as above
+  MatX A,                      ///< x' by x
+      B,                       ///< x' by u
+      C,                       ///< y by x
+      D;                       ///< y by u
   /// Largest difference between derivatives by central differences of sixth order with two steps: of B, relative to the
   /// largest of the rows of one kind, of the forces or of the moments that a value or rate of an input gives; of C and D,
   /// to the largest of the same row. A has analytic derivatives, as far as forces and links give them.

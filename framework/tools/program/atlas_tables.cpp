@@ -62,7 +62,10 @@ nlohmann::ordered_json atlas_json(const AtlasPlan& plan) {
         if (i % n_y == 0) p["outcomes"].push_back(nlohmann::ordered_json::array());
         p["outcomes"].back().push_back(words_of(panel.cells[i].outcome));
       }
-      if (!panel.limit_x.empty()) p["limit"] = {{"x", panel.limit_x}, {"y", panel.limit_y}};
+      bool drawn = false;  // a method that is stable at every step has no line
+      for (std::size_t k = 0; k < panel.limit_x.size(); ++k)
+        drawn = drawn || (std::isfinite(panel.limit_x[k]) && std::isfinite(panel.limit_y[k]));
+      if (drawn) p["limit"] = {{"x", panel.limit_x}, {"y", panel.limit_y}};
     }
     j["maps"].push_back(std::move(p));
   }

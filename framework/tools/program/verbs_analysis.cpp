@@ -77,7 +77,9 @@ constexpr const char* kModesFooter =
 space, also of a scene that moves in a plane, unless the scene has a key "planar" or --planar gives one.
 A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
 
-Example (gravity along the arm, so that it hangs):
+With gravity along its arm the pendulum of the samples hangs.
+
+Example:
   lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)";
 
 void add_linearize(CLI::App& verb, Arguments& a) {
