@@ -84,11 +84,9 @@ LOCKSTEP_KERNEL T larger(const T& a, const T& b) {
 
 // ------------------------------------------------------------------------------------------------- S -> factor
 
-/// D <- D^-1, symmetric positive definite, by sweeps without pivoting. `E`: the proximal terms within it, of which every
-/// pivot has its own at least. Where rows are redundant, rounding of the inverse may leave less (1e-7 of the diagonal:
-/// that of entries of size 1/E), even below zero; the pivot is then half of E, which corrections allow for.
+/// D <- D^-1, symmetric positive definite, by sweeps without pivoting.
 template <class K, int M>
-LOCKSTEP_KERNEL void invert(typename K::template Square<M>& D, const double* diagonal, const double* E, double* pivot) {
+LOCKSTEP_KERNEL void invert(typename K::template Square<M>& D, const double* diagonal, double* pivot) {
   using Number = typename K::Number;
   // Else k is not a constant, D lives on the stack, and a factor takes three times as long.
 #pragma GCC unroll 8
@@ -96,8 +94,7 @@ LOCKSTEP_KERNEL void invert(typename K::template Square<M>& D, const double* dia
     typename K::template Slab<M> u[K::slabs(M)];
     Number column[M];
     for (int j = 0; j < M; ++j) column[j] = D.number(j, k);
-    const Number floor = larger(Number(kPivotFloor * K::number(diagonal, k)), Number(0.5 * K::number(E, k)));
-    const Number d = larger(column[k], floor), p = 1.0 / d;
+    const Number floor = kPivotFloor * K::number(diagonal, k), d = larger(column[k], floor), p = 1.0 / d;
     K::put(pivot, k, d);
     for (int i = 0; i < K::slabs(M); ++i) u[i] = D.slab(i, k) * p;
     K::set_row(u, k, -p);
@@ -154,7 +151,7 @@ LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers
   double* d = K::at(z.A, node.D);
   const double sign = node.link < 0 ? -1.0 : 1.0;  // the block of a hub is negative definite
   D.load(d, sign);
-  invert<K, M>(D, K::at(z.diagonal, node.x), K::at(z.E, node.x), K::at(z.pivot, node.x));
+  invert<K, M>(D, K::at(z.diagonal, node.x), K::at(z.pivot, node.x));
   D.store(d, sign);
   const Later* later = plan.later.data() + node.first_later;
   const std::size_t* target = plan.targets.data() + node.first_target;
