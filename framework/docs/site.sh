@@ -56,12 +56,26 @@ if [ -n "$wrong" ]; then
 fi
 mv "$gallery" "$html/gallery"
 
-# Every local link leads to a file.
 cd "$html"
-lost="$(grep -oHE '(href|src)="[^"#]+' ./*.html | sed -E 's/^([^:]+):(href|src)="/\1 /' | sort -u |
-  while read -r from to; do
-    case "$to" in http:*|https:*|mailto:*|javascript:*|data:*) continue ;; esac
-    [ -e "$(printf '%b' "${to//%/\\x}")" ] || echo "$from leads to $to, which is not there"
-  done)"
-if [ -n "$lost" ]; then printf '%s\n' "$lost" | head -n 40; exit 1; fi
+# Pairs of a page and a local link in it that leads to no file.
+lost() {
+  grep -oHE '(href|src)="[^"#]+' ./*.html | sed -E 's/^([^:]+):(href|src)="/\1 /' | sort -u |
+    while read -r from to; do
+      case "$to" in http:*|https:*|mailto:*|javascript:*|data:*) continue ;; esac
+      [ -e "$(printf '%b' "${to//%/\\x}")" ] || echo "$from $to"
+    done
+}
+# Doxygen follows the links between pages, and leaves those to pictures and other files of the source.
+lost | while read -r from to; do
+  name="$(basename "$to")"
+  case "$name" in
+    *.md) page="md_framework_docs_${name%.md}.html"; [ -e "$page" ] && sed -i "s|\"$to|\"$page|g" "$from" ;;
+    *)
+      file="$(find "$source/framework" "$source/tests" "$source/samples" -name "$name" -type f | head -n 1)"
+      if [ -n "$file" ]; then cp "$file" . && sed -i "s|\"$to\"|\"$name\"|g" "$from"; fi
+      ;;
+  esac
+done
+left="$(lost | sed 's/ / leads to /; s/$/, which is not there/')"
+if [ -n "$left" ]; then printf '%s\n' "$left" | head -n 40; exit 1; fi
 echo "site: $(find . -name '*.html' | wc -l) pages in $html"
