@@ -143,6 +143,24 @@ TEST_CASE("every verb has help with an example", "[runner]") {
   }
 }
 
+TEST_CASE("the examples of the help texts run as they stand", "[runner]") {
+  const fs::path samples = fs::path(paths::kScenes).parent_path();
+  fs::remove(fs::path(kFolder) / "samples");
+  fs::create_directory_symlink(samples, fs::path(kFolder) / "samples");
+  int n = 0;
+  for (const std::string verb : {"run", "check", "assemble", "statics", "kinematics", "inverse", "explain", "modes",
+                                 "linearize", "matrices", "atlas", "list", "describe", "schema", "reference"}) {
+    const std::string help = call(verb + " --help").text;
+    const std::size_t begin = help.find("  lockstep ", help.find("Example:")) + 2;
+    const std::string line = help.substr(begin, help.find('\n', begin) - begin);
+    const Called r = shell(line + (verb == "atlas" ? " --budget 1s" : ""));
+    INFO(line << "\n" << r.text);
+    CHECK(r.exit == 0);
+    ++n;
+  }
+  CHECK(n == 15);
+}
+
 TEST_CASE("wrong words are a usage error", "[runner]") {
   for (const std::string& words :
        std::vector<std::string>{"", "fly", "run", "run '" + kFourBar + "' --fast", "run '" + kFourBar + "' --step 0",

@@ -11,6 +11,7 @@
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/benchmark_json.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/run_report.h"
@@ -152,7 +153,7 @@ void print_json(const Question& q, const WorkPrecision& result, const Advice& ad
       {"scene", q.loaded.scene.file}, {"title", q.benchmark.title},      {"error", q.error},
       {"of", to_string(q.kind)},      {"cheapest", choice(advice.best)}, {"runner_up", choice(advice.second)}};
   j.update(json_of(result));
-  fmt::print("{}\n", j.dump(1, ' ', false, ordered_json::error_handler_t::replace));
+  print_document(j);
 }
 
 }  // namespace

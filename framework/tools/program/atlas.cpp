@@ -22,6 +22,7 @@
 #include "framework/tools/program/atlas_pictures.h"
 #include "framework/tools/program/atlas_plan.h"
 #include "framework/tools/program/atlas_tables.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
@@ -220,7 +221,7 @@ int atlas_command(const Arguments& args) {
                                 {"agreement", atlas.agreement()},
                                 {"files", files}};
     j.update(atlas_json(plan));
-    fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_document(j);
   } else {
     fmt::print("{}\n  runs       {} of {} methods, each {} x {}\n  reference  {}, good to {:.1e} m\n",
                plan.loaded.title(), n, plan.panels.size(), plan.variables[0].values.size(),

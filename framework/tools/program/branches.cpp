@@ -5,6 +5,7 @@
 
 #include <lockstep/branches.h>
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/pose_columns.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -26,9 +27,7 @@ int branches_command(const Arguments& args) {
                      {"distance", b.distance},
                      {"farthest", b.farthest},
                      {"bodies", pose_json(m.system, b.state)}});
-    fmt::print(
-        "{}\n",
-        nlohmann::ordered_json({{"starts", report.starts}, {"failed", report.failed}, {"branches", all}}).dump(1, ' '));
+    print_document(nlohmann::ordered_json({{"starts", report.starts}, {"failed", report.failed}, {"branches", all}}));
     return kExitOk;
   }
   fmt::print("{}\n  branches   {}, from {} starts, of which {} led nowhere\n", loaded.title(), report.branches.size(),

@@ -9,6 +9,7 @@
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/benchmark_json.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
 
@@ -153,7 +154,7 @@ void print_json(const Loaded& loaded, const WorkPrecision& result, const SceneBe
     }
   j["files"] = files.pictures;
   j["files"].insert(j["files"].begin(), files.table);
-  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  print_document(j);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -397,9 +398,7 @@ int check_command(const Arguments& args) {
     code = check_scenes(args, results);
   else
     check_scene(args, results);
-  using Json = nlohmann::ordered_json;
-  if (args.json)
-    fmt::print("{}\n", (several ? results : results.front()).dump(1, ' ', false, Json::error_handler_t::replace));
+  if (args.json) print_document(several ? results : results.front());
   return code;
 }
 

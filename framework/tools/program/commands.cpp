@@ -15,6 +15,7 @@
 #include <lockstep/version.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/complete.h"
+#include "framework/tools/program/files.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/terminal.h"
 
@@ -36,8 +37,7 @@ std::string command_words(int argc, const char* const* argv, const Arguments& ar
   std::string line = "lockstep";
   for (int k = 1; k < argc; ++k) {
     const std::string word = without_folders(argv[k], args);
-    const bool plain = !word.empty() && word.find_first_of(" '\"$*?&|;<>()") == std::string::npos;
-    line += plain ? " " + word : " '" + word + "'";
+    line += " " + in_quotes(word);
   }
   return line;
 }

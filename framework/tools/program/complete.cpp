@@ -11,26 +11,12 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/words.h"
+#include "framework/tools/program/options.h"
 
 namespace lockstep {
 namespace {
 
 using Words = std::vector<std::string>;
-
-// "AXIS:{off,auto,x}" holds the choices of an option.
-Words choices_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return {};
-  Words all;
-  std::size_t begin = open + 1;
-  while (begin < close) {
-    const std::size_t end = std::min(type.find(',', begin), close);
-    all.push_back(type.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return all;
-}
 
 const CLI::App* subcommand(const CLI::App& app, const std::string& name) {
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))

@@ -3,7 +3,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -35,15 +34,11 @@ std::string scene_in(const fs::path& folder) {
   return file.string();
 }
 
-std::string default_folder() {
-  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
-  return (fs::path(folder != nullptr && *folder != 0 ? folder : ".") / "lockstep_demo").lexically_normal().string();
-}
-
 }  // namespace
 
 int demo_command(const Arguments& args) {
-  const fs::path folder = args.into.empty() ? default_folder() : args.into;
+  const fs::path folder =
+      args.into.empty() ? (fs::path(output_folder()) / "lockstep_demo").lexically_normal() : fs::path(args.into);
   Arguments run = args;
   run.scene = scene_in(folder);
   run.record = (folder / "four_bar.csv").string();

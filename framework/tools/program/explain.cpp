@@ -9,6 +9,7 @@
 #include <lockstep/text.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/state_at.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -150,7 +151,7 @@ std::vector<std::pair<std::string, Contribution>> shares_of(Dynamics& dynamics, 
 template <class Account>
 void tell(const Account& account, bool as_json) {
   if (as_json)
-    fmt::print("{}\n", json(account).dump(1, ' '));
+    print_document(json(account));
   else
     print(account);
 }
@@ -184,7 +185,7 @@ int explain_command(const Arguments& args) {
             "N m, world axes\n",
             c.what, body, c.force[0], c.force[1], c.force[2], c.moment[0], c.moment[1], c.moment[2]);
     }
-    if (args.json) fmt::print("{}\n", all.dump(1, ' '));
+    if (args.json) print_document(all);
     return kExitOk;
   }
   Json all = Json::array();
@@ -195,7 +196,7 @@ int explain_command(const Arguments& args) {
     else
       print(balance);
   }
-  if (args.json) fmt::print("{}\n", all.dump(1, ' '));
+  if (args.json) print_document(all);
   return kExitOk;
 }
 

@@ -27,7 +27,15 @@ namespace lockstep {
 namespace fs = std::filesystem;
 
 std::string in_quotes(const std::string& word) {
-  return word.find_first_of(" \t'\"\\$&;()<>|*?") == std::string::npos ? word : "'" + word + "'";
+  if (!word.empty() && word.find_first_of(" \t\n'\"\\$`*?&|;<>()#~!{}[]") == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string output_folder() {
+  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
+  return folder != nullptr && *folder != 0 ? folder : ".";
 }
 
 std::string standard_input() {
@@ -46,10 +54,9 @@ std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : 
 
 std::string csv_path(const std::string& record, const std::string& scene) {
   if (record == "-") return record;
-  const char* folder = std::getenv("LOCKSTEP_OUTPUT");
   fs::path file = record;
   if (record.empty()) {
-    file = fs::path(folder != nullptr && *folder != 0 ? folder : ".") / stem_of(scene);
+    file = fs::path(output_folder()) / stem_of(scene);
     file += ".csv";
   }
   std::error_code error;

@@ -15,6 +15,9 @@ std::string standard_input();
 /// A word as a shell reads it: in quotes where it needs them.
 std::string in_quotes(const std::string& word);
 
+/// LOCKSTEP_OUTPUT, or "." where it is not set: the folder of results that are not named.
+std::string output_folder();
+
 /// The name of a scene's file without folder and ending; "stdin" for standard input.
 std::string stem_of(const std::string& scene);
 

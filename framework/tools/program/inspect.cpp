@@ -12,6 +12,7 @@
 #include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 
 namespace lockstep {
 namespace {
@@ -71,7 +72,7 @@ int list_command(const Arguments& args) {
     all[name] = Json::array();
     for (const Description& d : contents) all[name].push_back(json_of(d));
   }
-  if (args.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+  if (args.json) print_document(all);
   return kExitOk;
 }
 
@@ -89,7 +90,7 @@ int describe_command(const Arguments& args) {
     Json all = Json::array();
     for (const Description& d : found) all.push_back(json_of(d));
     if (!word.empty()) all.push_back({{"name", args.name}, {"shelf", "words"}, {"help", word}});
-    fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+    print_document(all);
     return kExitOk;
   }
   for (const Description& d : found) {

@@ -12,6 +12,7 @@
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
@@ -221,7 +222,7 @@ int follow(const Arguments& args, bool inverse) {
   }
   file.commit();
   if (args.json)
-    fmt::print("{}\n", table_json(recorder->table()).dump(1, ' '));
+    print_document(table_json(recorder->table()));
   else if (!args.quiet)
     print_end(recorder->table(), csv, motion.steps(), seconds, inverse);
   return kExitOk;

@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/linear_inputs.h"
 #include "framework/tools/program/linear_words.h"
@@ -93,7 +94,7 @@ int linearize_command(const Arguments& args) {
                                 {"D", matrix_json(s.D)},
                                 {"accuracy", s.accuracy},
                                 {"state", state_json(s.spin, s.unrest, s.notes)}};
-    fmt::print("{}\n", j.dump(1, ' '));
+    print_document(j);
     return kExitOk;
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, s.spin, s.unrest, s.notes));

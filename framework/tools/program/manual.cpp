@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
+#include <lockstep/text.h>
 #include <lockstep/version.h>
+#include "framework/tools/program/options.h"
 
 namespace lockstep {
 namespace {
@@ -29,8 +31,7 @@ std::string verbatim(const std::string& text) { return ".nf\n" + escaped(text) +
 
 // "--step H", "-h, --help", "SCENE".
 std::string form_of(const CLI::Option& option) {
-  std::string type = option.get_type_name();
-  if (const std::size_t colon = type.find(':'); colon != std::string::npos) type.erase(colon);
+  const std::string type = value_of(option);
   if (option.get_positional()) return "\\fI" + escaped(type) + "\\fR";
   std::string names;
   for (const std::string& name : option.get_snames()) names += "\\fB" + escaped("-" + name) + "\\fR, ";
@@ -39,27 +40,21 @@ std::string form_of(const CLI::Option& option) {
   return option.get_items_expected_max() > 0 ? names + " \\fI" + escaped(type) + "\\fR" : names;
 }
 
-std::string choices_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return "";
-  std::string words;
-  for (const char c : type.substr(open + 1, close - open - 1))
-    words += c == ',' ? std::string(", ") : std::string(1, c);
-  return " (" + words + ")";
+std::string choices_text(const CLI::Option& option) {
+  const Choices all = choices_of(option);
+  return all.empty() ? "" : " (" + text::join(all) + ")";
 }
 
 void write_verb(std::ostringstream& out, const CLI::App& verb, const std::string& name) {
   out << ".SS \"lockstep " << escaped(name);
   for (const CLI::Option* option : verb.get_options())
     if (option->get_positional())
-      out << " " << (option->get_required() ? "" : "[")
-          << escaped(option->get_type_name().substr(0, option->get_type_name().find(':')))
+      out << " " << (option->get_required() ? "" : "[") << escaped(value_of(*option))
           << (option->get_required() ? "" : "]");
   out << "\"\n" << escaped(verb.get_description()) << ".\n";
   for (const CLI::Option* option : verb.get_options())
     if (!option->check_name("--help"))
-      out << ".TP\n" << form_of(*option) << "\n" << escaped(option->get_description() + choices_of(*option)) << "\n";
+      out << ".TP\n" << form_of(*option) << "\n" << escaped(option->get_description() + choices_text(*option)) << "\n";
   if (!verb.get_footer().empty()) out << ".PP\n" << verbatim(verb.get_footer());
 }
 

@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/matrix_files.h"
 #include "framework/tools/program/state_at.h"
@@ -92,7 +93,7 @@ int matrices_command(const Arguments& args) {
     j["v"] = numbers(m.v), j["f"] = numbers(m.f), j["a"] = numbers(m.a);
     j["C"] = numbers(m.C), j["Ct"] = numbers(m.Ct), j["c"] = numbers(m.c), j["lambda"] = numbers(m.lambda);
     j["files"] = files;
-    fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_document(j);
     return kExitOk;
   }
   fmt::print("{}\n  t = {:.6g} s: {} unknown velocities, {} rows;  M a + J^T lambda = f,  J a = c\n", loaded.title(),

@@ -9,6 +9,7 @@
 
 #include <lockstep/modes.h>
 #include <lockstep/text.h>
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/linear_words.h"
@@ -178,7 +179,7 @@ int modes_command(const Arguments& args) {
         {"zero_bound", found.zero_bound}, {"complete", found.complete},
         {"length", found.length},         {"state", state_json(found.spin, found.unrest, found.notes)},
         {"modes", json_of(found)}};
-    fmt::print("{}\n", j.dump(1, ' '));
+    print_document(j);
     return kExitOk;
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, found.spin, found.unrest, found.notes));

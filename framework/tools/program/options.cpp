@@ -1,8 +1,29 @@
 #include "framework/tools/program/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 namespace lockstep {
+
+// "AXIS:{off,auto,x}" holds the choices of an option.
+Choices choices_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t open = type.find('{'), close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos) return {};
+  Choices all;
+  std::size_t begin = open + 1;
+  while (begin < close) {
+    const std::size_t end = std::min(type.find(',', begin), close);
+    all.push_back(type.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return all;
+}
+
+std::string value_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type.substr(0, type.find(':'));
+}
 
 CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help) {
   return verb.add_option(name, to, help)->type_name(type);

@@ -34,6 +34,11 @@ const Verb& plugins_list_verb();
 using Choices = std::vector<std::string>;
 inline const Choices kStabilizations{"project", "baumgarte", "none"};
 
+/// The choices of an option; none where it takes anything.
+Choices choices_of(const CLI::Option&);
+/// What stands for its value in help texts: "H", "FILE.csv".
+std::string value_of(const CLI::Option&);
+
 /// An option or a positional, as text.
 CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help);
 /// One of some words.

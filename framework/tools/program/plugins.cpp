@@ -9,6 +9,7 @@
 #include <lockstep/registry.h>
 #include "framework/description/registry/survey.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 
 namespace lockstep {
 namespace {
@@ -59,7 +60,7 @@ int plugins_list_command(const Arguments& args) {
     Json found = Json::array();
     for (const PluginCandidate& c : all) found.push_back(json_of(c));
     const Json all_words = {{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}};
-    fmt::print("{}\n", all_words.dump(1, ' ', false, Json::error_handler_t::replace));  // a path need not be UTF-8
+    print_document(all_words);  // a path need not be UTF-8
     return kExitOk;
   }
   if (args.why) {

@@ -16,6 +16,7 @@
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
@@ -94,7 +95,7 @@ std::vector<std::string> print_files(const std::string& csv, const std::string& 
 void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_json result) {
   nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.title()}, {"command", args.command}};
   j.update(result);
-  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  print_document(j);
 }
 
 // Springs that push away from where they should hold.
@@ -284,7 +285,7 @@ int assemble_command(const Arguments& args) {
                                          {"iterations", r.iterations},   {"largest_move", r.largest_move},
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (args.json) fmt::print("{}\n", report.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  if (args.json) print_document(report);
   return kExitOk;
 }
 

@@ -12,6 +12,7 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
@@ -246,8 +247,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
     fmt::print("equilibrium {}, found {} time{}:\n{}{}", ++number, e.found, e.found == 1 ? "" : "s",
                stability_text(first.report.stability), pose_text(first.m.system, first.state));
   }
-  if (args.json)
-    fmt::print("{}\n", Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}).dump(1, ' '));
+  if (args.json) print_document(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
   return kExitOk;
 }
 
@@ -276,7 +276,7 @@ int statics_command(const Arguments& args) {
     rows.commit();
   }
   if (args.json)
-    fmt::print("{}\n", report_json(resting).dump(1, ' '));
+    print_document(report_json(resting));
   else
     print(loaded, resting);
   return kExitOk;

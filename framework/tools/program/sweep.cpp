@@ -19,6 +19,7 @@
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
@@ -371,7 +372,7 @@ void print_json(const Plan& plan, const Tally& tally, const std::string& csv) {
                                     {"failed", tally.failed},
                                     {"file", csv},
                                     {"runs", tally.runs}};
-  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  print_document(j);
 }
 
 // Rows survive an error: the file that grew stays, and the message names it.

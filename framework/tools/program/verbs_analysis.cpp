@@ -97,7 +97,7 @@ constexpr const char* kLinearizeFooter =
     R"(x' = A x + B u, y = C x + D u. The states are displacements of bodies from the state, one for each freedom, then their rates.
 
 Example:
-  lockstep linearize arm.json --inputs motor --outputs hinge.angle_z,hinge.force_on_p_world_x --json)";
+  lockstep linearize samples/scenes/mass_spring_damper_fast.json --set bodies.mass_c.velocity.0=0 --set bodies.mass_c.position.0=0 --inputs push_c --outputs mass_c.x,mass_c.ax)";
 
 void add_matrices(CLI::App& verb, Arguments& a) {
   add_instant(verb, a);

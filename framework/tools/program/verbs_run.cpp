@@ -126,7 +126,7 @@ the run make no difference to that. A black line is the largest stable step of a
 theory at the start. The CSV file has a row for every run, with the reason where it stopped.
 
 Example:
-  lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log     --vary forces.spring.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)";
+  lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)";
 
 void add_atlas(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);

@@ -1,0 +1,11 @@
+// What --json prints.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace lockstep {
+
+/// Prints a document on standard output. Bytes that are no UTF-8, as names of files may have, are replaced.
+void print_document(const nlohmann::ordered_json&);
+
+}  // namespace lockstep
