@@ -1,7 +1,7 @@
 // The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections
 // 2 and 5): the numeric half, the same code for one matrix and for several at once, one per vector lane. Letters:
 //
-//   Y = J M^-1,   D the inverse of a pivot's block,   L = A D below it
+//   Y = J M^-1,   T^T p T the inverse of a pivot's block (T unit lower triangular, p diagonal),   L = A T^T p T below it
 //
 // A loop of four moving bodies, joints j1 .. j4. A node of S is a joint, and each is coupled with the next by the body
 // that they share:
@@ -15,8 +15,13 @@
 // j1 goes first, and its later neighbours j2 and j4 become coupled. A loop of n joints makes n - 3 such blocks; a tree,
 // and a loop that the ground closes, make none.
 //
-// Pivot k, later neighbours s >= t:   L_s = A_s D_k,   A_st -= A_s L_t^T   (target (s, t) of the plan; s = t: D_s)
-// Solution:   forward  x_s -= L_s x_k,   backward  x_k <- D_k x_k - sum_s L_s^T x_s
+// Pivot k, later neighbours s >= t:   L_s = ((A_s T^T) p) T,   A_st -= A_s L_t^T   (target (s, t) of the plan)
+// Solution:   forward  x_s -= L_s x_k,   backward  x_k <- T^T (p (T x_k)) - sum_s L_s^T x_s
+//
+// The inverse itself is not formed. Where a row is redundant its pivot is a proximal term, 1e-9, and the inverse has
+// entries of 1e9. A_s times them is of the order of 1 only because A_s times the redundant direction, a column of
+// A_s T^T, is 1e-9: that sum is formed first, and its rounding, 1e-16, stays in that direction. Multiplied by the inverse
+// each term would be rounded by itself, and leave 1e-7 in later blocks, whose own redundant pivots are 1e-9.
 //
 // With hubs the matrix is [[-M, -J^T], [-J, S]] over (a of the hubs, lambda), quasi-definite in any order
 // (Vanderbei 1995). No allocation, no search.
@@ -31,6 +36,7 @@
 //   K::columns(i, m)      columns that a diagonal block keeps of slab i
 //   K::row, set_row, add_row   row k of a column in slabs
 //   K::Square<M>          a diagonal block in registers
+//   K::times_T            y <- T y, and its transpose, of a stored block
 //   K::floor, K::mark     residual floors of a slab; the result of a test of its rows
 // X is the geometry, Spatial or Planar. Everything is always inlined, so that it is compiled for the instruction set of
 // the pass that calls it.
@@ -56,13 +62,13 @@ struct Planar {
   static constexpr int I[1][1] = {{1}};
 };
 
-/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, pivot, E, r, lambda. By slot (strides
+/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, p, E, r, lambda. By slot (strides
 /// of X): a; mass: m, J; inverse: 1/m, J^-1, zero where nothing turns.
 struct Numbers {
   const double *rows = nullptr, *inverse = nullptr, *mass = nullptr;
   double *A = nullptr, *Y = nullptr, *a = nullptr;
-  double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *pivot = nullptr, *E = nullptr,
-         *r = nullptr, *lambda = nullptr;
+  double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *p = nullptr, *E = nullptr, *r = nullptr,
+         *lambda = nullptr;
   const double* floors = nullptr;  ///< residual floors: no scale of a row of that kind is smaller; one per RowKind
   const double* kind = nullptr;    ///< packed: by node, a pack per RowKind with ones where a row is of that kind
   double eps = 0;                  ///< of the proximal term; 0: none
@@ -84,30 +90,20 @@ LOCKSTEP_KERNEL T larger(const T& a, const T& b) {
 
 // ------------------------------------------------------------------------------------------------- S -> factor
 
-/// D <- D^-1, symmetric positive definite, by sweeps without pivoting.
+/// D = T^-1 diag(1/p) T^-T, symmetric positive definite, without pivoting. D <- T. `sign`: of p.
 template <class K, int M>
-LOCKSTEP_KERNEL void invert(typename K::template Square<M>& D, const double* diagonal, double* pivot) {
+LOCKSTEP_KERNEL void factor_block(typename K::template Square<M>& D, const double* diagonal, double sign, double* p) {
   using Number = typename K::Number;
   // Else k is not a constant, D lives on the stack, and a factor takes three times as long.
 #pragma GCC unroll 8
   for (int k = 0; k < M; ++k) {
-    typename K::template Slab<M> u[K::slabs(M)];
-    Number column[M];
-    for (int j = 0; j < M; ++j) column[j] = D.number(j, k);
-    const Number floor = kPivotFloor * K::number(diagonal, k), d = larger(column[k], floor), p = 1.0 / d;
-    K::put(pivot, k, d);
-    for (int i = 0; i < K::slabs(M); ++i) u[i] = D.slab(i, k) * p;
-    K::set_row(u, k, -p);
-    for (int i = 0; i < K::slabs(M); ++i)
-      for (int j = 0; j < K::columns(i, M); ++j)
-        if (j != k) D.sweep(i, j, k, u[i], column[j]);
-    for (int i = 0; i < K::slabs(M); ++i) D.slab(i, k) = u[i];
+    const Number floor = kPivotFloor * K::number(diagonal, k), d = larger(D.number(k, k), floor), p_k = 1.0 / d;
+    K::put(p, k, sign * p_k);
+    D.eliminate(k, p_k);
   }
-  for (int i = 0; i < K::slabs(M); ++i)
-    for (int j = 0; j < K::columns(i, M); ++j) D.slab(i, j) = -D.slab(i, j);
 }
 
-/// The block of one later node, s: L = A D, and all products with the blocks before it. With kSolve also x_s -= L x.
+/// The block of one later node, s: L, and all products with the blocks before it. With kSolve also x_s -= L x.
 template <class K, int M, bool kSolve, class Slab>
 LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::template Square<M>& D, const Later* later,
                                      int s, const std::size_t* target, const Numbers& z) {
@@ -115,10 +111,13 @@ LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::templat
   double* As = K::at(z.A, later[s].block);
   for (int i = 0; i < K::slabs(ms); ++i) {
     Slab A[M], L[M];
-    for (int k = 0; k < M; ++k) A[k] = K::template load<Slab>(K::at(As, K::below(i, k, K::template rows<Slab>(ms), M)));
+    for (int k = 0; k < M; ++k)
+      L[k] = A[k] = K::template load<Slab>(K::at(As, K::below(i, k, K::template rows<Slab>(ms), M)));
+    for (int j = M - 1; j >= 0; --j)
+      for (int k = 0; k < j; ++k) L[j] += L[k] * D.stored(K::at(z.A, node.D), j, k);
     for (int j = 0; j < M; ++j) {
-      L[j] = A[0] * D.stored(K::at(z.A, node.D), 0, j);
-      for (int k = 1; k < M; ++k) L[j] += A[k] * D.stored(K::at(z.A, node.D), k, j);
+      L[j] *= K::number(z.p, node.x + j);
+      for (int k = 0; k < j; ++k) L[k] += L[j] * D.stored(K::at(z.A, node.D), j, k);
     }
     for (int j = 0; j < M; ++j) K::store(K::at(As, K::below(i, j, K::template rows<Slab>(ms), M)), L[j]);
     for (int t = 0; t <= s; ++t) {
@@ -144,15 +143,15 @@ LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::templat
   }
 }
 
-/// Eliminates one pivot: inverts its block, forms L below it, subtracts the products from the later blocks.
+/// Eliminates one pivot: factors its block, forms L below it, subtracts the products from the later blocks.
 template <class K, int M, bool kSolve>
 LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers& z) {
   typename K::template Square<M> D;
   double* d = K::at(z.A, node.D);
   const double sign = node.link < 0 ? -1.0 : 1.0;  // the block of a hub is negative definite
   D.load(d, sign);
-  invert<K, M>(D, K::at(z.diagonal, node.x), K::at(z.pivot, node.x));
-  D.store(d, sign);
+  factor_block<K, M>(D, K::at(z.diagonal, node.x), sign, K::at(z.p, node.x));
+  D.store(d);
   const Later* later = plan.later.data() + node.first_later;
   const std::size_t* target = plan.targets.data() + node.first_target;
   for (int s = 0; s < node.n_later; target += ++s)
@@ -180,17 +179,16 @@ LOCKSTEP_KERNEL void forward(const Plan& plan, const Node& node, const Numbers& 
           }
         });
 }
-/// x <- D x - sum L^T x_later
+/// x <- T^T p T x - sum L^T x_later
 template <class K, int M>
 LOCKSTEP_KERNEL void backward(const Plan& plan, const Node& node, const Numbers& z) {
   using Slab = typename K::template Slab<M>;
-  double* x = K::at(z.x, node.x);
-  const double* D = K::at(z.A, node.D);
+  double *x = K::at(z.x, node.x), *p = K::at(z.p, node.x), *D = K::at(z.A, node.D);
   Slab y[K::slabs(M)];
-  for (int i = 0; i < K::slabs(M); ++i) {
-    y[i] = K::template load<Slab>(K::at(D, K::square(i, 0, M))) * K::number(x, 0);
-    for (int k = 1; k < M; ++k) y[i] += K::template load<Slab>(K::at(D, K::square(i, k, M))) * K::number(x, k);
-  }
+  for (int i = 0; i < K::slabs(M); ++i) y[i] = K::template load<Slab>(K::at(x, i));
+  K::template times_T<M>(D, y);
+  for (int i = 0; i < K::slabs(M); ++i) y[i] *= K::template load<Slab>(K::at(p, i));
+  K::template times_T_transposed<M>(D, y);
   for (const Later& later : plan.later_of(node)) {
     const double *L = K::at(z.A, later.block), *xs = K::at(z.x, later.x);
     const auto subtract = [&](int m) __attribute__((always_inline)) {

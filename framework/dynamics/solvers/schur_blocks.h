@@ -48,6 +48,20 @@ struct PackedBlocks {
     return v * ones;
   }
 
+  /// The rows of a column below row k, and those above it; zero elsewhere.
+  template <class Slab>
+  LOCKSTEP_KERNEL Slab below_row(const Slab& v, int k) {
+    Slab ones{};
+    for (int i = k + 1; i < rows<Slab>(0); ++i) ones[i] = 1.0;
+    return v * ones;
+  }
+  template <class Slab>
+  LOCKSTEP_KERNEL Slab above_row(const Slab& v, int k) {
+    Slab ones{};
+    for (int i = 0; i < k; ++i) ones[i] = 1.0;
+    return v * ones;
+  }
+
   template <class Slab>
   LOCKSTEP_KERNEL double row(const Slab* y, int k) {
     return y[0][k];
@@ -76,15 +90,39 @@ struct PackedBlocks {
     [[gnu::always_inline]] void store(double* p, double sign = 1.0) const {
       for (int k = 0; k < M; ++k) PackedBlocks::store(p + k * ld, Column(d[k] * sign));
     }
-    /// Subtracts u c from column j, whose row k is zeroed first.
-    [[gnu::always_inline]] void sweep(int, int j, int k, const Column& u, double c) {
-      Column Dj = d[j];
-      Dj[k] = 0.0;
-      d[j] = Dj - u * c;
+    /// Step k of the factorisation; p: the inverse of its pivot. Before: T[0..k), with T^T above, and what is left of D.
+    /// Column j > k, row i > k: D_ij - p D_ik D_jk;   row k: T_jk = -p D_jk;   rows i < k: T_ji - p T_ki D_jk.
+    /// Columns j < k have the last from row k + 1 on. Both u c: c = D_jk or T_kj, u = p column k with p in row k.
+    [[gnu::always_inline]] void eliminate(int k, double p) {
+      const Column c = d[k];
+      Column u = c * p;
+      const Column u_below = below_row(u, k);
+      u[k] = p;
+      for (int j = 0; j < k; ++j) d[j] -= u_below * c[j];
+      for (int j = k + 1; j < M; ++j) {
+        Column Dj = d[j];
+        Dj[k] = 0.0;
+        d[j] = Dj - u * c[j];
+      }
+      d[k] = above_row(c, k) - u_below;
     }
     /// A number of the stored block, read from memory so that the load broadcasts it to a pack.
     [[gnu::always_inline]] double stored(const double* p, int k, int j) const { return p[k * ld + j]; }
   };
+
+  /// y <- T y and y <- T^T y; D: a stored block, T below its diagonal and T^T above.
+  template <int M>
+  LOCKSTEP_KERNEL void times_T(const double* D, Slab<M>* y) {
+    const Slab<M> x = y[0];
+#pragma GCC unroll 8
+    for (int k = 0; k + 1 < M; ++k) y[0] += below_row(load<Slab<M>>(D + k * pack_size(M)), k) * x[k];
+  }
+  template <int M>
+  LOCKSTEP_KERNEL void times_T_transposed(const double* D, Slab<M>* y) {
+    const Slab<M> x = y[0];
+#pragma GCC unroll 8
+    for (int k = 1; k < M; ++k) y[0] += above_row(load<Slab<M>>(D + k * pack_size(M)), k) * x[k];
+  }
 
   template <class Slab>
   LOCKSTEP_KERNEL Slab floor(const Numbers& z, const Node& node, int) {

@@ -48,7 +48,7 @@ class SchurFactorization final : public Factorization {
   Plane plane_;
   std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
   schur::Numbers z_;
-  Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, pivot_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
+  Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, p_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
   const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
   long revision_ = -1;
   bool masses_known_ = false, floors_known_ = false;
@@ -86,7 +86,7 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
 }
 
 void SchurFactorization::size(const KktPattern& pattern) {
-  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &pivot_, &E_, &r_, &lambda_})
+  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_})
     v->assign(plan_.size_x + kPad, 0.0);
   A_.assign(plan_.size_A + kPad, 0.0);
   Y_.assign(plan_.size_Y + kPad, 0.0);
@@ -99,7 +99,7 @@ void SchurFactorization::size(const KktPattern& pattern) {
     for (int k = 0; node.link >= 0 && k < node.m; ++k)
       kinds_[3 * node.x + node.ld() * static_cast<int>(node.kinds.of(k)) + k] = 1.0;
   z_.A = A_.data(), z_.Y = Y_.data(), z_.x = x_.data(), z_.c = c_.data(), z_.scale = scale_.data();
-  z_.diagonal = diagonal_.data(), z_.pivot = pivot_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
+  z_.diagonal = diagonal_.data(), z_.p = p_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
   z_.inverse = inverse_.data(), z_.mass = mass_.data(), z_.kind = kinds_.data(), z_.floors = floors_.data();
   z_.eps = plan_.tree ? 0.0 : schur::kProximal;
 }
@@ -139,7 +139,7 @@ void SchurFactorization::see_pivots() {
   }
   watch_.see([&](auto&& row) {
     for_each_row([&](int, std::size_t at, int kind) {
-      row(pivot_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
+      row(1.0 / p_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
     });
   });
 }
@@ -280,12 +280,14 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
     raise_floors();
     return raised = true;
   };
-  const bool met = refine(report.corrections, measure, within, raise, [&] {
+  const auto corrected = [&] {
     find_worst(), before_ = worst_;
     std::copy(r_.begin(), r_.end(), x_.begin());
     for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
     correct();
-  });
+  };
+  const auto falling = [&] { return find_worst(), worst_ < kFalling * before_; };
+  const bool met = refine(report.corrections, measure, within, raise, corrected, falling);
   if (met) return report;
   if (gradients_.needed()) {
     if (conjugate(report.corrections, measure)) return report;

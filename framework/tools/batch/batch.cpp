@@ -38,7 +38,7 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
   z_.body = size(body_, body::size * (n + 1)), z_.af = size(af_, 6 * n), z_.a = size(a_, 6 * n);
   z_.rows = z_.J = size(J_, plan_.size_Y), z_.Y = size(Y_, plan_.size_Y), z_.A = size(A_, plan_.size_A);
   z_.x = size(x_, x), z_.c = size(c_, x), z_.scale = size(scale_, x), z_.diagonal = size(diagonal_, x);
-  z_.pivot = size(pivot_, x), z_.E = size(E_, x), z_.r = size(r_, x), z_.C = size(C_, x), z_.Ct = size(Ct_, x);
+  z_.p = size(p_, x), z_.E = size(E_, x), z_.r = size(r_, x), z_.C = size(C_, x), z_.Ct = size(Ct_, x);
   size(Cd_, x), size(length_, 1), size(wrench_, 6 * n);
   z_.floors = floors_.data();
   z_.eps = plan_.tree ? 0.0 : schur::kProximal;
@@ -239,11 +239,12 @@ Flags8 Batch::check_rows(int corrections) {
     for (std::size_t i = 0; i < largest.size(); ++i) floors_[i] = residual_floor(largest[i], S[i], S[3 * kL + i % kL]);
     return raised = true;
   };
-  refine(corrections, measure, within, raise, [&] {
+  const auto corrected = [&] {
     std::copy(r_.begin(), r_.end(), x_.begin());
     pass_.solve(plan_, z_);
     pass_.apply(plan_, z_);
-  });
+  };
+  refine(corrections, measure, within, raise, corrected, [] { return false; });  // a copy that needs more goes on alone
   Flags8 out{};
   for (std::size_t l = 0; l < kL; ++l) out[l] = unmet_[l] != 0;
   return out;

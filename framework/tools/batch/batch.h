@@ -78,7 +78,7 @@ class LOCKSTEP_API Batch {
   bool watches_ = false, floors_known_ = false;
   Numbers z_;
   Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_,
-      diagonal_, pivot_, E_, r_, C_, Ct_, Cd_, length_;
+      diagonal_, p_, E_, r_, C_, Ct_, Cd_, length_;
   alignas(64) std::array<double, kLanes * 4> scratch_{};
   alignas(64) Numbers8 unmet_{};
   alignas(64) std::array<double, 3 * kLanes> floors_{};        // one pack per RowKind

@@ -122,7 +122,7 @@ LOCKSTEP_LANE void pivots(const Plan& plan, const Numbers& z, const double* left
   V n_small{}, smallest = V{} + 1.0;
   for (const schur::Node& node : plan.nodes)
     for (int k = 0; k < node.m; ++k) {
-      const V pivot = K::number(z.pivot, node.x + k), diagonal = K::number(z.diagonal, node.x + k);
+      const V pivot = 1.0 / K::number(z.p, node.x + k), diagonal = K::number(z.diagonal, node.x + k);
       const V kept = K::number(left, static_cast<int>(node.kinds.of(k)));
       const V small = what_counts_as_small(diagonal, kept);
       const V relative = pivot < small ? V{} + 1.0 : pivot / diagonal;
@@ -174,7 +174,7 @@ LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   if (n.wrench) n.wrench += lane;
   for (const double** p : {&n.rows, &n.inverse, &n.mass, &n.floors, &n.y, &n.gravity, &n.frames, &n.law}) *p += lane;
   for (double** p :
-       {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.pivot, &n.E, &n.r, &n.body, &n.af, &n.J, &n.C, &n.Ct})
+       {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.p, &n.E, &n.r, &n.body, &n.af, &n.J, &n.C, &n.Ct})
     *p += lane;
   return n;
 }

@@ -62,12 +62,34 @@ struct LaneBlocks {
     LOCKSTEP_LANE void store(double* p, double = 1.0) const {
       for (int k = 0; k < n; ++k) put(p, k, d[k]);
     }
-    /// Number (i, j) less u c; row and column k are set by the caller.
-    LOCKSTEP_LANE void sweep(int i, int j, int k, const V& u, const V& c) {
-      if (i != k) slab(i, j) -= u * c;
+    /// Step k of the factorisation; p: the inverse of its pivot. Row i > k: D_ij - p D_ik D_jk for j > k, T_ik = -p D_ik,
+    /// T_ij - p D_ik T_kj for j < k.
+    LOCKSTEP_LANE void eliminate(int k, const V& p) {
+      V column[M];
+      for (int i = k + 1; i < M; ++i) column[i] = slab(i, k);
+      for (int i = k + 1; i < M; ++i) {
+        const V u = column[i] * p;
+        for (int j = 0; j < k; ++j) slab(i, j) -= u * slab(k, j);
+        slab(i, k) = -u;
+        for (int j = k + 1; j <= i; ++j) slab(i, j) -= u * column[j];
+      }
     }
     LOCKSTEP_LANE V stored(const double*, int k, int j) const { return number(k, j); }
   };
+
+  /// y <- T y and y <- T^T y; D: a stored block, T below its diagonal.
+  template <int M>
+  LOCKSTEP_LANE static void times_T(const double* D, V* y) {
+#pragma GCC unroll 8
+    for (int i = M - 1; i > 0; --i)
+      for (int k = 0; k < i; ++k) y[i] += number(D, square(i, k, M)) * y[k];
+  }
+  template <int M>
+  LOCKSTEP_LANE static void times_T_transposed(const double* D, V* y) {
+#pragma GCC unroll 8
+    for (int k = 0; k + 1 < M; ++k)
+      for (int i = k + 1; i < M; ++i) y[k] += number(D, square(i, k, M)) * y[i];
+  }
 
   template <class Slab>
   LOCKSTEP_LANE static V floor(const schur::Numbers& z, const schur::Node& node, int i) {
