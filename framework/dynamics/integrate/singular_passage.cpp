@@ -267,13 +267,15 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
 
 bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
 
-// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. In a large
-// mechanism round-off leaves more of the rows than their tolerance in every position, which says nothing of this one.
+// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
+// not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,
+// and beside slender rods all indicators are small.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
   const bool faded = c.detector < usual_.limit_from(c.detector);
   const double most = faded ? std::max(kRowTolerance, kBothSides * std::sqrt(c.detector)) : kUnmet;
-  return c.residual > most || c.detector < kNowhere * spread_ || c.detector * relative_ < kRoundOff * spread_;
+  return c.residual > most || c.detector < kNowhere * spread_ ||
+         (faded && c.detector * relative_ < kRoundOff * spread_);
 }
 
 }  // namespace lockstep
