@@ -36,7 +36,7 @@ SceneRun run_with_registry(const Registry& registry, const std::string& path,
   Dynamics dynamics(mechanism.system, make_solver(run, registry), {run.formulation, run.stabilization});
   SceneRun result;
   State start = mechanism.system.start();
-  if (run.assemble) result.assembly = assemble(dynamics, start, mechanism.start_speeds);
+  if (run.assemble) result.assembly = assemble(dynamics, start, mechanism.start_speeds, mechanism.assembly);
   StepLoop simulation(
       dynamics, make_integrator(run, registry),
       {.step = run.step, .tolerance = run.tolerance, .output = run.output, .output_times = run.times});

@@ -275,6 +275,33 @@ TEST_CASE("modes of a chain of 300 hinges: sparse as dense, and as in absolute a
   for (std::size_t k = 0; k < 12; ++k) CHECK(sparse.modes[k].omega() == Approx(std::sqrt(squares[k])).epsilon(1e-9));
 }
 
+// A rod on a ball swings in two planes with w^2 = 3 g/(2 l), and turns about itself freely.
+TEST_CASE("modes, sparse: equal modes are found with all their copies", "[verification][modes][linear]") {
+  const auto [n, balls, count] = GENERATE(table<int, bool, int>({{5, true, 15}, {12, true, 36}, {210, false, 20}}));
+  System sys({.gravity = {0, -9.81, 0}});
+  for (int k = 0; k < n; ++k) {
+    const std::string number = std::to_string(k);
+    const MassProperties mass{1.0, Vec3::Zero(), Vec3(1.0 / 12, 1e-3, 1.0 / 12).asDiagonal()};
+    Body& rod = sys.add_body("rod_" + number, mass, {Vec3(k, -0.5, 0), {}});
+    if (balls)
+      sys.add<Spherical>("A" + number, rod, sys.ground(), pose_at({1.0 * k, 0, 0}));
+    else
+      sys.add<Revolute>("A" + number, rod, sys.ground(), pose_at({1.0 * k, 0, 0}));
+  }
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega, .stabilization = {}});
+  const Modes found = find_modes(dynamics, sys.start(), {.count = count, .dense_limit = n < 200 ? 0 : 1200});
+  REQUIRE(found.modes.size() == static_cast<std::size_t>(count));
+  const int free = balls ? n : 0;
+  for (int k = 0; k < count; ++k) {
+    CAPTURE(n, k);
+    const double omega = found.modes[static_cast<std::size_t>(k)].omega();
+    if (k < free)
+      CHECK(omega == 0);
+    else
+      CHECK(omega == Approx(std::sqrt(1.5 * 9.81)).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("modes, sparse: dampers are refused", "[verification][modes][linear]") {
   System sys;
   build_hanging(sys, {}, false);

@@ -174,6 +174,18 @@ MassProperties read_compound(const Params& body, Solids& solids) {
   return shapes::compound(parts);
 }
 
+// How much its start pose counts.
+void read_weight(const Params& body, const std::string& name, Mechanism& out) {
+  const std::string how = body.text("assembled");
+  double weight = body.number("start_weight");
+  if (!(weight >= 0)) body.refuse("start_weight", "it must not be below zero; 0 lets the body go anywhere");
+  if (how != "approximate" && body.has("start_weight"))
+    body.refuse("start_weight", "\"assembled\" is \"" + how + "\", which has none; remove one of the two");
+  if (how == "exact") weight = std::numeric_limits<double>::infinity();
+  if (how == "free") weight = 0;
+  if (weight != 1) out.assembly.poses.push_back({name, weight});
+}
+
 // v of the frame's origin (world), w in body axes.
 Twist read_start(const Params& body, const Pose& home) {
   if (body.has("omega_body") && body.has("omega_world"))
@@ -246,12 +258,14 @@ void Builder::body(const Value& object, const std::string& owner) {
                   {"inertia", "inertia_at", "inertia_axes", "center", "orientation", "omega_body", "omega_world"});
     const double mass = positive(p, "particle", "mass");
     placed(object.where, [&] { system.add_particle(name, mass, home.x).start.v = p.vector3("velocity"); });
+    read_weight(p, name, out_);
     return;
   }
   if (kind == "rod") refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
   const Shape shape = kind == "compound" ? Shape{read_compound(p, solids), {}} : read_matter(p, kind, solids);
   const Pose pose = kind == "rod" ? shape.home : home;
   placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
+  read_weight(p, name, out_);
   keep(name, solids, out_);
 }
 

@@ -196,22 +196,39 @@ void Builder::drives(const Params& p, Lock& link) {
   }
 }
 
+namespace {
+
+// A coordinate that a link leaves free; refused where it does not.
+Axis free_axis(const Params& of, const Key& key, const Lock& link) {
+  const Jointed* joint = link.jointed();
+  if (joint == nullptr)
+    of.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
+  const Axis axis = axis_from(key.name);
+  if (includes(joint->rows(), row_of(axis)))
+    of.refuse(key.name, "the link holds or drives this coordinate; a start needs a free one");
+  return axis;
+}
+
+}  // namespace
+
 void Builder::start_speeds(const Params& p, const Lock& link) {
   if (!p.has("start")) return;
   const Params start = params_of(p.value("start"), "start", part_of(p.owner(), "start"), nullptr);
-  if (!start.has("velocity")) return;
-  const Params speeds =
-      params_of(start.value("velocity"), "start_velocity", part_of(start.owner(), "velocity"), nullptr);
-  const Jointed* joint = link.jointed();
-  for (const Key& key : scene_table("start_velocity").info.keys) {
-    if (!speeds.has(key.name)) continue;
-    if (joint == nullptr)
-      speeds.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
-    const Axis axis = axis_from(key.name);
-    if (includes(joint->rows(), row_of(axis)))
-      speeds.refuse(key.name, "the link holds or drives this coordinate; a start speed needs a free one");
-    out_.start_speeds.push_back({link.name(), axis, speeds.number(key.name)});
-  }
+  const auto each = [&](const char* part, const char* table, auto&& take) {
+    if (!start.has(part)) return;
+    const Params of = params_of(start.value(part), table, part_of(start.owner(), part), nullptr);
+    for (const Key& key : scene_table(table).info.keys)
+      if (of.has(key.name)) take(free_axis(of, key, link), of.number(key.name));
+  };
+  each("velocity", "start_velocity", [&](Axis axis, double value) {
+    out_.start_speeds.push_back({link.name(), axis, value});
+  });
+  each("position", "start_position", [&](Axis axis, double value) {
+    out_.assembly.coordinates.push_back({link.name(), axis, value});
+  });
+  each("near", "start_position", [&](Axis axis, double value) {
+    out_.assembly.coordinates.push_back({link.name(), axis, value, 1.0});
+  });
 }
 
 }  // namespace lockstep

@@ -127,6 +127,13 @@ SceneTable body() {
       {"velocity", Form::vector3, Unit::speed, Value::List{0, 0, 0}, "of the frame's origin at the start, world axes"},
       {"omega_body", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, body axes"},
       {"omega_world", Form::vector3, Unit::angular_speed, kOptional, "angular velocity at the start, world axes"},
+      {"assembled",
+       Form::choice,
+       Unit::none,
+       "approximate",
+       "what assembling the start may do to its pose: as little as the rest allows, nothing, or anything",
+       {"approximate", "exact", "free"}},
+      {"start_weight", Form::number, Unit::none, 1, "how much its start pose counts against those of others"},
       any("visual", "what it looks like in reports")};
   t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
   t.parts.push_back({"compound", Holds::objects, "part"});
@@ -286,6 +293,12 @@ std::vector<SceneTable> link_parts() {
   for (const char* axis : {"rx", "ry", "rz"})
     velocity.info.keys.push_back(
         {axis, Form::number, Unit::angular_speed, kOptional, std::string("about ") + axis[1] + " of S"});
+  SceneTable position{{"start_position", "coordinates of P against S at the start, S axes", {}}};
+  for (const char* axis : {"x", "y", "z"})
+    position.info.keys.push_back({axis, Form::number, Unit::length, kOptional, std::string("along ") + axis + " of S"});
+  for (const char* axis : {"rx", "ry", "rz"})
+    position.info.keys.push_back(
+        {axis, Form::number, Unit::angle, kOptional, std::string("about ") + axis[1] + " of S"});
   return {{{"drive",
             "a law on one free coordinate of a link; adds exactly one row",
             {{"axis",
@@ -297,9 +310,15 @@ std::vector<SceneTable> link_parts() {
              {"law", Form::law, Unit::any, kOptional, "the coordinate as a function of time, m or rad"},
              {"speed", Form::law, Unit::any, kOptional,
               "its speed as a function of time, m/s or rad/s; the coordinate is integrated"}}}},
-          {{"start", "how the free coordinates of a link begin", {any("velocity", "their speeds")}},
-           {{"velocity", Holds::object, "start_velocity"}}},
-          velocity};
+          {{"start",
+            "how the free coordinates of a link begin",
+            {any("velocity", "their speeds"), any("position", "their values, exactly"),
+             any("near", "their values, as near as all else that is asked for allows")}},
+           {{"velocity", Holds::object, "start_velocity"},
+            {"position", Holds::object, "start_position"},
+            {"near", Holds::object, "start_position"}}},
+          velocity,
+          position};
 }
 
 std::vector<SceneTable> events() {

@@ -22,6 +22,10 @@ constexpr double kKnown = 0.5;       // rad: turn after which the largest indica
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
 constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
+constexpr double kBothSides = 1e-9;  // relative accuracy of rates from both sides
+constexpr double kShort = 1e-3;      // rad: in a step that turns less, errors near a singular position are round-off's,
+constexpr double kNoise = 3e-12;     // if they are within this, relative, over the indicator
+constexpr double kUnmet = 1e-6;      // residual of rows that could not be met, where no position is near
 constexpr double kContradict = 1e-8;  // residual of rows that contradict one another
 constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
@@ -139,7 +143,10 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!ill_conditioned(stages, 0)) return stays_redundant();
   from_both_sides_ = found;
-  if (found) stages.put(0, rate_);
+  if (found) {
+    stages.put(0, rate_);
+    limit_ = std::max(limit_, kBothSides / relative_);
+  }
   if (!found && starts && !held(dynamics, y))
     throw StepError(
         fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
@@ -214,12 +221,17 @@ bool SingularPassage::enters(const Stages& stages) {
 // The next step would begin where stage last_ is.
 bool SingularPassage::must_shift(const Stages& stages, double error) const {
   if (on_ == StagesOn::plain || shifts_ == kShifts || ill_conditioned(stages, 0)) return false;
-  return ill_conditioned(stages, last_) || (error > 1 && near(stages));
+  return ill_conditioned(stages, last_) || (error > limit_ && near(stages));
 }
 
 double SingularPassage::shift(const Stages& stages, double h, double error) {
+  if (h * rate_of_turn_ < kShort && !ill_conditioned(stages, last_)) {  // what is left of the error is round-off
+    limit_ = std::max(limit_, kNoise / (stages.indicator() * relative_));
+    if (error <= limit_) return h;
+  }
   if (error < best_.error && !ill_conditioned(stages, last_)) best_ = {h, error};
-  if (++shifts_ < kShifts || best_.h == 0) return kShift * h;
+  if (++shifts_ < kShifts) return kShift * h;
+  if (best_.h == 0) return unplaced_;  // wherever it ends it is ill-conditioned: that is no place to avoid
   limit_ = kCross;
   return best_.h;
 }
@@ -231,14 +243,17 @@ void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
   if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
   if (report.rejected == 0) report.h_next = std::max(report.h_next, unplaced_);
+  if (report.error > 1) report.h_next = std::max(report.h_next, report.h);  // shorter ones have as much round-off
+  // It ends where accelerations are uncertain: the next step is to lead out of there, as a first one would.
+  if (on_ == StagesOn::manifold && rate_of_turn_ > 0 && ill_conditioned(stages, last_))
+    report.h_next = std::max(report.h_next, kFirstTurn / rate_of_turn_);
   const double* c = stages.tableau().c;
   const double s0 = std::sqrt(stages.conditioning(inner_).detector),
                s1 = std::sqrt(stages.conditioning(last_).detector);
   const bool falls = s1 < s0 && std::isfinite(s0);
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
-  if (when_ != StagesWhen::automatic) return;
   const double now = stages.indicator();
-  near_ = now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
+  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
   usual_.add(now, report.h * rate_of_turn_);
 }
 
@@ -252,10 +267,15 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
 
 bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
 
-// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator.
+// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
+// not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,
+// and beside slender rods all indicators are small.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
-  return c.residual > kRowTolerance || c.detector < kNowhere * spread_ || c.detector * relative_ < kRoundOff * spread_;
+  const bool faded = c.detector < usual_.limit_from(c.detector);
+  const double most = faded ? std::max(kRowTolerance, kBothSides * std::sqrt(c.detector)) : kUnmet;
+  return c.residual > most || c.detector < kNowhere * spread_ ||
+         (faded && c.detector * relative_ < kRoundOff * spread_);
 }
 
 }  // namespace lockstep

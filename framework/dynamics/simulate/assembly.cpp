@@ -8,9 +8,10 @@
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/relative.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/coordinate_row.h"
+#include "framework/dynamics/simulate/nearest_start.h"
 
 namespace lockstep {
 namespace {
@@ -112,7 +113,9 @@ class Assembler {
       for (int i = 0; i < m; ++i) {
         const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
         double rate = 0;
-        rows.row(i) = target_row(target, rate).transpose();
+        const CoordinateRow at = coordinate_row(dynamics_, state_, target.link, target.axis);
+        rate = at.rate;
+        rows.row(i) = at.row.transpose();
         wanted[i] = std::abs(target.value), gap[i] = target.value - rate;
       }
       const double left = gap.lpNorm<Eigen::Infinity>(), largest = wanted.lpNorm<Eigen::Infinity>();
@@ -146,35 +149,6 @@ class Assembler {
     throw AssemblyError("assembly stopped after " + std::to_string(iterations) +
                         " iterations at |C| = " + text::brief(now) + " m; worst: " + worst_rows(*now_, C_) +
                         ". Check the start poses of these links' bodies, their markers and masks");
-  }
-
-  /// Row of the rate of one coordinate (6 per slot), and its present value: a velocity of P along an axis of S, or its
-  /// angular velocity against S about one.
-  VecX target_row(const VelocityTarget& target, double& rate) {
-    const Lock& link = dynamics_.system().link(target.link);
-    const auto [p, s] = link.pairs().front();
-    const MarkerFrame P(*p), S(*s);
-    const Inputs& in = dynamics_.inputs(state_);
-    const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
-    const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
-    const auto axis = vec::vector(Vec3(Vec3::Unit(axis_index(target.axis) % 3)));
-    const auto n2 = mS.A * axis, n = O2.A * n2;
-    VecX row = VecX::Zero(6 * n_);
-    const auto put = [&](int slot, double sign, const auto& v, const auto& w) {
-      if (slot == kGround) return;
-      row.segment<3>(6 * slot) += sign * vec::as<Vec3>(v);
-      row.segment<3>(6 * slot + 3) += vec::as<Vec3>(w);
-    };
-    const auto put_both = [&](const auto& r) { put(P.slot, 1, r.v, r.w1), put(S.slot, -1, r.v, r.w2); };
-    if (is_rotation(target.axis)) {
-      put_both(kernel::angular_velocity_row(O1.A, n, n2));
-      rate = dot(axis, kernel::relative_angular_velocity(O1, O2, mP, mS));
-    } else {
-      const auto at = kernel::position(O1, O2, mP, mS);
-      put_both(kernel::translation_row(O1.A, mP.u, at.s, n, n2));
-      rate = dot(axis, kernel::position_rate(mS, at, kernel::velocity(O1, O2, mP, at)));
-    }
-    return row;
   }
 
   static std::string target_names(const std::vector<VelocityTarget>& targets) {
@@ -228,14 +202,20 @@ bool only_laws_move(Dynamics& dynamics, const State& given) {
 }
 
 // What assembling changed so much that the start was hardly meant so.
-void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, AssemblyReport& report) {
+void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, const AssemblyOptions& options,
+                  AssemblyReport& report) {
   const System& system = dynamics.system();
   constexpr double kFar = 0.1;   // of the length of the mechanism, or
   constexpr double kMove = 0.5;  // m
   constexpr double kTurned = 0.5;  // rad
   constexpr double kMost = 0.5;  // of the kinetic energy
-  const bool moved = report.largest_move > std::min(kFar * system.length(), kMove),
-             turned = report.largest_turn > kTurned;
+  // Poses count no more where coordinates are asked for, nor that of a body that may go anywhere.
+  const auto meant = [&](const std::string& body) {
+    return options.coordinates.empty() &&
+           std::ranges::none_of(options.poses, [&](const PoseWeight& w) { return w.body == body && w.weight == 0; });
+  };
+  const bool moved = report.largest_move > std::min(kFar * system.length(), kMove) && meant(report.moved_most),
+             turned = report.largest_turn > kTurned && meant(report.turned_most);
   const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
   if (moved && !by_laws)
     report.warnings.push_back(fmt::format(
@@ -290,12 +270,15 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   AssemblyReport report;
   State work = state;
   Assembler assembler(dynamics, work, options);
+  const double before = options.coordinates.empty() && options.poses.empty() ? -1 : dynamics.violation(work);
+  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options);
   assembler.positions(report);
+  if (before >= 0) report.before = before, report.iterations += rounds;
   report.kinetic_before = kinetic_energy(dynamics, work);
   assembler.velocities(targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
-  add_warnings(dynamics, state, work, report);
+  add_warnings(dynamics, state, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());
   for (const std::string& warning : report.warnings) log_warning(warning);

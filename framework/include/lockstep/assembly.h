@@ -1,6 +1,7 @@
 // Assembly: brings a start onto the constraints, positions first, then velocities.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,22 @@ struct VelocityTarget {
   std::string link;      ///< name of the link
   Axis axis = Axis::rz;  ///< the coordinate
   double value = 0;      ///< m/s or rad/s
+};
+
+/// A value that a coordinate of a link is to have at the start: of P relative to S, along or about an axis of S; of an
+/// angle, the one that P turns about that axis alone.
+struct CoordinateTarget {
+  std::string link;      ///< name of the link
+  Axis axis = Axis::rz;  ///< the coordinate
+  double value = 0;      ///< m or rad
+  /// How much it counts against other targets and the start poses, turns times System::length(); infinite: it is exact.
+  double weight = std::numeric_limits<double>::infinity();
+};
+
+/// How much the start pose of a body counts when a start is assembled.
+struct PoseWeight {
+  std::string body;   ///< its name
+  double weight = 1;  ///< against the weights of others, 1 each; infinite: it stays where it is, 0: it may go anywhere
 };
 
 /// What assembling a start changed.
@@ -41,6 +58,10 @@ struct AssemblyReport {
 struct AssemblyOptions {
   double tolerance = 1e-12;  ///< of |C|, m (not below the round-off of the largest position)
   int iterations = 60;       ///< of the positions, at most
+  /// With these or weights, the assembled start is the one for which the sum of weights times squared distances from what
+  /// is asked is least (solved densely, up to 250 bodies).
+  std::vector<CoordinateTarget> coordinates{};
+  std::vector<PoseWeight> poses{};  ///< of the bodies whose weight is not 1
 };
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least

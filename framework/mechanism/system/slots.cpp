@@ -1,5 +1,6 @@
 // Slots: the clusters of welded bodies that move as one.
 #include <algorithm>
+#include <unordered_map>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -78,10 +79,9 @@ void System::setup_merge() {
   for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = k;
   merged_.assign(links_.size(), false);
   if (!merge_) return;
-  const auto number_of = [&](const Body* body) {
-    return static_cast<std::size_t>(
-        std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return &b == body; }) - bodies_.begin());
-  };
+  std::unordered_map<const Body*, std::size_t> numbers;
+  for (const Body& body : bodies_) numbers.emplace(&body, numbers.size());
+  const auto number_of = [&](const Body* body) { return numbers.at(body); };
   const auto join = [&](std::size_t a, std::size_t b) {
     std::size_t first = std::min(part_of_[a], part_of_[b]), second = std::max(part_of_[a], part_of_[b]);
     if (bodies_[second].fixed && !bodies_[first].fixed) std::swap(first, second);

@@ -26,6 +26,11 @@ struct FreeCoordinate {
   const Lock* link;
   Axis axis;
   std::string name() const { return link->name() + "." + std::string(to_string(axis)); }
+  /// Of the body that it belongs to most: P's, or S's where P stands still.
+  int slot() const {
+    const auto [p, s] = link->pairs().front();
+    return p->body->slot != kGround ? p->body->slot : s->body->slot;
+  }
 };
 
 std::vector<FreeCoordinate> free_coordinates(const System& system, const State& state) {
@@ -119,17 +124,23 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);
   // The first coordinates that are independent, in the order of the links; by each of them alone the mechanism moves.
   MatX chosen(0, N.cols());
+  std::vector<int> leaders;
   for (std::size_t i = 0; i < coordinates.size() && chosen.rows() < N.cols(); ++i) {
     MatX more(chosen.rows() + 1, N.cols());
     more << chosen, rates.row(static_cast<Eigen::Index>(i));
     if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(1e-6).rank() < more.rows()) continue;
     chosen = more;
     report.to_drive.push_back(coordinates[i].name());
+    leaders.push_back(coordinates[i].slot());
   }
   const MatX motions = chosen.rows() == N.cols() ? MatX(N * chosen.inverse()) : N;
   const Inputs& in = dynamics.inputs(state);
-  for (Eigen::Index k = 0; k < motions.cols(); ++k)
-    report.free.push_back(motion_words(system, in, motion_of(system, unknowns, motions.col(k))));
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) {
+    const VecX motion = motion_of(system, unknowns, motions.col(k));
+    const int leader = chosen.rows() == N.cols() ? leaders[static_cast<std::size_t>(k)] : kGround;
+    report.free.push_back(leader == kGround ? motion_words(system, in, motion)
+                                            : led_motion_words(system, in, motion, leader));
+  }
   return report;
 }
 

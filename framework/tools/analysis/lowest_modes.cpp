@@ -214,6 +214,7 @@ double largest_rate(const LinearMotion& m) {
 struct Values {
   std::vector<Complex> l2;  // l^2 where nothing damps, else l
   MatXc x;
+  double blur = 0;  // what round-off of the shift may make of a zero w^2, 1/s^2, where no stiffness at all acts
 };
 
 Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count, bool redundant) {
@@ -223,6 +224,7 @@ Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count
   const auto wanted = static_cast<std::size_t>(symmetric ? count : 2 * count);
   const Found found = settle(space, symmetric, wanted, static_cast<Eigen::Index>(200 + 20 * wanted));
   Values out;
+  out.blur = kSmallShare * sigma;
   out.x = MatXc(m.M.rows(), static_cast<Eigen::Index>(found.theta.size()));
   for (std::size_t k = 0; k < found.theta.size(); ++k) {
     const auto col = static_cast<Eigen::Index>(k);
@@ -257,7 +259,8 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
   for (std::size_t i = 0; i < values.l2.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     const Complex l = values.l2[i];
-    const double small = zero_of(m, values.x.col(k)), size = symmetric ? std::sqrt(std::abs(l)) : std::abs(l);
+    const double small = zero_of(m, values.x.col(k)) + values.blur,
+                 size = symmetric ? std::sqrt(std::abs(l)) : std::abs(l);
     out.zero_bound = std::max(out.zero_bound, std::sqrt(small));
     if (size * size <= small) {
       out.zeros += symmetric ? 2 : 1;
@@ -302,7 +305,7 @@ Spectrum lowest_spectrum(const LinearMotion& m, int count, bool redundant) {
     bool has_zeros = false;
     for (std::size_t i = 0; i < values.l2.size(); ++i) {
       const double square = symmetric ? std::abs(values.l2[i]) : std::norm(values.l2[i]);
-      if (square <= zero_of(m, values.x.col(static_cast<Eigen::Index>(i))))
+      if (square <= zero_of(m, values.x.col(static_cast<Eigen::Index>(i))) + values.blur)
         has_zeros = true;
       else if (lowest == 0 || square < lowest)
         lowest = square;

@@ -24,30 +24,63 @@ std::string direction_words(const Vec3& direction) {
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", plain(unit[0]), plain(unit[1]), plain(unit[2]));
 }
 
-std::string motion_words(const System& system, const Inputs& at, const VecX& motion) {
-  constexpr double kNotable = 0.1;  // of the largest
-  constexpr std::size_t kMost = 4;
-  struct Part {
-    double size;
-    std::string words;
-  };
+namespace {
+
+constexpr double kNotable = 0.1;  // of the largest
+
+// What a slot does in a motion: "turns about z", and how much, m; no words where it hardly moves.
+struct Part {
+  int slot = 0;
+  double size = 0;
+  std::string words;
+};
+
+Part part_of(const System& system, const Inputs& at, const VecX& motion, int slot, double least) {
+  const Vec3 move = motion.segment<3>(6 * slot), turn = at.slot(slot).A * motion.segment<3>(6 * slot + 3);
+  const double moves = move.norm(), turns = system.length() * turn.norm();
+  if (turns > 0 && turns >= kNotable * std::max(moves, least))
+    return {slot, turns, "turns about " + direction_words(turn)};
+  if (moves > 0 && moves >= kNotable * least) return {slot, moves, "moves along " + direction_words(move)};
+  return {slot, 0, ""};
+}
+
+std::string name_of(const System& system, int slot) { return "'" + system.body_of_slot(slot).name + "'"; }
+
+// Those that move notably, the largest first.
+std::vector<Part> parts_of(const System& system, const Inputs& at, const VecX& motion) {
   std::vector<Part> parts;
   const double largest = motion_size(system, motion);
-  for (int k = 0; k < system.n_slots(); ++k) {
-    const Vec3 move = motion.segment<3>(6 * k), turn = at.slot(k).A * motion.segment<3>(6 * k + 3);
-    const double moves = move.norm(), turns = system.length() * turn.norm();
-    const std::string& name = system.body_of_slot(k).name;
-    if (turns >= kNotable * std::max(moves, largest))
-      parts.push_back({turns, fmt::format("'{}' turns about {}", name, direction_words(turn))});
-    else if (moves >= kNotable * largest)
-      parts.push_back({moves, fmt::format("'{}' moves along {}", name, direction_words(move))});
-  }
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (Part part = part_of(system, at, motion, k, largest); !part.words.empty()) parts.push_back(std::move(part));
   std::ranges::stable_sort(parts, [](const Part& a, const Part& b) { return a.size > 1.000001 * b.size; });
+  return parts;
+}
+
+}  // namespace
+
+std::string motion_words(const System& system, const Inputs& at, const VecX& motion) {
+  constexpr std::size_t kMost = 4;
+  const std::vector<Part> parts = parts_of(system, at, motion);
   std::string words;
-  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i) words += (i > 0 ? ", " : "") + parts[i].words;
+  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i)
+    words += (i > 0 ? ", " : "") + name_of(system, parts[i].slot) + " " + parts[i].words;
   if (const std::size_t n = parts.size(); n > kMost)
     words += fmt::format(" and {} more bod{} with them", n - kMost, n == kMost + 1 ? "y" : "ies");
   return words;
+}
+
+std::string led_motion_words(const System& system, const Inputs& at, const VecX& motion, int leader) {
+  constexpr std::size_t kMost = 4;
+  std::vector<Part> parts = parts_of(system, at, motion);
+  const Part first = part_of(system, at, motion, leader, 0);
+  if (first.words.empty()) return motion_words(system, at, motion);
+  std::erase_if(parts, [&](const Part& p) { return p.slot == leader; });
+  std::string words = name_of(system, leader) + " " + first.words, names;
+  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i)
+    names += (i > 0 ? ", " : "") + name_of(system, parts[i].slot);
+  if (const std::size_t n = parts.size(); n > kMost)
+    names += fmt::format(" and {} more bod{}", n - kMost, n == kMost + 1 ? "y" : "ies");
+  return names.empty() ? words : words + "; " + names + (parts.size() == 1 ? " follows" : " follow");
 }
 
 }  // namespace lockstep

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include <lockstep/export.h>
 #include <lockstep/system.h>
 
 namespace lockstep {
@@ -12,7 +13,10 @@ double motion_size(const System&, const VecX& motion);
 
 /// The bodies that move most, with what they do: "'crank' turns about z, 'slider' moves along x". `motion`: 6 per slot, m
 /// (world) and rad (slot axes); `at`: where the slots are.
-std::string motion_words(const System&, const Inputs& at, const VecX& motion);
+LOCKSTEP_API std::string motion_words(const System&, const Inputs& at, const VecX& motion);
+
+/// The same from one slot's point of view: "'crank' turns about z; 'coupler', 'rocker' follow".
+std::string led_motion_words(const System&, const Inputs& at, const VecX& motion, int leader);
 
 /// A direction in the world: "z", "-x", "[0.6, 0.8, 0]".
 std::string direction_words(const Vec3& direction);

@@ -5,11 +5,12 @@
 #include <string>
 
 #include <lockstep/dynamics.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 
 /// Random numbers that are the same everywhere.
-class Scatter {
+class LOCKSTEP_API Scatter {
  public:
   explicit Scatter(unsigned seed) : engine_(seed) {}
   /// Each component in [-size, size).
@@ -21,13 +22,13 @@ class Scatter {
 };
 
 /// Moves every slot by up to `size`, m, along each axis, and turns it any way; in a plane within it and about its normal.
-void scatter(const System&, double size, Scatter&, State&);
+LOCKSTEP_API void scatter(const System&, double size, Scatter&, State&);
 
 /// Newton's method onto the rows, with halved steps where one does not reduce |C|. False where it ends elsewhere, or where
 /// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.
 bool fit(Dynamics&, State&);
 
 /// Largest distance of a mass centre between two states, or turn times System::length(), m; `body`: whose it is.
-double apart(const System&, const State& a, const State& b, std::string& body);
+LOCKSTEP_API double apart(const System&, const State& a, const State& b, std::string& body);
 
 }  // namespace lockstep

@@ -12,9 +12,12 @@
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/kinematics.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
+#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
@@ -25,6 +28,10 @@
 
 namespace lockstep {
 namespace {
+
+constexpr std::size_t kMostProposed = 20000;  // bodies
+constexpr int kMostMotions = 12;        // told in words
+constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
 
 using Names = std::vector<std::string>;
 
@@ -277,11 +284,23 @@ void list_parameters(const Scene& scene) {
 State counted_start(Dynamics& dynamics, const Mechanism& m, const State& typed) {
   State start = typed;
   try {
-    if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
+    if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   } catch (const Error&) {
     start = typed;
   }
   return start;
+}
+
+nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, const BranchPoint& position) {
+  nlohmann::ordered_json branches = nlohmann::ordered_json::array();
+  State at = state;
+  dynamics.to_slots(at);
+  const Inputs& in = dynamics.inputs(at);
+  for (const VecX& tangent : position.tangents) branches.push_back(motion_words(dynamics.system(), in, tangent));
+  if (!position.known) return nullptr;
+  return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
+          {"smallest", position.nearness}, {"motions", position.motions},
+          {"branches", branches},          {"all_branches", position.all}};
 }
 
 void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
@@ -305,10 +324,14 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const State counted = counted_start(dynamics, m, start);
   const MobilityReport r = mobility(dynamics, counted);
   const UniquenessReport reactions = uniqueness(dynamics, counted);
+  const BranchPoint position = branch_point(dynamics, counted);
+  const DriveReport moves = r.freedoms > 0 && r.freedoms <= kMostMotions ? driven_by(dynamics, counted) : DriveReport{};
   const std::vector<LeftOut> out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
-  std::vector<std::string> more = args.full ? std::vector<std::string>{} : proposals(loaded, m, !not_joint.empty());
-  if (!args.full && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
+  const bool proposes = !args.full && m.system.bodies().size() <= kMostProposed;  // each one builds it anew
+  std::vector<std::string> more = proposes ? proposals(loaded, m, !not_joint.empty()) : std::vector<std::string>{};
+  if (!args.full && !proposes) more.push_back(fmt::format("(not looked for in more than {} bodies)", kMostProposed));
+  if (proposes && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
       make_integrator(m.run, loaded.registry)->info().joint)
     more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
                                "velocities and no rows instead of {} and {}",
@@ -333,6 +356,8 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
                                 {"dependencies", dependencies_json(r)},
                                 {"rows_not_unique", reactions.rows},
                                 {"columns_not_unique", columns_not_unique(m.run, reactions)},
+                                {"free_motions", moves.free},
+                                {"singular_position", position_json(dynamics, counted, position)},
                                 {"formulation", formulation},
                                 {"tree", tree_json(tree)},
                                 {"violation", violation},
@@ -349,6 +374,12 @@ void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   fmt::print("{}\n", loaded.title());
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
+  for (const std::string& words : moves.free) fmt::print("    {}\n", words);
+  if (position.singular)
+    fmt::print("  singular position   the start lies in one: {}\n", position.text(dynamics, counted));
+  else if (position.known && position.nearness < kNearPosition)
+    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
+               position.nearness);
   fmt::print("  formulation         {}\n", formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));

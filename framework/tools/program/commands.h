@@ -26,6 +26,7 @@ enum Exit {
   kExitFile = 8,
   kExitNotConserved = 9,  ///< the run went through, and its energy balance or its violation is beyond the limits
   kExitMemory = 10,
+  kExitDoubtful = 11,  ///< with --strict: it went through, and its result is doubtful (doubts_of, run_words.h)
   kExitInterrupted = 130
 };
 
@@ -45,6 +46,7 @@ struct Arguments {
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
   bool floating = false;          ///< the first link of an imported robot is not held
   bool no_picture = false;        ///< CSV alone
+  bool strict = false;            ///< a doubtful result is an error
   bool allow_files = false;       ///< the scene may read files outside of its folder
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
@@ -58,6 +60,7 @@ struct Arguments {
   std::vector<std::string> more_scenes;  ///< after the first
   const CLI::App* line = nullptr;        ///< the command line itself, for its manual
   std::string kind, name, into;   ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
+  std::string wild, within;       ///< random starts of assemble; a distance
   std::string branches;           ///< random starts of assemble; "": branches are not looked for
   std::string all;                ///< random starts of statics; "": one equilibrium
   bool nearest = false;           ///< statics takes the equilibrium that it meets first
@@ -100,6 +103,7 @@ int sweep_command(const Arguments&);
 int assemble_command(const Arguments&);
 int reference_command(const Arguments&);
 int branches_command(const Arguments&);  ///< assemble --branches
+int wild_command(const Arguments&);      ///< assemble --wild
 int statics_command(const Arguments&);
 int kinematics_command(const Arguments&);
 int inverse_command(const Arguments&);

@@ -78,6 +78,10 @@ void add_run_outputs(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
   verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file");
+  verb.add_flag(
+      "--strict", a.strict,
+      "end with 11 where the result is doubtful: singular positions passed with plain stages, a tolerance that "
+      "was not reached, recorded reactions beside a singular position");
   CLI::Option* quiet =
       verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
   add_json(verb, a)->excludes(quiet);

@@ -13,6 +13,7 @@
 #include <lockstep/step_loop.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
@@ -20,6 +21,7 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/run_words.h"
@@ -135,13 +137,35 @@ void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoo
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
 }
 
-// The recorded columns that hold reactions which are not unique at the start.
-std::vector<std::string> not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
-  const auto is_reaction = [](const ChannelRequest& r) {
+bool records_reactions(const RunSettings& run) {
+  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
     return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
            r.channel.find(".lambda_") != std::string::npos;
-  };
-  if (std::ranges::none_of(run.record, is_reaction)) return {};
+  });
+}
+
+// A start in a singular position, where the rows alone do not say how the motion continues.
+void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
+  const State& start = sim.state();
+  const BranchPoint at = branch_point(dynamics, start);
+  if (!at.singular) return;
+  constexpr double kOff = 1e-3;  // of the velocity
+  const bool moves = start.v.size() > 0 && !start.v.isZero(0);
+  const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
+  sim.warn(fmt::format(
+      "the start lies in a singular position: {}{}", at.text(dynamics, start),
+      !moves ? ". It is at rest there: which of them it takes is not determined; choose one by a small start velocity "
+               "along it, or start beside the position"
+      : off > kOff
+          ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not): give it "
+                        "along one",
+                        off)
+          : ". It goes on along its velocity"));
+}
+
+// The recorded columns that hold reactions which are not unique at the start.
+std::vector<std::string> not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
+  if (!records_reactions(run)) return {};
   return columns_not_unique(run, uniqueness(dynamics, start));
 }
 
@@ -196,7 +220,7 @@ int run_command(const Arguments& args) {
   State start = m.system.start();
   words.say("{}\n", loaded.title());
   if (m.run.assemble) {
-    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds);
+    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds, m.assembly);
     if (assembled.is_notable()) words.say("  assembled  {}\n", assembled.text());
     if (assembled.largest_move > 1e-6)
       for (const std::string& text : frames_taken(loaded.scene))
@@ -212,11 +236,18 @@ int run_command(const Arguments& args) {
   GrowingCsv rows(file, recorder->table());
   sim.add_observer(*recorder);
   sim.add_observer(rows);
+  const bool judged = !args.quiet || args.strict;
+  const IntegratorInfo method = sim.integrator().info();
+  Doubts doubts(records_reactions(m.run), method.adaptive ? m.run.tolerance.relative : 0.0);
+  SingularWatch singular(m.system);
+  if (judged) sim.add_observer(doubts);
+  if (judged && SingularWatch::is_needed(dynamics, start, method)) sim.add_observer(singular);
   if (audit) sim.add_observer(summary), sim.add_observer(*audit);
   report.watch(sim);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   warn(loaded.scene, m, args, sim);
+  if (judged) warn_of_branches(dynamics, sim);
 
   double seconds = 0;
   const Ended ended = go(sim, m.run.until, args.quiet, seconds);
@@ -238,7 +269,7 @@ int run_command(const Arguments& args) {
     std::rethrow_exception(ended.error);
   }
   const Audit found = audit ? audit->result() : drift_alone(sim, m.run.limits);
-  const EndedRun end{sim, m.run, found, seconds, ended.interrupted};
+  const EndedRun end{sim, m.run, found, seconds, ended.interrupted, doubts, singular.passed()};
   const std::string lines = audit ? end_words(end, summary) : "";
   words.say("{}", lines);
   if (unwritten) std::rethrow_exception(unwritten);
@@ -260,16 +291,22 @@ int run_command(const Arguments& args) {
   if (ended.interrupted)
     fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
   if (ended.interrupted) return kExitInterrupted;
+  if (args.strict)
+    if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
+      for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
+      return kExitDoubtful;
+    }
   return is_wrong(found, sim.integrator().info()) ? kExitNotConserved : kExitOk;
 }
 
 int assemble_command(const Arguments& args) {
   if (!args.branches.empty()) return branches_command(args);
+  if (!args.wild.empty()) return wild_command(args);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
-  const AssemblyReport r = assemble(dynamics, state, m.start_speeds);
+  const AssemblyReport r = assemble(dynamics, state, m.start_speeds, m.assembly);
   nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
   if (!args.json) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
   for (const Body& body : m.system.bodies()) {
@@ -286,7 +323,17 @@ int assemble_command(const Arguments& args) {
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
   if (args.json) print_document(report);
-  return kExitOk;
+  // Farther than the distance asked for, or than what the report warns of.
+  const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
+  if (args.within.empty()) return r.warnings.empty() ? kExitOk : kExitDoubtful;
+  const double within = positive_number("--within", args.within, Unit::length, "0.1m");
+  if (far <= within) return kExitOk;
+  fmt::print(
+      stderr,
+      "lockstep: --within: the assembled start is {:.3g} m from the one given (turns by the length of the mechanism), "
+      "beyond {:g} m: moved '{}' by {:.3g} m, turned '{}' by {:.3g} rad\n",
+      far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn);
+  return kExitDoubtful;
 }
 
 }  // namespace lockstep

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/sweep.h>
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
@@ -61,7 +62,54 @@ Json columns_of(const Table& table) {
   return all;
 }
 
+// "0.51, 1.02, 1.53, ... s"
+std::string times_of(const std::vector<double>& all) {
+  constexpr std::size_t kMost = 5;
+  std::string words;
+  for (std::size_t k = 0; k < std::min(kMost, all.size()); ++k)
+    words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", all[k]);
+  return words + (all.size() > kMost ? ", ... s" : " s");
+}
+
+std::string passed_words(const std::vector<PassedPosition>& passed, const IntegratorInfo& method, bool projects) {
+  std::vector<double> times;
+  std::vector<std::string> links;
+  for (const PassedPosition& p : passed) {
+    times.push_back(p.t);
+    for (const std::string& name : p.links)
+      if (std::ranges::find(links, name) == links.end()) links.push_back(name);
+  }
+  const std::string where = links.empty() ? "" : fmt::format(" (links {})", first_of(links));
+  const char* next = !projects ? "--stabilization project with --integrator dop853"
+                     : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
+                                                                          : "--integrator dop853";
+  return fmt::format(
+      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}",
+      passed.size(), passed.size() == 1 ? "" : "s", times_of(times), where, passed.size() == 1 ? "it" : "them", next);
+}
+
 }  // namespace
+
+std::vector<std::string> doubts_of(const EndedRun& ended) {
+  std::vector<std::string> all;
+  StepLoop& sim = ended.sim;
+  if (!ended.passed.empty())
+    all.push_back(passed_words(ended.passed, sim.integrator().info(),
+                               sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
+  if (const Doubts& d = ended.doubts; d.beyond() > 0)
+    all.push_back(
+        fmt::format("the tolerance of {:g} was not reached in {} of {}, from t = {:.6g} s on: rounding leaves errors "
+                    "of up to {:.2g} "
+                    "times it there; the run went on with what can be reached",
+                    ended.settings.tolerance.relative, d.beyond(), counted(sim.report().steps, "step", "steps"),
+                    d.first(), d.largest_error()));
+  if (const std::vector<double>& at = ended.doubts.uncertain(); !at.empty())
+    all.push_back(fmt::format(
+        "the reactions at t = {} are uncertain by more than 1 %: {} lie{} in or beside a singular position, where they "
+        "magnify the errors of the motion; look at those before and after",
+        times_of(at), at.size() == 1 ? "it" : "they", at.size() == 1 ? "s" : ""));
+  return all;
+}
 
 std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
 
@@ -81,6 +129,7 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
     say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
         "for\n",
         r.manifold_steps, counted(r.steps, "step", "steps"));
+  for (const std::string& doubt : doubts_of(ended)) say("  DOUBTFUL   {}\n", doubt);
   if (std::isfinite(r.stiff_since))
     say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
         "cheaper (--integrator radau5 or generalized_alpha)\n",
@@ -120,6 +169,9 @@ Json json_of(const EndedRun& ended, const Table& table) {
   else
     method["step"] = run.step;
   method["formulation"] = to_string(run.formulation), method["solver"] = to_word(run.solver);
+  Json singular = Json::array();
+  for (const PassedPosition& p : ended.passed)
+    singular.push_back({{"t", p.t}, {"indicator", number_of(p.indicator)}, {"links", p.links}});
   Json j = {
       {"status", status},
       {"t", sim.state().t},
@@ -136,6 +188,8 @@ Json json_of(const EndedRun& ended, const Table& table) {
       {"drift",
        {{"violation", number_of(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
       {"warnings", r.warnings},
+      {"doubts", doubts_of(ended)},
+      {"singular_positions", std::move(singular)},
       {"rows", table.n_rows()},
       {"columns", columns_of(table)}};
   return j;

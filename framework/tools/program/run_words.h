@@ -5,6 +5,8 @@
 #include <string>
 
 #include <lockstep/step_loop.h>
+#include "framework/tools/analysis/doubts.h"
+#include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/summary.h"
 
@@ -20,7 +22,12 @@ struct EndedRun {
   const Audit& audit;
   double seconds = 0;        ///< of computing, by the clock
   bool interrupted = false;  ///< by the user
+  const Doubts& doubts;
+  const std::vector<PassedPosition>& passed;  ///< singular positions, with plain stages
 };
+
+/// What speaks against its result though it went through, one sentence each: what --strict refuses.
+std::vector<std::string> doubts_of(const EndedRun&);
 
 /// What is printed of it.
 std::string end_words(const EndedRun&, const Summary&);

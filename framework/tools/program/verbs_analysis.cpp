@@ -18,8 +18,18 @@ void add_check(CLI::App& verb, Arguments& a) {
 void add_assemble(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
   add_json(verb, a);
-  add(verb, "--branches", a.branches, "N",
-      "look from N random starts for all ways in which a driven scene fits together");
+  CLI::Option* branches = add(verb, "--branches", a.branches, "N",
+                              "look from N random starts for all ways in which a driven scene fits together");
+  CLI::Option* wild =
+      add(verb, "--wild", a.wild, "N",
+          "scatter the bodies N times by up to twice the length of the mechanism, turned any way, and say "
+          "how often it is assembled");
+  add(verb, "--within", a.within, "D",
+      "end with 11 where a body is moved farther than D from where the scene puts it, turns times the length of the "
+      "mechanism; default: where the report warns, from a tenth of that length, half a metre or half a radian on")
+      ->excludes(branches)
+      ->excludes(wild);
+  wild->excludes(branches);
 }
 
 void add_statics(CLI::App& verb, Arguments& a) {

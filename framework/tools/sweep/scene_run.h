@@ -13,7 +13,7 @@ inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
 /// The start of the system, assembled unless the scene says otherwise.
 inline State assembled_start(Dynamics& dynamics, const Mechanism& m) {
   State start = dynamics.system().start();
-  if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
+  if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   return start;
 }
 

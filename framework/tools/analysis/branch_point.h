@@ -1,0 +1,33 @@
+// Singular positions by the equations themselves: which motions the rows leave in one position, and along which of them a
+// mechanism can leave it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+/// What the rows leave free at a state. Positions within 1e-5 (rad, or parts of System::length) of a singular one count
+/// as in it: nearer than that rounding in the constraints does not tell.
+struct LOCKSTEP_API BranchPoint {
+  bool known = false;          ///< it was looked at: there are loops, no more than 300 rows, and no law moves them
+  int motions = 0;             ///< motions that the rows leave in this position
+  bool singular = false;       ///< some of them the rows stop as soon as they begin
+  std::vector<VecX> tangents;  ///< of the branches, 6 per slot: m (world), rad (slot axes); size 1 m
+  bool all = false;     ///< the tangents are all there are: two or three motions, and curves that leave along each
+  double nearness = 1;  ///< in a regular position the smallest singular value of the rows, each of length 1
+
+  /// "2 motions where ...: 'crank' turns about z; or 'rod' turns about z"; "" in a regular position.
+  std::string text(Dynamics&, const State&) const;
+  /// The part of the velocity that is not along the nearest branch, 0 to 1.
+  double off_branches(const System&, const VecX& v) const;
+};
+
+/// To second order: a motion c N of the free ones goes on where w . Qhat(c N) = 0 for each combination w of rows that is
+/// zero, w J = 0. The solutions are lines where branches cross.
+LOCKSTEP_API BranchPoint branch_point(Dynamics&, const State&);
+
+}  // namespace lockstep

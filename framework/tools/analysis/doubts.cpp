@@ -1,0 +1,44 @@
+#include "framework/tools/analysis/doubts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/solvers/graph.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kJust = 1 + 1e-6;   // an error of 1 is met
+constexpr double kUncertain = 1e-2;  // of a reaction
+constexpr double kGrows = 5;         // measured: an error of the motion becomes this, over the indicator, of a reaction
+constexpr double kFixed = 1e-9;      // error of the motion for a method that promises none: that of its projection,
+constexpr double kLeast = 1e-13;     // and of one that promises more than rounding allows
+
+}  // namespace
+
+void Doubts::start(const Sample& sample) {
+  loops_ = has_loops(sample.system(), sample.state.modes);
+  beyond_ = 0, largest_ = first_ = 0;
+  uncertain_.clear();
+}
+
+void Doubts::step(const Sample& sample) {
+  if (!(sample.report.error > kJust)) return;
+  if (beyond_++ == 0) first_ = sample.state.t;
+  largest_ = std::max(largest_, sample.report.error);
+}
+
+// Beside a singular position, at the distance theta, an error of the motion appears in the extra direction divided by
+// theta, and in what its velocity asks of the rows by theta once more; the indicator falls as theta^2. At a residual the
+// rows themselves were not met.
+void Doubts::output(const Sample& sample) {
+  if (!reactions_ || !loops_ || sample.state.coordinates) return;
+  const Solution& solution = sample.values();
+  SolveReport report = solution.report;
+  solution.factor.complete(report);
+  const double error = tolerance_ > 0 ? std::max(tolerance_, kLeast) : kFixed;
+  if (std::max(kGrows * error, report.residual) > kUncertain * report.detector) uncertain_.push_back(sample.state.t);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,144 @@
+#include "framework/tools/analysis/singular_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/analysis/fading_rows.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kLook = 0.02;        // rad between two looks
+constexpr double kLow = 0.3;          // of the largest root so far: a minimum below it is looked at
+constexpr double kIsSingular = 1e-3;  // root of the indicator in a singular position; what is left is the search's
+constexpr int kSearch = 24;           // halvings by the golden section: 1e-5 of the interval
+constexpr double kGolden = 0.6180339887498949;
+constexpr double kOnConstraints = 1e-12;  // m, times the length
+
+// The turn of the fastest body in a time, rad; translations over the length of the mechanism.
+double turn_of(const State& state, double h, double length) {
+  double w2 = 0;
+  for (Eigen::Index i = 0; i < state.v.size(); i += 6)
+    w2 = std::max(
+        {w2, state.v.segment<3>(i).squaredNorm() / (length * length), state.v.segment<3>(i + 3).squaredNorm()});
+  return h * std::sqrt(w2);
+}
+
+}  // namespace
+
+// An evaluation and a factor of its own, which the run does not see.
+struct SingularWatch::Eye {
+  Eye(System& system, const State& state)
+      : evaluation(system, state), factor(system, solver, Formulation::omega, work), project(1e-8 * system.length()) {}
+
+  double root_at(const State& state) {
+    evaluation.at(state);
+    factor.compute(evaluation);
+    SolveReport report;
+    factor.complete(report);
+    return std::sqrt(std::max(report.detector, 0.0));
+  }
+  /// Along the velocity for a time, and back onto the constraints.
+  double root_beside(const State& from, double time, State& at) {
+    at = from;
+    advance_state(at, time, from.v);
+    at.t = from.t + time;
+    try {
+      if (!project.project(evaluation, factor, at, kOnConstraints * evaluation.system().length()).converged)
+        return HUGE_VAL;
+      return root_at(at);
+    } catch (const Error&) {
+      return HUGE_VAL;
+    }
+  }
+
+  WorkCount work;
+  SchurSolver solver;
+  Evaluation evaluation;
+  Factor factor;
+  Projection project;
+};
+
+SingularWatch::SingularWatch(System& system) : system_(system) {}
+SingularWatch::~SingularWatch() = default;
+
+bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
+  const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
+  return !(method.passes_singular && projects) && has_loops(dynamics.system(), state.modes);
+}
+
+void SingularWatch::start(const Sample& sample) {
+  passed_.clear();
+  forget();
+  if (sample.state.coordinates) return;
+  eye_ = std::make_unique<Eye>(system_, sample.state);
+  look(sample, 0);
+}
+
+void SingularWatch::jumped(const Sample&) { forget(); }
+
+// What was seen of other links in force, or before an impact, says nothing of what follows.
+void SingularWatch::forget() {
+  before_.root = last_.root = regular_.root = -1;
+  turned_ = 0;
+}
+
+void SingularWatch::step(const Sample& sample) {
+  if (sample.state.coordinates || sample.report.manifold) return forget();
+  if (!eye_) eye_ = std::make_unique<Eye>(system_, sample.state);
+  const double turn = turn_of(sample.state, sample.report.h, system_.length());
+  turned_ += turn;
+  if (turned_ < kLook) return;
+  turned_ = 0;
+  look(sample, turn);
+}
+
+void SingularWatch::look(const Sample& sample, double turn) {
+  Look now{sample.state, 0, turn};
+  try {
+    now.root = eye_->root_at(now.state);
+  } catch (const Error&) {
+    return;
+  }
+  const bool was_lowest = before_.root >= 0 && last_.root >= 0 && last_.root <= before_.root && last_.root < now.root;
+  if (was_lowest && last_.root < kLow * std::max(regular_.root, now.root)) find_between(before_, last_, now);
+  if (now.root > regular_.root) regular_ = now;
+  before_ = std::move(last_);
+  last_ = std::move(now);
+}
+
+// The root of the indicator falls as the distance: it has the shape of a V, whose tip the golden section finds.
+void SingularWatch::find_between(const Look& before, const Look& lowest, const Look& after) {
+  double a = before.state.t - lowest.state.t, b = after.state.t - lowest.state.t;
+  State at, best = lowest.state;
+  double least = lowest.root;
+  const auto root = [&](double time) {
+    const double r = eye_->root_beside(lowest.state, time, at);
+    if (r < least) least = r, best = at;
+    return r;
+  };
+  double x = b - kGolden * (b - a), y = a + kGolden * (b - a), fx = root(x), fy = root(y);
+  for (int k = 0; k < kSearch && least > 0.01 * kIsSingular; ++k) {
+    if (fx < fy) {
+      b = y, y = x, fy = fx, x = b - kGolden * (b - a), fx = root(x);
+    } else {
+      a = x, x = y, fx = fy, y = a + kGolden * (b - a), fy = root(y);
+    }
+  }
+  // Steps over a place that is nearly one do not see it either: its distance, by the slope beside it, is less than the turn
+  // of a step.
+  const double turn = std::max(lowest.turn, after.turn), slope = std::max(before.root, after.root) - least;
+  const double apart = turn_of(lowest.state, after.state.t - before.state.t, system_.length());
+  const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < 0.1 * regular_.root;
+  if (!(least < kIsSingular) && !stepped_over) return;
+  passed_.push_back({best.t, least * least, {}});
+  try {
+    passed_.back().links = fading_links(system_, regular_.state, best);
+  } catch (const Error&) {  // where no row can be evaluated none is named
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,60 @@
+// SingularWatch: the singular positions that a run passes without noticing.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/stepping.h>
+
+namespace lockstep {
+
+/// A singular position that a run passed.
+struct PassedPosition {
+  double t = 0;                    ///< s
+  double indicator = 0;            ///< the singularity indicator there (SolveReport::detector)
+  std::vector<std::string> links;  ///< whose rows depend on one another there alone; none where there are too many rows
+};
+
+/// Watches the steps whose stages are evaluated as they are, and finds the singular positions between them. It looks at
+/// the singularity indicator whenever a body has turned by 0.02 rad, with a solver of its own; where the indicator has a
+/// small minimum, it looks for the position itself.
+class LOCKSTEP_API SingularWatch final : public Observer {
+ public:
+  /// The system must outlive it.
+  explicit SingularWatch(System&);
+  ~SingularWatch() override;
+
+  /// Whether a run needs it: loops, rows that are in force as such, and a method that does not care for singular
+  /// positions itself.
+  static bool is_needed(const Dynamics&, const State&, const IntegratorInfo&);
+
+  void start(const Sample&) override;
+  void step(const Sample&) override;
+  void jumped(const Sample&) override;
+
+  const std::vector<PassedPosition>& passed() const { return passed_; }
+
+ private:
+  struct Eye;
+  struct Look {
+    State state;
+    double root = -1;  ///< of the indicator; -1: none
+    double turn = 0;   ///< of the step that led here, rad
+  };
+
+  void look(const Sample&, double turn);
+  void find_between(const Look& before, const Look& lowest, const Look& after);
+  void forget();
+
+  System& system_;
+  std::unique_ptr<Eye> eye_;
+  Look before_, last_, regular_;
+  double turned_ = 0;  // since the last look, rad
+  std::vector<PassedPosition> passed_;
+};
+
+}  // namespace lockstep

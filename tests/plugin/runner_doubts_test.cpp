@@ -1,0 +1,138 @@
+// What the program says of results that are doubtful, and of starts that are not what was asked.
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace runner_doubts_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string own_scene(const std::string& name) {
+  return "'" + std::string(paths::kSource) + "/tests/verification/scenes/" + name + ".json'";
+}
+
+/// A parallelogram that lies flat, its cranks along x.
+std::string flat_parallelogram(const std::string& name, const std::string& start) {
+  return scene_file(name, R"("gravity": [0, 0, 0], "bodies": [
+    {"name": "left", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
+    {"name": "bar", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.4, 0, 0]}},
+    {"name": "right", "rod": {"mass": 1, "from": [1.1, 0, 0], "to": [1.4, 0, 0]}}],
+  "links": [
+    {"name": "A", "type": "revolute", "p": "left", "s": "ground", "at": [0, 0, 0])" +
+                              start + R"(},
+    {"name": "B", "type": "revolute", "p": "bar", "s": "left", "at": [0.3, 0, 0]},
+    {"name": "C", "type": "revolute", "p": "bar", "s": "right", "at": [1.4, 0, 0]},
+    {"name": "D", "type": "revolute", "p": "right", "s": "ground", "at": [1.1, 0, 0]}],
+  "run": {"until": 0.1, "integrator": "rk4", "step": 1e-3, "record": ["left.angle_z"]})");
+}
+
+const std::string kSlider = own_scene("slider_crank_equal_arms");
+
+}  // namespace
+
+// The crank's axis is passed at 0.1268 s first.
+TEST_CASE("a run that passes a singular position with plain stages says so, and --strict refuses it", "[runner]") {
+  const std::string plain =
+      "run " + kSlider + " --integrator rk4 --step 1e-3 --until 0.3 --no-picture --record doubt.csv";
+  const Called said = call(plain);
+  INFO(said.text);
+  CHECK(said.exit == 0);
+  CHECK(contains(said.text, "passed 1 singular position with plain stages, at t = 0.126"));
+  CHECK(contains(said.text, "the motion after it may be another"));
+  CHECK(contains(said.text, "(links "));
+  const Called refused = call(plain + " --strict");
+  INFO(refused.text);
+  CHECK(refused.exit == 11);
+  CHECK(contains(refused.text, "--strict: passed 1 singular position"));
+  CHECK(call(plain + " --strict --quiet").exit == 11);
+  const Called json = call(plain + " --json");
+  const Json result = Json::parse(json.text);
+  REQUIRE(result["singular_positions"].size() == 1);
+  CHECK(result["singular_positions"][0]["t"].get<double>() == Approx(0.12676).margin(1e-4));
+  CHECK(result["doubts"].size() == 1);
+}
+
+TEST_CASE("a run that cares for its singular positions is not refused", "[runner]") {
+  const Called r = call("run " + kSlider + " --strict --no-picture --record sure.csv");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK_FALSE(contains(r.text, "DOUBTFUL"));
+}
+
+TEST_CASE("a tolerance below what can be reached is told, and the run goes on", "[runner]") {
+  const Called r = call("run '" + std::string(paths::kScenes) +
+                        "/nfourbar_40.json' --tolerance 1e-12 --until 2 --no-picture --record forty.csv --json");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  const Json result = Json::parse(r.text);
+  CHECK(result["t"] == 2);
+  CHECK(result["status"] == "ok");
+  REQUIRE(!result["doubts"].empty());
+  CHECK(contains(result["doubts"][0].get<std::string>(), "the tolerance of 1e-12 was not reached"));
+}
+
+// At 0.52 s a sample falls on the position itself (the indicator is 2e-8), where the force in A is 18.62 N.
+TEST_CASE("reactions beside a singular position are told", "[runner]") {
+  const std::string text = R"("A.force_on_p_link_y")";
+  const Called r = call("run " + kSlider + " --set 'run.record=[" + text +
+                        "]' --set run.output=0.02 --no-picture "
+                        "--record beside.csv --json");
+  INFO(r.text);
+  const Json result = Json::parse(r.text);
+  REQUIRE(result["doubts"].size() == 1);
+  CHECK(contains(result["doubts"][0].get<std::string>(), "the reactions at t = 0.52 s are uncertain"));
+}
+
+TEST_CASE("a start in a singular position is told with its branches", "[runner]") {
+  const Called rest = call("run '" + flat_parallelogram("flat_rest.json", "") + "' --no-picture");
+  INFO(rest.text);
+  CHECK(contains(rest.text, "the start lies in a singular position: 2 motions to first order, 2 branches: "));
+  CHECK(contains(rest.text, "It is at rest there"));
+  const Called check = call("check '" + flat_parallelogram("flat_rest.json", "") + "' --json");
+  const Json j = Json::parse(check.text)["singular_position"];
+  CHECK(j["in"] == true);
+  CHECK(j["branches"].size() == 2);
+}
+
+TEST_CASE("check tells free motions in words", "[runner]") {
+  const Called r = call("check '" + std::string(paths::kScenes) + "/peaucellier.json'");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, " turns about "));
+  CHECK(contains(r.text, " follow"));
+  const Called four = call("check '" + std::string(paths::kScenes) + "/double_pendulum.json' --json");
+  CHECK(Json::parse(four.text)["singular_position"].is_null());  // no loop
+}
+
+TEST_CASE("an assembled start that is far from the one given ends with its own code", "[runner]") {
+  const std::string bar = "assemble '" + std::string(paths::kScenes) + "/four_bar.json'";
+  CHECK(call(bar).exit == 0);
+  const std::string apart = "assemble '" + scene_file("apart.json", R"("bodies": [{"name": "a", "particle": 1},
+    {"name": "b", "particle": 1, "position": [1, 0, 0]}], "links": [{"name": "J", "type": "spherical", "p": "a", "s": "b"}])") +
+                            "'";
+  const Called far = call(apart + " --within '10 cm'");
+  INFO(far.text);
+  CHECK(far.exit == 11);
+  CHECK(contains(far.text, "--within: the assembled start is 0.5 m from the one given"));
+  CHECK(call(apart).exit == 11);
+  CHECK(call(apart + " --within 2").exit == 0);
+}
+
+TEST_CASE("wild starts are counted", "[runner]") {
+  const Called r = call("assemble '" + std::string(paths::kScenes) + "/four_bar.json' --wild 50 --json");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  const Json j = Json::parse(r.text);
+  CHECK(j["starts"] == 50);
+  CHECK(j["assembled"].get<int>() > 40);
+  CHECK(j["violation"].get<double>() < 1e-10);
+}
+
+}  // namespace runner_doubts_test

@@ -1,0 +1,229 @@
+// Singular positions: the branches that meet in one, what is said of runs that pass one with plain stages, starts in one.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <lockstep/assembly.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include <lockstep/sweep.h>
+#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/analysis/doubts.h"
+#include "framework/tools/analysis/singular_watch.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+namespace singular_positions_test {
+
+using namespace lockstep;
+
+namespace {
+
+std::string number(double x) { return std::to_string(x); }
+
+std::string point(double x, double y) { return "[" + number(x) + ", " + number(y) + ", 0]"; }
+
+std::string rod(const std::string& name, double x0, double y0, double x1, double y1) {
+  return R"({"name": ")" + name + R"(", "rod": {"mass": 1, "axial_inertia": 1e-4, "from": )" + point(x0, y0) +
+         R"(, "to": )" + point(x1, y1) + "}}";
+}
+
+std::string hinge(const std::string& name, const std::string& p, const std::string& s, double x, double y) {
+  return R"({"name": ")" + name + R"(", "type": "revolute", "p": ")" + p + R"(", "s": ")" + s + R"(", "at": )" +
+         point(x, y) + "}";
+}
+
+std::string scene(const std::string& bodies, const std::string& links, bool planar) {
+  return R"({"lockstep": 1, "planar": ")" + std::string(planar ? "z" : "off") + R"(", "bodies": [)" + bodies +
+         R"(], "links": [)" + links + R"(], "run": {"until": 1, "integrator": "dop853"}})";
+}
+
+/// n cranks of length r, side by side at distances L, and one coupler, all on the x axis.
+std::string flat_cranks(int n, double r, double L, bool planar) {
+  std::string bodies = rod("coupler", r, 0, r + (n - 1) * L, 0), links;
+  for (int k = 0; k < n; ++k) {
+    const std::string name = "crank_" + std::to_string(k);
+    bodies += ", " + rod(name, k * L, 0, k * L + r, 0);
+    links += (k > 0 ? ", " : "") + hinge("A" + std::to_string(k), name, "ground", k * L, 0) + ", " +
+             hinge("B" + std::to_string(k), "coupler", name, k * L + r, 0);
+  }
+  return scene(bodies, links, planar);
+}
+
+/// Crank and rod of one length, upright and folded; the slider stands on the axis of the crank and slides along x.
+std::string folded_slider_crank(bool planar) {
+  return scene(
+      rod("crank", 0, 0, 0, 0.2) + ", " + rod("rod", 0, 0.2, 0, 0) +
+          R"(, {"name": "slider", "mass": 3, "inertia": [0.01, 0.01, 0.01]})",
+      hinge("A", "crank", "ground", 0, 0) + ", " + hinge("B", "rod", "crank", 0, 0.2) + ", " +
+          hinge("C", "rod", "slider", 0, 0) +
+          R"(, {"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at": [0, 0, 0], "axis": "x"})",
+      planar);
+}
+
+/// A kite of sides 1, 1, 2, 2, the ground among them, folded onto the x axis: B lies on D.
+std::string folded_kite(bool planar) {
+  return scene(rod("short", 0, 0, 1, 0) + ", " + rod("long", 1, 0, -1, 0) + ", " + rod("other", -1, 0, 1, 0),
+               hinge("A", "short", "ground", 0, 0) + ", " + hinge("B", "long", "short", 1, 0) + ", " +
+                   hinge("C", "other", "long", -1, 0) + ", " + hinge("D", "other", "ground", 1, 0),
+               planar);
+}
+
+struct Model {
+  Mechanism m;
+  Dynamics dynamics;
+  State state;
+  explicit Model(const std::string& text)
+      : m(build_mechanism(scene_from_text(text, "scene.json"), builtin_registry())),
+        dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}}),
+        state(m.system.start()) {
+    dynamics.set_up();
+  }
+  /// Turn about z of a body in a motion, rad.
+  double turn(const std::string& body, const VecX& motion) const {
+    const int slot = m.system.body(body).slot;
+    return (rotation(state.slot_pose(slot).q) * Vec3(motion.segment<3>(6 * slot + 3)))[2];
+  }
+};
+
+/// Ratios of two bodies' turns, one for each branch.
+std::vector<double> ratios(const Model& model, const BranchPoint& at, const std::string& a, const std::string& b) {
+  std::vector<double> all;
+  for (const VecX& tangent : at.tangents) all.push_back(model.turn(a, tangent) / model.turn(b, tangent));
+  std::ranges::sort(all);
+  return all;
+}
+
+}  // namespace
+
+// x, to second order: r w1^2 + L p^2 = r w2^2, with p = r (w2 - w1)/L; so w2 = w1, or w2 (L - r) = -w1 (L + r).
+TEST_CASE("a flat parallelogram has two branches, and their tangents are known", "[stability][analysis]") {
+  const bool planar = GENERATE(true, false);
+  constexpr double r = 0.3, L = 1.1;
+  Model model(flat_cranks(2, r, L, planar));
+  const BranchPoint at = branch_point(model.dynamics, model.state);
+  CAPTURE(planar, at.text(model.dynamics, model.state));
+  CHECK(at.singular);
+  CHECK(at.all);
+  CHECK(at.motions == 2);
+  const std::vector<double> found = ratios(model, at, "crank_1", "crank_0");
+  REQUIRE(found.size() == 2);
+  CHECK(found[0] == Approx(-(L + r) / (L - r)).epsilon(1e-6));
+  CHECK(found[1] == Approx(1).epsilon(1e-6));
+}
+
+// The third crank turns as the first two allow on one branch only.
+TEST_CASE("three flat cranks have one branch", "[stability][analysis]") {
+  const bool planar = GENERATE(true, false);
+  Model model(flat_cranks(3, 0.3, 1.1, planar));
+  const BranchPoint at = branch_point(model.dynamics, model.state);
+  CAPTURE(planar, at.text(model.dynamics, model.state));
+  CHECK(at.singular);
+  CHECK(at.motions == 2);
+  REQUIRE(at.tangents.size() == 1);
+  CHECK(ratios(model, at, "crank_2", "crank_0")[0] == Approx(1).epsilon(1e-6));
+  CHECK(std::abs(model.turn("coupler", at.tangents[0])) < 1e-6);
+}
+
+// Either the slider moves, and the rod turns against the crank, or it stands, and they turn together.
+TEST_CASE("a folded slider-crank of equal arms has two branches", "[stability][analysis]") {
+  const bool planar = GENERATE(true, false);
+  Model model(folded_slider_crank(planar));
+  const BranchPoint at = branch_point(model.dynamics, model.state);
+  CAPTURE(planar, at.text(model.dynamics, model.state));
+  CHECK(at.singular);
+  const std::vector<double> found = ratios(model, at, "rod", "crank");
+  REQUIRE(found.size() == 2);
+  CHECK(found[0] == Approx(-1).epsilon(1e-6));
+  CHECK(found[1] == Approx(1).epsilon(1e-6));
+}
+
+// The loop, with turns t1 of the short side and t2, t3 of the long ones, to second order:
+//   x: -t1^2 + 2 t2^2 - 2 t3^2 = 0,   y: t1 - 2 t2 + 2 t3 = 0
+// t1 = 2 (t2 - t3): 4 (t2 - t3)^2 = 2 (t2 - t3)(t2 + t3), so t2 = t3 with t1 = 0, or t2 = 3 t3 with t1 = 4 t3.
+TEST_CASE("a folded kite has two branches", "[stability][analysis]") {
+  const bool planar = GENERATE(true, false);
+  Model model(folded_kite(planar));
+  const BranchPoint at = branch_point(model.dynamics, model.state);
+  CAPTURE(planar, at.text(model.dynamics, model.state));
+  CHECK(at.singular);
+  const std::vector<double> found = ratios(model, at, "short", "other");
+  REQUIRE(found.size() == 2);
+  CHECK(std::abs(found[0]) < 1e-6);
+  CHECK(found[1] == Approx(4).epsilon(1e-6));
+}
+
+TEST_CASE("regular positions of overconstrained mechanisms are no singular ones", "[stability][analysis]") {
+  const std::string name = GENERATE("four_bar", "kite", "antiparallelogram", "slider_crank", "bennett", "bricard",
+                                    "spherical_four_bar", "sarrus", "parallel_cranks_5", "peaucellier", "delta");
+  Mechanism m = build_mechanism(
+      read_scene(std::string(paths::kSource) + "/tests/verification/scenes/overconstrained/" + name + ".json"),
+      builtin_registry());
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  dynamics.set_up();
+  State state = m.system.start();
+  assemble(dynamics, state, m.start_speeds);
+  const BranchPoint at = branch_point(dynamics, state);
+  CAPTURE(name, at.motions, at.nearness);
+  CHECK(at.known);
+  CHECK_FALSE(at.singular);
+}
+
+namespace {
+
+std::vector<PassedPosition> watch(const std::string& text, const std::string& method, double step, double until,
+                                  double speed) {
+  Model model(text);
+  assemble(model.dynamics, model.state, {{"A0", Axis::rz, speed}});
+  RunSettings run;
+  run.integrator = {method};
+  run.step = step;
+  run.tolerance = {1e-9, 1e-11};
+  StepLoop loop(model.dynamics, make_integrator(run, builtin_registry()), {.step = step, .tolerance = run.tolerance});
+  SingularWatch singular(model.m.system);
+  loop.add_observer(singular);
+  loop.set_state(model.state);
+  loop.run_until(until);
+  return singular.passed();
+}
+
+/// Two upright cranks without gravity: they turn on at one rate, and lie flat at a quarter turn, three quarters, ...
+std::string upright_cranks() {
+  std::string text = scene(
+      rod("coupler", 0, 0.3, 1.1, 0.3) + ", " + rod("crank_0", 0, 0, 0, 0.3) + ", " + rod("crank_1", 1.1, 0, 1.1, 0.3),
+      hinge("A0", "crank_0", "ground", 0, 0) + ", " + hinge("B0", "coupler", "crank_0", 0, 0.3) + ", " +
+          hinge("A1", "crank_1", "ground", 1.1, 0) + ", " + hinge("B1", "coupler", "crank_1", 1.1, 0.3),
+      true);
+  return text.insert(1, R"("gravity": [0, 0, 0], )");
+}
+
+}  // namespace
+
+TEST_CASE("flat positions that plain stages pass are found, with their times and links", "[stability][analysis]") {
+  const auto [method, step] = GENERATE(table<std::string, double>({{"rk4", 1e-3}, {"rk4", 0.01}, {"rattle2", 1e-3}}));
+  constexpr double kSpeed = 2;  // rad/s, constant
+  const std::vector<PassedPosition> passed = watch(upright_cranks(), method, step, 1.5, kSpeed);
+  CAPTURE(method, step);
+  REQUIRE(!passed.empty());
+  CHECK(passed[0].t == Approx(0.25 * std::numbers::pi * 2 / kSpeed).margin(2e-3));
+  std::vector<std::string> links = passed[0].links;
+  std::ranges::sort(links);
+  CHECK(links == std::vector<std::string>{"A0", "A1", "B0", "B1"});
+  CHECK(passed[0].indicator < 1e-6);
+  CHECK(passed.size() == 1);
+}
+
+TEST_CASE("a watch finds nothing where no position is singular", "[stability][analysis]") {
+  // One crank shorter: a crank-rocker, whose rods never lie in line.
+  const std::string text = scene(
+      rod("coupler", 0, 0.3, 1.1, 0.6) + ", " + rod("crank_0", 0, 0, 0, 0.3) + ", " + rod("crank_1", 1.1, 0, 1.1, 0.6),
+      hinge("A0", "crank_0", "ground", 0, 0) + ", " + hinge("B0", "coupler", "crank_0", 0, 0.3) + ", " +
+          hinge("A1", "crank_1", "ground", 1.1, 0) + ", " + hinge("B1", "coupler", "crank_1", 1.1, 0.6),
+      true);
+  CHECK(watch(text, "rk4", 1e-3, 4, 4).empty());
+}
+
+}  // namespace singular_positions_test

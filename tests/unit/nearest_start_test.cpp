@@ -1,0 +1,119 @@
+// Starts by coordinates and weights: the assembled start nearest to what was asked.
+#include <cmath>
+#include <string>
+
+#include <lockstep/assembly.h>
+#include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+namespace nearest_start_test {
+
+using namespace lockstep;
+
+namespace {
+
+struct Assembled {
+  Mechanism m;
+  State state;
+  AssemblyReport report;
+  explicit Assembled(const std::string& members)
+      : m(build_mechanism(scene_from_text(R"({"lockstep": 1, )" + members + "}", "scene.json"), builtin_registry())) {
+    Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+    state = m.system.start();
+    report = assemble(dynamics, state, m.start_speeds, m.assembly);
+  }
+  Vec3 place(const std::string& body) const { return body_pose(m.system.body(body), state).x; }
+  /// Angle of the body's x axis about z, rad.
+  double angle(const std::string& body) const {
+    const Vec3 x = rotation(body_pose(m.system.body(body), state).q).col(0);
+    return std::atan2(x[1], x[0]);
+  }
+};
+
+std::string two_points(const std::string& a, const std::string& b) {
+  return R"("bodies": [{"name": "a", "particle": 1)" + a + R"(}, {"name": "b", "particle": 7, "position": [1, 0, 0])" +
+         b + R"(}], "links": [{"name": "J", "type": "spherical", "p": "a", "s": "b"}])";
+}
+
+/// Crank 0.3 at the origin, rocker 0.8 at (1, 0), coupler 0.9: not assembled, the crank along x.
+std::string four_bar(const std::string& start_a, const std::string& start_d = "") {
+  return R"("gravity": [0, 0, 0], "bodies": [
+    {"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
+    {"name": "coupler", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.1, 0.4123105625617661, 0]}},
+    {"name": "rocker", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.1, 0.7937253933193772, 0]}}],
+  "links": [
+    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0])" +
+         start_a + R"(},
+    {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at_p": [0.3, 0, 0], "at_s": [0.3, 0, 0]},
+    {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [1.1, 0.4123105625617661, 0], "at_s": [1.1, 0.7937253933193772, 0]},
+    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [1, 0, 0])" +
+         start_d + "}]";
+}
+
+}  // namespace
+
+// w_a x^2 + w_b (1 - x)^2 is least at x = w_b/(w_a + w_b), whatever the masses.
+TEST_CASE("weights of starts share out a move", "[unit][assembly]") {
+  const auto [a, b, x] =
+      GENERATE(table<std::string, std::string, double>({{R"(, "start_weight": 3)", "", 0.25},
+                                                        {"", R"(, "start_weight": 4)", 0.8},
+                                                        {R"(, "start_weight": 2)", R"(, "start_weight": 2)", 0.5},
+                                                        {R"(, "assembled": "exact")", "", 0},
+                                                        {"", R"(, "assembled": "exact")", 1},
+                                                        {R"(, "assembled": "free")", "", 1},
+                                                        {"", R"(, "assembled": "free")", 0}}));
+  const Assembled found(two_points(a, b));
+  CAPTURE(a, b);
+  CHECK(found.place("a")[0] == Approx(x).margin(1e-9));
+  CHECK(found.place("b")[0] == Approx(x).margin(1e-9));
+  CHECK(found.report.after < 1e-11);
+}
+
+// The rocker's angle by the intersection of two circles.
+TEST_CASE("a start by a joint's coordinate is met exactly", "[unit][assembly]") {
+  const double asked = GENERATE(0.0, 0.7, -1.2, 2.5, 3.1);
+  const Assembled found(four_bar(R"(, "start": {"position": {"rz": )" + std::to_string(asked) + "}}"));
+  CAPTURE(asked);
+  CHECK(std::remainder(found.angle("crank") - asked, kTwoPi) == Approx(0).margin(1e-9));
+  const double x = 0.3 * std::cos(asked), y = 0.3 * std::sin(asked);  // of B; then C = D + 0.8 (cos, sin)
+  const double dx = x - 1, dy = y, d = std::hypot(dx, dy);
+  const double coupler = std::hypot(0.8, 0.4123105625617661), rocker = std::hypot(0.1, 0.7937253933193772);
+  const double beside = std::acos((d * d + rocker * rocker - coupler * coupler) / (2 * d * rocker));
+  const double one = std::atan2(dy, dx) - beside, other = std::atan2(dy, dx) + beside;
+  const double is = found.angle("rocker");
+  CAPTURE(is, one, other);
+  CHECK(std::min(std::abs(std::remainder(is - one, kTwoPi)), std::abs(std::remainder(is - other, kTwoPi))) < 1e-8);
+}
+
+// (x - 0)^2 + (x - 0.3)^2 is least at 0.15.
+TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
+  const Assembled found(
+      R"("bodies": [{"name": "slider", "mass": 2, "inertia": [1, 1, 1]}],
+         "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at": [0, 0, 0], "axis": "x",
+                    "start": {"near": {"z": "30 cm"}}}])");
+  CHECK(found.place("slider")[0] == Approx(0.15).margin(1e-9));
+}
+
+TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
+  try {
+    const Assembled found(four_bar(R"(, "start": {"position": {"rz": 0}})", R"(, "start": {"position": {"rz": -2}})"));
+    FAIL("it was assembled");
+  } catch (const AssemblyError& error) {
+    const std::string words = error.what();
+    CAPTURE(words);
+    CHECK(words.find("A.rz") != std::string::npos);
+    CHECK(words.find("D.rz") != std::string::npos);
+    CHECK(words.find("approximate") != std::string::npos);
+  }
+}
+
+TEST_CASE("a weight without a meaning is refused", "[unit][assembly]") {
+  CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": -1)", "")), SceneError);
+  CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": 2, "assembled": "free")", "")), SceneError);
+}
+
+}  // namespace nearest_start_test
