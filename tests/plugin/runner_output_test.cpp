@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
 const std::string kPendulum = std::string(paths::kScenes) + "/pendulum.json";
 
 std::vector<std::string> lines_of(const std::string& text) {

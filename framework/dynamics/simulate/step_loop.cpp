@@ -294,6 +294,7 @@ void StepLoop::conclude() {
       ask_progress();
       [[fallthrough]];
     case Phase::jump:
+      parts_->show_before_jump(observers_, sample);
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");

@@ -14,14 +14,12 @@ namespace {
 using namespace chart_style;
 
 // Pixels.
-constexpr double kTitle = 54, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
+constexpr double kBelowTitle = 14, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
 // The colours of chart_style and five more, which most readers can distinguish; marks and dashes do the rest.
 constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
                                               "#000000", "#882255", "#999933", "#5b3fa0", "#8c564b", "#7f7f7f"};
-
-constexpr std::size_t kOneLine = 98;  // letters of a title
 
 /// All labels with their line styles and colours.
 struct Legend {
@@ -68,7 +66,7 @@ Layout layout_of(const GridSpec& spec, const Legend& legend) {
   all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.panels.size());
   all.n_rows = (spec.panels.size() + all.n_columns - 1) / all.n_columns;
   all.width = spec.width;
-  all.title = kTitle + (spec.title.size() > kOneLine ? kLegendRow : 0);
+  all.title = kBelowTitle + title_height(spec.title);
   all.top = all.title + kLegendRow * static_cast<double>(legend.n_rows);
   all.plot_height = spec.panel_height - kAbove - kBelow;
   const auto n = static_cast<double>(all.n_columns);

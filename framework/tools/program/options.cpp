@@ -77,7 +77,15 @@ void add_settings(CLI::App& verb, Arguments& a) {
 void add_run_outputs(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
-  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file");
+  add(verb, "--headers", a.headers, "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\"",
+      {"units", "plain"});
+  verb.add_flag("--at-jumps", a.at_jumps, "rows also just before and just after events, impacts and jumps of laws");
+  CLI::Option* pictures =
+      verb.add_option("--picture", a.pictures,
+                      "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated")
+          ->type_name("X:Y")
+          ->allow_extra_args(false);
+  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file")->excludes(pictures);
   CLI::Option* quiet =
       verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
   add_json(verb, a)->excludes(quiet);
