@@ -73,12 +73,16 @@ void add_settings(CLI::App& verb, Arguments& a) {
   add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
 }
 
+void add_headers(CLI::App& verb, Arguments& a) {
+  add(verb, "--headers", a.headers, "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\"",
+      {"units", "plain"});
+}
+
 // What a run writes beside its report.
 void add_run_outputs(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
-  add(verb, "--headers", a.headers, "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\"",
-      {"units", "plain"});
+  add_headers(verb, a);
   verb.add_flag("--at-jumps", a.at_jumps, "rows also just before and just after events, impacts and jumps of laws");
   CLI::Option* pictures =
       verb.add_option("--picture", a.pictures,
