@@ -115,7 +115,9 @@ class Mover {
     const Vec3 moved_a = by_.x + turn_ * a, moved_b = by_.x + turn_ * b;
     const Pose home = by_ * shapes::slender_rod(1, a, b, 1).home;
     const Quat rolled = conjugate(home.q) * shapes::slender_rod(1, moved_a, moved_b, 1).home.q;
-    if (std::hypot(rolled.x, rolled.y, rolled.z) < 1e-12) return put(rod, "from", moved_a), put(rod, "to", moved_b);
+    const bool placed = member_of(body, "position") != nullptr || member_of(body, "orientation") != nullptr;  // refused
+    if (placed || std::hypot(rolled.x, rolled.y, rolled.z) < 1e-12)
+      return put(rod, "from", moved_a), put(rod, "to", moved_b);
     const double half = (b - a).norm() / 2;
     put(rod, "from", Vec3(-half, 0, 0)), put(rod, "to", Vec3(half, 0, 0));
     Value parts(Value::List{object_with("rod", rod, rod.where)});

@@ -37,10 +37,11 @@ struct StepLoop::Parts {
   } ended;                  // how the last step ended
   std::string cause;        // of the changes at its end
 
+  std::vector<DetailObserver*> detailed;  // of the observers
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
   /// Shows the state before what acts at the end of a step: an impact, a law's jump, an event that changes something.
-  void show_before_jump(const std::vector<Observer*>& observers, const Sample&);
+  void show_before_jump(const Sample&);
 };
 
 // Calls all observers that were not called in this phase yet.

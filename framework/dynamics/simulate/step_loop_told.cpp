@@ -29,9 +29,8 @@ void StepLoop::output_inside() {
   const double t0 = interval.from().t;
   for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
     if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
-  if (!interval.has_dense()) return;
-  for (Observer* o : observers_)
-    if (auto* detailed = dynamic_cast<DetailObserver*>(o)) parts_->show_inside(*detailed, dynamics_, t0, state_.t);
+  if (interval.has_dense())
+    for (DetailObserver* o : parts_->detailed) parts_->show_inside(*o, dynamics_, t0, state_.t);
 }
 
 // On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
@@ -47,14 +46,14 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
   }
 }
 
-void StepLoop::Parts::show_before_jump(const std::vector<Observer*>& observers, const Sample& sample) {
+void StepLoop::Parts::show_before_jump(const Sample& sample) {
+  if (detailed.empty()) return;
   bool acts = ended.jump || ended.touched;
   for (std::size_t i = 0; i < events.size() && !acts; ++i)
     acts = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
            events.due(i, sample.state.t) != EventLocator::Due::no;
   if (!acts) return;
-  for (Observer* o : observers)
-    if (auto* detailed = dynamic_cast<DetailObserver*>(o)) detailed->before_jump(sample);
+  for (DetailObserver* o : detailed) o->before_jump(sample);
 }
 
 void StepLoop::output(const Sample& sample) {

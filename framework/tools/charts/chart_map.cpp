@@ -264,15 +264,23 @@ void write_bars(const std::string& path, const BarSpec& spec) {
   std::size_t longest = 0;
   for (const std::string& c : spec.categories) longest = std::max(longest, c.size());
   const bool crowded = 8 * longest * spec.categories.size() > static_cast<std::size_t>(spec.width) - 150;
-  out.line(crowded ? "set xtics rotate by -20\nset rmargin 12" : "set xtics norotate");
+  out.line(crowded ? "set xtics rotate by -20" : "set xtics norotate");
+  constexpr double kLeftOfBars = 104, kLegend = 30;  // pixels
+  const double right = crowded ? 120 : 28, below = crowded ? 90 : 44;
+  const double top = 1 - (title_height(spec.title) + kLegend) / spec.height;
+  margins(out, kLeftOfBars / spec.width, 1 - right / spec.width, top, below / spec.height);
+  out.line(
+      fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal", kLeftOfBars / spec.width, top));
   out.line(fmt::format("set xrange [-0.6:{}]", static_cast<double>(spec.categories.size()) - 0.4));
   if (!spec.log_y)
     out.line(fmt::format("set yrange [{}:*]", std::min(0.0, y.low)));
   else
     out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
-  // numbers that are wider than their bar stand upright
-  const double pixels = (spec.width - 130) / static_cast<double>(spec.categories.size()) * width;
-  const bool upright = pixels < 46;
+  std::size_t letters = 0;
+  for (const BarSpec::Group& g : spec.groups)
+    for (const double v : g.values) letters = std::max(letters, fmt::format("{:.3g}", v).size());
+  const double pixels = (spec.width - kLeftOfBars - right) / static_cast<double>(spec.categories.size()) * width;
+  const bool upright = 7.5 * static_cast<double>(letters) > pixels;  // wider than their bar
   if (upright && !spec.log_y) out.line(fmt::format("set yrange [{}:{}]", std::min(0.0, y.low), 1.15 * y.high));
   if (upright && spec.log_y)
     out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3 * std::cbrt(y.high / y.low)));
