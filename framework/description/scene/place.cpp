@@ -99,7 +99,7 @@ struct Miss {
 class Walk {
  public:
   Walk(Value& root, std::vector<std::string> steps, const Registry& registry)
-      : registry_(registry), steps_(std::move(steps)), here_(&root) {
+      : registry_(registry), root_(root), steps_(std::move(steps)), here_(&root) {
     Kind kind;
     kind.part = {"", Holds::object, "scene"}, kind.has_part = true;
     kind_ = kind_of(root, kind, registry_);
@@ -197,12 +197,20 @@ class Walk {
     else if (here_->text() != nullptr && here_->text()->starts_with('='))
       m.problem = owner + " is given as a whole by the formula \"" + *here_->text() +
                   "\"; vary what it is made of, or set all of it";
+    else if (here_->text() != nullptr && is_point(*here_->text()))
+      m.problem = owner + " is point \"" + *here_->text() + "\"; vary that, or what it is made of";
     else
       m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
     return m;
   }
 
+  bool is_point(const std::string& name) const {
+    const Value* points = root_.find("points");
+    return points != nullptr && points->find(name) != nullptr;
+  }
+
   const Registry& registry_;
+  const Value& root_;
   std::vector<std::string> steps_;
   Value* here_;
   Kind kind_;

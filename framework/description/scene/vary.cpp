@@ -110,9 +110,11 @@ std::optional<ScenePlace> place_in_parts(const std::string& path, const Scene& s
 // find_place(), where a name that is unknown may be a parameter's, or that of a thing of an included or repeated part;
 // the place of such a thing holds no value.
 ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
+  const Value before = root;
   try {
     return find_place(root, full_path(path, scene), registry);
   } catch (const ModelError&) {
+    root = before;  // without the empty keys on the way to nowhere
     if (const std::optional<ScenePlace> place = place_in_parts(path, scene, registry)) return *place;
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);

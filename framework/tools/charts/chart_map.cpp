@@ -278,7 +278,7 @@ void write_bars(const std::string& path, const BarSpec& spec) {
     out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
   std::size_t letters = 0;
   for (const BarSpec::Group& g : spec.groups)
-    for (const double v : g.values) letters = std::max(letters, fmt::format("{:.3g}", v).size());
+    for (const double v : g.values) letters = std::max(letters, fmt::format("{:.4g}", v).size());
   const double pixels = (spec.width - kLeftOfBars - right) / static_cast<double>(spec.categories.size()) * width;
   const bool upright = 7.5 * static_cast<double>(letters) > pixels;  // wider than their bar
   if (upright && !spec.log_y) out.line(fmt::format("set yrange [{}:{}]", std::min(0.0, y.low), 1.15 * y.high));
@@ -298,7 +298,7 @@ void write_bars(const std::string& path, const BarSpec& spec) {
     const std::string tint = color_or(spec.groups[g].color, g, "group \"" + spec.groups[g].label + "\"");
     const std::string legend = spec.groups[g].label.empty() ? "notitle" : "title " + quoted_text(spec.groups[g].label);
     clauses.push_back(fmt::format("${} using 1:2:({}) with boxes lc rgb '{}' {}", name, 0.94 * width, tint, legend));
-    clauses.push_back(fmt::format("${} using 1:2:(sprintf('%.3g',$2)) with labels {} font ',10' notitle", name, stand));
+    clauses.push_back(fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels {} font ',10' notitle", name, stand));
   }
   plot(out, clauses);
   end_page(out);

@@ -120,12 +120,12 @@ std::vector<std::string> print_files(const std::string& csv, const std::string& 
                                      const Arguments& args, const Words& words) {
   words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(table));
   if (args.no_picture || args.record == "-") return {csv};
-  const Drawing drawing =
-      draw_columns(csv, title, rows != nullptr ? rows->together() : table, run.draw, outputs.pictures);
+  const bool detailed = rows != nullptr && table.n_rows() > 1;
+  const Drawing drawing = draw_columns(csv, title, detailed ? rows->together() : table, run.draw, outputs.pictures);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
   if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
-  if (!drawing.files.empty() && rows != nullptr && rows->joins_steps())
+  if (!drawing.files.empty() && detailed && rows->joins_steps())
     words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
   const std::size_t n = table.n_columns() - 1;
   if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
