@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -98,7 +99,7 @@ TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][c
     char mark = 0;
     for (int n = 0; points >> x >> mark >> y; ++n) {
       left = std::min(left, x), right = std::max(right, x), low = std::min(low, y), high = std::max(high, y);
-      while (points.peek() == ' ' || points.peek() == 'L' || points.peek() == '\n') points.get();
+      while (std::isspace(points.peek()) != 0 || points.peek() == 'L') points.get();
     }
     INFO(right - left << " x " << high - low);
     CHECK(high - low > 100);
