@@ -20,10 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string& kFolder = kRunnerFolder;
-const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
-
-const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
-const std::string kHinge = R"("name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])";
 
 }  // namespace
 

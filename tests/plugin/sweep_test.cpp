@@ -120,10 +120,10 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
 }
 
 TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runner][sweep]") {
-  const Called r = call("sweep '" + kRod + "' --until 0.1 --vary bodies.rod.rod.to.0=-1,0,1 --record middle.csv");
+  const Called r = call("sweep '" + kRod + "' --until 0.1 --vary length=-1,0,1 --record middle.csv");
   INFO(r.text);
   CHECK(r.exit == 1);
-  CHECK(contains(r.text, "run 2 (bodies.rod.rod.to.0 = 0 m) failed: "));
+  CHECK(contains(r.text, "run 2 (length = 0 m) failed: "));
   CHECK(contains(r.text, "a rod needs a length"));
   const auto rows = results_of("middle.csv");
   REQUIRE(rows.size() == 4);

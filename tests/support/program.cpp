@@ -15,6 +15,9 @@ namespace lockstep::testing {
 namespace fs = std::filesystem;
 
 const std::string kRunnerFolder = std::string(paths::kBuild) + "/output/runner";
+const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
+const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
+const std::string kHinge = R"("name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])";
 
 Called shell(const std::string& line) {
   fs::create_directories(kRunnerFolder);

@@ -21,6 +21,11 @@ Called shell(const std::string& line);
 /// Writes a scene of these members into the folder; its path.
 std::string scene_file(const std::string& name, const std::string& members);
 
+/// The path of the sample scene four_bar.json.
+extern const std::string kFourBar;
+/// Members of scenes: an arm along x from the origin to (1 m, 0, 0), and what a hinge at the origin holds, without braces.
+extern const std::string kArm, kHinge;
+
 bool contains(const std::string& text, const std::string& part);
 
 }  // namespace lockstep::testing

@@ -2,12 +2,18 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
-#include "framework/tools/charts/gnuplot.h"
 #include <lockstep/error.h>
+#include <lockstep/math.h>
+#include "framework/tools/charts/chart_path.h"
+#include "framework/tools/charts/gnuplot.h"
 #include "tests/support/catch.h"
 
 namespace chart_grid_test {
@@ -50,6 +56,57 @@ TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]")
   };
   CHECK(count("<title>one</title>") == 1);
   CHECK(count("<title>two</title>") == 1);
+  fs::remove_all(folder);
+}
+
+TEST_CASE("curves that would go on end in rings, which the legend names", "[unit][chart]") {
+  if (find_gnuplot().empty()) return;
+  const fs::path folder = fs::temp_directory_path() / ("lockstep_rings_test_" + std::to_string(getpid()));
+  fs::create_directory(folder);
+  const auto drawn = [&](const GridSpec& grid) {
+    write_grid((folder / "grid").string(), grid);
+    std::ifstream in(folder / "grid.svg");
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  GridSpec grid = two_panels();
+  grid.open_label = "finer was not tried";
+  CHECK(drawn(grid).find("finer was not tried") == std::string::npos);  // no entry without rings
+  grid.panels[0].open_ends.x = {1e-1}, grid.panels[0].open_ends.y = {1e-3};
+  CHECK(drawn(grid).find("finer was not tried") != std::string::npos);
+  grid.panels[0].open_ends.y.clear();
+  CHECK_THROWS_AS(write_grid((folder / "grid").string(), grid), ModelError);
+  fs::remove_all(folder);
+}
+
+// A circle is one where both scales are equal: its curve is as wide as it is high, in pixels.
+TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][chart]") {
+  if (find_gnuplot().empty()) return;
+  const fs::path folder = fs::temp_directory_path() / ("lockstep_path_test_" + std::to_string(getpid()));
+  fs::create_directory(folder);
+  PathSpec spec{"a circle", "x [m]", "y [m]"};
+  for (int i = 0; i <= 360; ++i)
+    spec.x.push_back(2 + 0.3 * std::cos(kTwoPi * i / 360)), spec.y.push_back(-1 + 0.3 * std::sin(kTwoPi * i / 360));
+  for (const bool equal : {true, false}) {
+    spec.equal_scales = equal;
+    write_path((folder / "circle").string(), spec);
+    std::ifstream in(folder / "circle.svg");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    for (const char* word : {"x [m]", "y [m]", "start", "a circle"}) CHECK(text.find(word) != std::string::npos);
+    const std::size_t plot = text.find("gnuplot_plot_1"), path = text.find(" d='M", plot);
+    REQUIRE(path != std::string::npos);
+    std::istringstream points(text.substr(path + 5, text.find('\'', path + 5) - path - 5));
+    double left = 1e9, right = -1e9, low = 1e9, high = -1e9, x = 0, y = 0;
+    char mark = 0;
+    for (int n = 0; points >> x >> mark >> y; ++n) {
+      left = std::min(left, x), right = std::max(right, x), low = std::min(low, y), high = std::max(high, y);
+      while (std::isspace(points.peek()) != 0 || points.peek() == 'L') points.get();
+    }
+    INFO(right - left << " x " << high - low);
+    CHECK(high - low > 100);
+    CHECK((std::abs((right - left) - (high - low)) < 1.5) == equal);
+  }
+  CHECK_THROWS_AS(write_path("nothing", PathSpec{"empty", "x", "y"}), ModelError);
+  CHECK_THROWS_AS(write_path("nothing", PathSpec{"uneven", "x", "y", {1, 2}, {1}}), ModelError);
   fs::remove_all(folder);
 }
 

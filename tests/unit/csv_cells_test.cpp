@@ -20,6 +20,7 @@ TEST_CASE("csv cells: texts read back as they were, on one line", "[unit][csv]")
   CHECK(csv_cell("plain") == "plain");
   CHECK(csv_cell("say \"no\"") == "\"say \"\"no\"\"\"");
   CHECK(csv_cell("two\nlines\t") == "\"two lines \"");
+  CHECK(csv_cell("\xEF\xBB\xBFx") == "\"\xEF\xBB\xBFx\"");  // no byte order mark
 }
 
 }  // namespace csv_cells_test

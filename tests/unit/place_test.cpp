@@ -76,7 +76,7 @@ TEST_CASE("a wrong path is refused with the nearest right one", "[unit][scene]")
   check_words(find.refusal("links.A.drive.slope"),
               {"\"links.A.drive\" has no \"slope\"", "\"links.A.drive.law.slope\"?"});
   check_words(find.refusal("gravity.3"), {"\"gravity\" has no \"3\"", "\"gravity."});
-  check_words(find.refusal("gravity.x"), {"\"gravity\" has no \"x\""});
+  check_words(find.refusal("gravity.w"), {"\"gravity\" has no \"w\""});
   check_words(find.refusal("gravity.1.2"), {"\"gravity.1\" is one value and has no parts", "\"gravity.1\"?"});
   check_words(find.refusal("run.tolerence"), {"did you mean \"run.tolerance\"?"});
   check_words(find.refusal(""), {"the scene has no \"\""});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <lockstep/body.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
@@ -60,9 +61,12 @@ Amount as_point(Amount q, const Where& where, const std::string& context) {
 Definitions::Definitions(const Value& root) {
   take(root, "parameters", false);
   take(root, "points", true);
+  take_things(root, "bodies");
+  take_things(root, "markers");
 }
 
 const Amount* Definitions::find(const std::string& name) {
+  if (Entry* of_body = place(name)) return &value(*of_body);
   const auto found = index_.find(name);
   return found == index_.end() ? nullptr : &value(entries_[found->second]);
 }
@@ -89,8 +93,21 @@ Amount Definitions::evaluate(const Value& formula, const std::string& context) {
   return placed(formula.where, context, [&] {
     const expression::Expression e(*formula.text());
     const expression::Names known = [this](const std::string& name) { return find(name); };
-    return expression::evaluate(e, known, [this] { return names(false); });
+    return expression::evaluate(e, known, [this] {
+      std::vector<std::string> all = names(false);
+      for (const auto& [thing, object] : things_) all.push_back(thing + ".at");
+      return all;
+    });
   });
+}
+
+Value Definitions::resolved(Value v, const std::string& context) {
+  if (is_formula(v)) return placed_value(evaluate(v, context), v.where);
+  if (Value::List* items = v.list())
+    for (std::size_t i = 0; i < items->size(); ++i) (*items)[i] = resolved((*items)[i], item(context, i));
+  if (Value::Object* members = v.object())
+    for (Value::Member& m : *members) m.value = resolved(m.value, part_of(context, m.key));
+  return v;
 }
 
 Value Definitions::placed_value(const Amount& q, const Where& where) {
@@ -123,7 +140,8 @@ void Definitions::take(const Value& root, const char* key, bool points) {
 
 const Amount& Definitions::value(Entry& e) {
   if (e.value) return *e.value;
-  const std::string context = part_of(part_of("scene", e.point ? "points" : "parameters"), e.name);
+  const std::string context =
+      e.place.empty() ? part_of(part_of("scene", e.point ? "points" : "parameters"), e.name) : "\"" + e.name + "\"";
   const auto begun = std::find(open_.begin(), open_.end(), &e);
   if (begun != open_.end()) {
     std::string circle;
@@ -134,11 +152,97 @@ const Amount& Definitions::value(Entry& e) {
     refuse(e.given->where, context,
            "more than " + std::to_string(kMostChained) + " parameters hang on one another; shorten the chain");
   open_.push_back(&e);
-  Amount q = given(*e.given, context, e.point);
+  Amount q;
+  if (e.place.empty()) {
+    q = given(*e.given, context, e.point);
+  } else {
+    const Vec3 x = place_of(e);
+    q.is_vector = true, q.v[0] = x[0], q.v[1] = x[1], q.v[2] = x[2];
+  }
   open_.pop_back();
   if (e.point) q = as_point(q, e.given->where, context);
   e.value = q;
   return *e.value;
+}
+
+// -- places of bodies and markers, as the scene gives them
+
+void Definitions::take_things(const Value& root, const char* list) {
+  const Value* all = root.find(list);
+  if (all == nullptr || all->list() == nullptr) return;
+  for (const Value& object : *all->list())
+    if (const Value* name = object.find("name"); name != nullptr && name->text() != nullptr)
+      things_.emplace(*name->text(), &object);
+}
+
+// Of "rod.to"; nullptr for other names. Entries stay where they are in memory: others may be open.
+Definitions::Entry* Definitions::place(const std::string& name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos) return nullptr;
+  if (const auto known = places_.find(name); known != places_.end()) return &known->second;
+  const auto thing = things_.find(name.substr(0, dot));
+  if (thing == things_.end()) return nullptr;
+  return &places_.emplace(name, Entry{name, true, thing->second, {}, name.substr(dot + 1)}).first->second;
+}
+
+Vec3 Definitions::place_of(const Entry& e) {
+  const Value& object = *e.given;
+  const Value* carrier = object.find("body");
+  if (carrier == nullptr) return place_of_body(e);
+  const std::string owner = owner_of("marker", *object.find("name")->text());
+  if (e.place != "at") refuse(object.where, owner, "it has no \"." + e.place + "\"; a marker has a place \".at\"");
+  if (object.find("world_at") != nullptr) return vector_under(object, "world_at", owner);
+  const Value* at = object.find("at");
+  if (at != nullptr && at->text() != nullptr && !is_formula(*at)) return vector_under(object, "at", owner);  // a point
+  const Vec3 own = vector_under(object, "at", owner);
+  const std::string body = carrier->text() != nullptr ? *carrier->text() : "";
+  if (body == "ground" || !things_.contains(body)) return own;
+  const Pose home = home_of(body);
+  return home.x + rotation(home.q) * own;
+}
+
+Vec3 Definitions::place_of_body(const Entry& e) {
+  const std::string owner = owner_of("body", *e.given->find("name")->text());
+  const Value* rod = e.given->find("rod");
+  if (rod != nullptr && rod->object() != nullptr) {
+    if (e.place == "at") return 0.5 * (end_of_rod(e, *rod, "from") + end_of_rod(e, *rod, "to"));
+    return end_of_rod(e, *rod, e.place.c_str());
+  }
+  if (e.place != "at")
+    refuse(e.given->where, owner, "it is no rod and has no \"." + e.place + "\"; its origin is \".at\"");
+  return vector_under(*e.given, "position", owner);
+}
+
+Vec3 Definitions::end_of_rod(const Entry& e, const Value& rod, const char* end) {
+  return vector_under(rod, end, part_of(owner_of("body", *e.given->find("name")->text()), "rod"));
+}
+
+// A point by name, a formula or numbers; the origin where the key is not given.
+Vec3 Definitions::vector_under(const Value& object, const std::string& key, const std::string& owner) {
+  const Value* v = object.find(key);
+  if (v == nullptr) return Vec3::Zero();
+  const std::string context = part_of(owner, key);
+  const bool named = v->text() != nullptr && is_point(*v->text());
+  const Amount q = named ? *find(*v->text()) : as_point(given(*v, context, true), v->where, context);
+  return {q.v[0], q.v[1], q.v[2]};
+}
+
+Pose Definitions::home_of(const std::string& body) {
+  const Value& object = *things_.at(body);
+  const std::string owner = owner_of("body", body);
+  const Value *rod = object.find("rod"), *orientation = object.find("orientation");
+  const Amount* at = find(body + ".at");
+  Pose home{{at->v[0], at->v[1], at->v[2]}, {}};
+  if (orientation != nullptr) {
+    const std::string context = part_of(owner, "orientation");
+    home.q = read_orientation(resolved(*orientation, context), context);
+  } else if (rod != nullptr && rod->object() != nullptr) {
+    const Amount from = *find(body + ".from"), to = *find(body + ".to");
+    home.q = placed(rod->where, owner, [&] {
+      return shapes::slender_rod(1, {from.v[0], from.v[1], from.v[2]}, {to.v[0], to.v[1], to.v[2]}, 1).home.q;
+    });
+  }
+  return home;
 }
 
 Amount Definitions::given(const Value& v, const std::string& context, bool point) {

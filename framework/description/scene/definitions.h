@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/math.h>
 #include <lockstep/scene.h>
 #include "framework/mechanism/expression/quantity.h"
 
@@ -14,7 +15,9 @@ namespace lockstep {
 /// Whether it is a text that begins with "=".
 inline bool is_formula(const Value& v) { return v.text() != nullptr && v.text()->starts_with('='); }
 
-/// "parameters" and "points" of a scene, each computed when it is first read, and formulas of them.
+/// "parameters" and "points" of a scene, each computed when it is first read, and formulas of them. Formulas read places
+/// of its bodies and markers too, where these stand in the scene: "rod.at", the origin of body rod or of marker rod,
+/// "rod.from" and "rod.to", the ends of a rod.
 class Definitions {
  public:
   /// Of this root, which outlives the object. Throws SceneError for names that cannot be.
@@ -30,6 +33,9 @@ class Definitions {
   /// The value of a formula, which stands under `context`. Throws SceneError.
   expression::Amount evaluate(const Value& formula, const std::string& context);
 
+  /// The value with its formulas, at any depth, replaced by theirs.
+  Value resolved(Value, const std::string& context);
+
   /// As a scene holds it, at this place of the file.
   static Value placed_value(const expression::Amount&, const Where&);
 
@@ -39,13 +45,23 @@ class Definitions {
     bool point;
     const Value* given;
     std::optional<expression::Amount> value{};
+    std::string place{};  // of a body or marker: "at", "from", "to"
   };
   void take(const Value& root, const char* key, bool points);
   const expression::Amount& value(Entry&);
   expression::Amount given(const Value&, const std::string& context, bool point);
+  void take_things(const Value& root, const char* list);
+  Entry* place(const std::string& name);
+  Vec3 place_of(const Entry&);
+  Vec3 place_of_body(const Entry&);
+  Vec3 end_of_rod(const Entry&, const Value& rod, const char* end);
+  Vec3 vector_under(const Value& object, const std::string& key, const std::string& owner);
+  Pose home_of(const std::string& body);
 
   std::vector<Entry> entries_;
   std::map<std::string, std::size_t> index_;
+  std::map<std::string, const Value*> things_;  // bodies and markers
+  std::map<std::string, Entry> places_;         // of these, that were read
   std::vector<const Entry*> open_;  // those that are being computed
 };
 

@@ -67,6 +67,8 @@ std::string part_words(const Key& key, const Part& part) {
       return "object of quantities";
     case Holds::named_points:
       return "object of points";
+    case Holds::settings:
+      return "object of values by path";
   }
   return name_of(key.form);
 }

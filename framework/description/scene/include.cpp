@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <span>
 
@@ -9,6 +10,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
+#include "framework/description/scene/moved_scene.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/resolve.h"
@@ -90,8 +92,10 @@ class Renaming {
   std::string prefix_;
 };
 
+using Formulas = std::vector<std::pair<Where, std::string>>;
+
 // Gives the included scene's parameters the values that are asked for.
-void set_parameters(Value& scene, const Params& p, Definitions& outer) {
+void set_parameters(Value& scene, const Params& p, Definitions& outer, Formulas& formulas) {
   if (!p.has("parameters")) return;
   const Value& given = p.value("parameters");
   const std::string owner = part_of(p.owner(), "parameters");
@@ -105,9 +109,23 @@ void set_parameters(Value& scene, const Params& p, Definitions& outer) {
         for (const Value::Member& k : *own->object()) known.push_back(k.key);
       refuse(m.where, owner, "the scene has no parameter \"" + m.key + "\"" + text::suggestion(m.key, known));
     }
-    *to = is_formula(m.value) ? Definitions::placed_value(outer.evaluate(m.value, part_of(owner, m.key)), m.value.where)
-                              : m.value;
+    if (is_formula(m.value)) formulas.emplace_back(m.value.where, *m.value.text());
+    *to = outer.resolved(m.value, part_of(owner, m.key));
   }
+}
+
+// The include's place with the values of formulas and points.
+Value settled(const Value& include, const std::string& owner, Definitions& outer, Formulas& formulas) {
+  Value v = include;
+  if (v.object() == nullptr) return v;
+  for (Value::Member& m : *v.object()) {
+    if (m.key != "at" && m.key != "orientation") continue;
+    const bool named = m.key == "at" && m.value.text() != nullptr && outer.is_point(*m.value.text());
+    if (is_formula(m.value)) formulas.emplace_back(m.value.where, *m.value.text());
+    m.value = named ? Definitions::placed_value(*outer.find(*m.value.text()), m.value.where)
+                    : outer.resolved(m.value, part_of(owner, m.key));
+  }
+  return v;
 }
 
 std::string path_of(const Params& p, const std::vector<std::string>& files) {
@@ -125,52 +143,76 @@ std::string path_of(const Params& p, const std::vector<std::string>& files) {
   return path.lexically_normal().string();
 }
 
-Value read_included(const Params& p, Definitions& outer, const std::vector<std::string>& files) {
+Value read_included(const Params& p, Definitions& outer, const std::vector<std::string>& files, Formulas& formulas) {
   Scene inner;
   inner.file = path_of(p, files);
   inner.root = read_json_file(inner.file);
   if (inner.root.object() == nullptr) p.refuse("scene", "\"" + inner.file + "\" holds no object");
   rename_old_keys(inner.root);
-  set_parameters(inner.root, p, outer);
+  set_parameters(inner.root, p, outer, formulas);
   std::vector<std::string> within = files;
   within.push_back(inner.file);
   resolve_formulas(inner, within);
+  formulas.insert(formulas.end(), inner.formulas.begin(), inner.formulas.end());
+  if (p.has("at") || p.has("orientation"))
+    with_formulas(inner, [&] { move_scene(inner.root, {p.vector3("at"), p.orientation("orientation")}); });
   Renaming(inner.root, p.text("prefix")).apply(inner.root);
   return std::move(inner.root);
 }
 
-// Those of the included scene before the scene's own; plugins behind.
-void merge(Value& root, Value& inner, const char* key) {
+// What one included scene brings, behind what those before it brought.
+void append(Value& all, Value& inner, const char* key) {
   Value* from = member(inner, key);
   if (from == nullptr) return;
-  Value* to = member(root, key);
+  Value* to = member(all, key);
   if (to == nullptr) {
-    root.object()->push_back({key, std::move(*from), from->where});
-    return;
+    all.object()->push_back({key, std::move(*from), from->where});
+  } else if (from->list() != nullptr && to->list() != nullptr) {
+    std::move(from->list()->begin(), from->list()->end(), std::back_inserter(*to->list()));
+  } else if (from->object() != nullptr && to->object() != nullptr) {
+    std::move(from->object()->begin(), from->object()->end(), std::back_inserter(*to->object()));
   }
-  if (from->list() != nullptr && to->list() != nullptr)
-    to->list()->insert(to->list()->begin(), std::make_move_iterator(from->list()->begin()),
-                       std::make_move_iterator(from->list()->end()));
-  if (from->object() != nullptr && to->object() != nullptr)
-    to->object()->insert(to->object()->begin(), std::make_move_iterator(from->object()->begin()),
-                         std::make_move_iterator(from->object()->end()));
+}
+
+constexpr const char* kBrought[] = {"requires", "points", "bodies", "markers", "links", "forces", "events"};
+
+// What is brought comes before the scene's own.
+Value together(const Value& own, Value brought) {
+  Value all = own;
+  for (const char* key : kBrought) {
+    Value *from = member(brought, key), *to = member(all, key);
+    if (from == nullptr) continue;
+    if (to == nullptr) {
+      all.object()->push_back({key, std::move(*from), from->where});
+      continue;
+    }
+    if ((from->list() != nullptr) != (to->list() != nullptr)) continue;  // refused by the reader of the key
+    if (from->object() != nullptr && to->object() == nullptr) continue;
+    append(brought, all, key);
+    *to = std::move(*from);
+  }
+  return all;
 }
 
 }  // namespace
 
-void expand_includes(Value& root, const std::vector<std::string>& files) {
+void expand_includes(Value& root, const std::vector<std::string>& files, Formulas& formulas) {
   const Value source = root;
-  Definitions definitions(source);
-  root = root.without({"include"});
+  const Value own = root.without({"include"});
   const Value& includes = *source.find("include");
   if (includes.list() == nullptr)
     refuse(includes.where, "scene.include", "expected a list of objects, got " + shown(includes));
-  for (std::size_t i = includes.list()->size(); i-- > 0;) {  // each comes before what is there
-    const Params p = params_of((*includes.list())[i], "include", item("include", i), nullptr);
-    Value inner = read_included(p, definitions, files);
-    for (const char* key : {"requires", "points", "bodies", "markers", "links", "forces", "events"})
-      merge(root, inner, key);
+  Value brought(Value::Object{});
+  for (std::size_t i = 0; i < includes.list()->size(); ++i) {
+    const Value& include = (*includes.list())[i];
+    const std::string owner = item("include", i);
+    const Value known = together(own, brought);  // its formulas read what others before it brought
+    Definitions definitions(known);
+    const Params p = params_of(settled(include, owner, definitions, formulas), "include", owner, nullptr);
+    Value inner = read_included(p, definitions, files, formulas);
+    for (const char* key : kBrought) append(brought, inner, key);
   }
+  root = together(own, std::move(brought));
 }
 
 }  // namespace lockstep

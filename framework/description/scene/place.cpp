@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <string_view>
 
 #include "framework/mechanism/params/units.h"
 #include "framework/description/scene/split.h"
@@ -98,7 +99,7 @@ struct Miss {
 class Walk {
  public:
   Walk(Value& root, std::vector<std::string> steps, const Registry& registry)
-      : registry_(registry), steps_(std::move(steps)), here_(&root) {
+      : registry_(registry), root_(root), steps_(std::move(steps)), here_(&root) {
     Kind kind;
     kind.part = {"", Holds::object, "scene"}, kind.has_part = true;
     kind_ = kind_of(root, kind, registry_);
@@ -142,6 +143,7 @@ class Walk {
     std::size_t index = items.size();
     for (std::size_t k = 0; k < items.size() && index == items.size(); ++k)
       if (items[k].find("name") != nullptr && step_to(items[k], k) == steps_[i]) index = k;
+    if (index == items.size()) index = component(items, steps_[i]);
     if (index == items.size()) {
       const char* end = steps_[i].data() + steps_[i].size();
       const auto [stop, error] = std::from_chars(steps_[i].data(), end, index);
@@ -151,6 +153,13 @@ class Walk {
     kind_ = kind_of(*here_, {kind_.key, kind_.part, kind_.has_part}, registry_);
     path_ += (path_.empty() ? "" : ".") + step_to(*here_, index);
     return true;
+  }
+
+  // "x", "y", "z" of three plain values; the number of items for anything else.
+  static std::size_t component(const Value::List& items, const std::string& step) {
+    const bool plain = items.size() == 3 && items.front().object() == nullptr && items.front().list() == nullptr;
+    const std::size_t k = step.size() == 1 ? std::string_view("xyz").find(step) : std::string_view::npos;
+    return plain && k != std::string_view::npos ? k : items.size();
   }
 
   // The value of a key that the scene leaves out: empty at the end of the path, else the default.
@@ -185,12 +194,23 @@ class Walk {
     if (i == steps_.size())
       m.problem = plain ? owner + " is not in the scene and holds several values; add it first"
                         : owner + " holds several values; name one of them";
+    else if (here_->text() != nullptr && here_->text()->starts_with('='))
+      m.problem = owner + " is given as a whole by the formula \"" + *here_->text() +
+                  "\"; vary what it is made of, or set all of it";
+    else if (here_->text() != nullptr && is_point(*here_->text()))
+      m.problem = owner + " is point \"" + *here_->text() + "\"; vary that, or what it is made of";
     else
       m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
     return m;
   }
 
+  bool is_point(const std::string& name) const {
+    const Value* points = root_.find("points");
+    return points != nullptr && points->find(name) != nullptr;
+  }
+
   const Registry& registry_;
+  const Value& root_;
   std::vector<std::string> steps_;
   Value* here_;
   Kind kind_;

@@ -17,7 +17,7 @@ struct ScenePlace {
   Key key;  ///< its key in the tables; for a list's item, the list's key; without a name if there is none
 };
 
-/// The steps of a path are keys of objects, and names or numbers (from 0) of list items. A key that the tables know and
+/// The steps of a path are keys of objects, names or numbers (from 0) of list items, and x, y, z of vectors. A key that the tables know and
 /// the scene leaves out is inserted, empty. Throws ModelError with the nearest valid path if there is no such value, or
 /// if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);

@@ -76,6 +76,16 @@ constexpr Chapter kChapters[] = {
     {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},
     {"solvers", "Linear solvers", "`run.solver`: the name, or an object with its `type` and keys."}};
 
+// "23 objects, 61 types, 402 keys."
+std::string coverage_words(const Registry& registry) {
+  std::size_t n_types = 0, n_keys = 0;
+  for (const SceneTable& table : scene_tables()) n_keys += table.info.keys.size();
+  for (const Chapter& shelf : kChapters)
+    for (const Description& d : shelf_contents(registry, shelf.name)) ++n_types, n_keys += d.info.keys.size();
+  return "It covers all of them: " + std::to_string(scene_tables().size()) + " objects, " + std::to_string(n_types) +
+         " types, " + std::to_string(n_keys) + " keys.";
+}
+
 std::string law_remark(const Description& d) {
   if (d.shelf == "translation_laws") return " (law of a translation)";
   return d.shelf == "rotation_laws" ? " (law of a rotation)" : "";
@@ -88,7 +98,8 @@ std::string scene_reference(const Registry& registry) {
   out << "# Scene reference\nEvery object, type and key of a scene, written by `lockstep reference`; how they work "
          "together is told in "
          "Scenes. Lengths are in m, angles in rad, unless a text gives a unit. `lockstep describe NAME` shows the same "
-         "for one of them.\n";
+         "for one of them. "
+      << coverage_words(registry) << "\n";
   out << "\n## Objects\n";
   for (const SceneTable& table : scene_tables()) {
     out << "\n### " << table.info.name << "\n" << table.info.help << ".\n";
@@ -96,6 +107,8 @@ std::string scene_reference(const Registry& registry) {
   }
   for (const Chapter& shelf : kChapters) {
     out << "\n## " << shelf.heading << "\n" << shelf.text << "\n";
+    if (std::string(shelf.name) == "links")
+      out << "\n![P is seen from S by six coordinates; which of them each joint holds](lock.svg)\n";
     for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d, law_remark(d));
   }
   out << "\n## Values\n";

@@ -13,6 +13,7 @@
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
 #include "framework/description/scene/include.h"
+#include "framework/description/scene/place.h"
 #include "framework/description/scene/repeat.h"
 #include "framework/mechanism/params/read.h"
 
@@ -199,16 +200,34 @@ class Resolver {
   Definitions definitions_;
 };
 
+// "set": other values of what is there by now.
+void set_by_path(Value& root) {
+  static const Registry kBuiltIn = builtin_registry();
+  const Value given = *root.find("set");
+  root = root.without({"set"});
+  if (given.object() == nullptr)
+    refuse(given.where, "scene.set", "expected an object of values by path, got " + shown(given));
+  for (const Value::Member& m : *given.object()) {
+    if (m.value.list() != nullptr || m.value.object() != nullptr || m.value.is_null())
+      refuse(m.where, "scene.set",
+             "\"" + m.key + "\" is set to " + shown(m.value) +
+                 "; a path leads to one value: a number, a text, true or false");
+    placed(m.where, "scene.set", [&] { *find_place(root, m.key, kBuiltIn).value = m.value; });
+  }
+}
+
 }  // namespace
 
 void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
   Value& root = scene.root;
   const auto has = [&](const char* key) { return root.find(key) != nullptr; };
-  if (!has("parameters") && !has("points") && !has("repeat") && !has("include") && !holds_formula(root)) return;
+  if (!has("parameters") && !has("points") && !has("repeat") && !has("include") && !has("set") && !holds_formula(root))
+    return;
   scene.written = root;
-  if (!has("include") && !has("repeat")) return Resolver(scene, scene.written).resolve();
-  if (has("include")) expand_includes(root, files);
+  if (!has("include") && !has("repeat") && !has("set")) return Resolver(scene, scene.written).resolve();
+  if (has("include")) expand_includes(root, files, scene.formulas);
   if (has("repeat")) expand_repeats(root);
+  if (has("set")) set_by_path(root);
   const Value source = root;
   Resolver(scene, source).resolve();
 }

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "framework/description/scene/builder.h"
 #include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/run_outputs.h"
 
 namespace lockstep {
 namespace {
@@ -146,6 +147,7 @@ RunSettings read_run(const Value& v) {
   run.assemble = p.boolean("assemble");
   run.record = read_record(p);
   run.draw = read_draw(p, run.record);
+  read_outputs(v, run.record);  // refuses what is wrong in it
   return run;
 }
 

@@ -94,6 +94,9 @@ Json part_schema(const Key& key, const Part& part) {
       return {{"type", "object"}, {"additionalProperties", any_of({number_schema(Unit::any), vector})}};
     case Holds::named_points:
       return {{"type", "object"}, {"additionalProperties", any_of({vector, reference("formula")})}};
+    case Holds::settings:
+      return {{"type", "object"},
+              {"additionalProperties", any_of({number_schema(Unit::any), text, {{"type", "boolean"}}})}};
   }
   return Json::object();
 }

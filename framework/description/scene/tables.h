@@ -23,7 +23,8 @@ enum class Holds {
   vector_or_object,  ///< [x, y, z], an object of `table`, or three rows of three
   vector_or_word,    ///< [x, y, z], or one of the key's choices
   quantities,        ///< an object of numbers, texts with units, vectors and formulas by name
-  named_points       ///< an object of vectors and formulas by name
+  named_points,      ///< an object of vectors and formulas by name
+  settings           ///< an object of numbers, texts, formulas, true and false by path
 };
 
 struct Part {

@@ -40,34 +40,82 @@ std::optional<Unit> unit_of(const std::string& text) {
   return {};
 }
 
-// The SI unit of a parameter; "" for a pure number.
-std::string symbol_of(const SceneParameter& p) {
-  if (p.value.text() == nullptr) return {};
-  const std::string unit = p.value.text()->substr(std::min(p.value.text()->find(' ') + 1, p.value.text()->size()));
+// The SI unit of a parameter's value; "" for a pure number.
+std::string symbol_of(const Value& v) {
+  if (v.text() == nullptr) return {};
+  const std::string unit = v.text()->substr(std::min(v.text()->find(' ') + 1, v.text()->size()));
   return unit == "1" ? "" : unit;
 }
 
 const Value& written_root(const Scene& scene) { return scene.written.is_null() ? scene.root : scene.written; }
 
-// The path of a parameter that is asked for by its name alone.
+// The path of a parameter or point, or of a component of one, that is asked for by its name alone.
 std::string full_path(const std::string& path, const Scene& scene) {
-  if (written_root(scene).find(path) == nullptr)
+  const std::string head = path.substr(0, path.find('.'));
+  if (written_root(scene).find(head) == nullptr)
     for (const SceneParameter& p : scene.parameters)
-      if (p.name == path) return (p.is_point ? "points." : "parameters.") + path;
+      if (p.name == head) return (p.is_point ? "points." : "parameters.") + path;
   return path;
 }
 
-const SceneParameter* parameter_at(const std::string& place, const Scene& scene) {
-  for (const SceneParameter& p : scene.parameters)
-    if (!p.is_point && place == "parameters." + p.name) return &p;
+// What is known of a parameter at this place, or of its component: its value; nullptr where there is none.
+const Value* parameter_at(const std::string& place, const Scene& scene) {
+  for (const SceneParameter& p : scene.parameters) {
+    if (p.is_point || !place.starts_with("parameters." + p.name)) continue;
+    const std::string rest = place.substr(std::string("parameters.").size() + p.name.size());
+    if (rest.empty()) return &p.value;
+    const bool component = rest.size() == 2 && rest[0] == '.' && rest[1] >= '0' && rest[1] <= '2';
+    if (component && p.value.list() != nullptr) return &(*p.value.list())[static_cast<std::size_t>(rest[1] - '0')];
+  }
   return nullptr;
 }
 
-// find_place(), where a name that is unknown may be a parameter's.
+// Things that included and repeated parts bring are not in the scene as written: their values are set in its "set".
+const std::string kSet = "set.";
+
+// The value of "set" for a path, made where there is none.
+Value& value_in_set(Value& root, const std::string& path) {
+  const auto under = [](Value& object, const std::string& key, Value fresh) -> Value& {
+    for (Value::Member& m : *object.object())
+      if (m.key == key) return m.value;
+    object.object()->push_back({key, std::move(fresh), object.where});
+    object.object()->back().value.where = object.where;
+    return object.object()->back().value;
+  };
+  Value& set = under(root, "set", Value(Value::Object{}));
+  if (set.object() == nullptr) throw ModelError("\"set\" of the scene is no object of values by path");
+  return under(set, path, Value());
+}
+
+// A place as in Variable::place.
+Value& value_at(Value& root, const std::string& place, const Registry& registry) {
+  return place.starts_with(kSet) ? value_in_set(root, place.substr(kSet.size()))
+                                 : *find_place(root, place, registry).value;
+}
+
+std::optional<ScenePlace> place_in_parts(const std::string& path, const Scene& scene, const Registry& registry) {
+  const Value& written = written_root(scene);
+  if (written.find("include") == nullptr && written.find("repeat") == nullptr) return std::nullopt;
+  try {
+    Value expanded = scene.root;
+    ScenePlace place = find_place(expanded, path, registry);
+    if (place.value->is_null()) return std::nullopt;
+    place.path = kSet + place.path, place.value = nullptr;
+    return place;
+  } catch (const ModelError&) {
+    return std::nullopt;
+  }
+}
+
+// find_place(), where a name that is unknown may be a parameter's, or that of a thing of an included or repeated part;
+// the place of such a thing holds no value.
 ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
+  const Value before = root;
   try {
     return find_place(root, full_path(path, scene), registry);
   } catch (const ModelError&) {
+    root = before;  // without the empty keys on the way to nowhere
+    if (const std::optional<ScenePlace> place = place_in_parts(path, scene, registry)) return *place;
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
     const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
@@ -79,11 +127,13 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
 /// Reads words into the values that a place may hold.
 class Reader {
  public:
-  Reader(const ScenePlace& place, const SceneParameter* parameter, std::string path)
+  /// `now`: the value at the place. `parameter`: that of a parameter, or null.
+  Reader(const ScenePlace& place, const Value& now, const Value* parameter, std::string path)
       : key_(place.key), path_(std::move(path)) {
     if (parameter != nullptr) {
-      if (parameter->value.list() != nullptr)
-        throw ModelError("\"" + path_ + "\" is a vector; name one of its numbers, or write it of parameters");
+      if (parameter->list() != nullptr)
+        throw ModelError("\"" + path_ + "\" is a vector; name one of its numbers (" + path_ + ".x), or give all by a " +
+                         "formula: " + path_ + "=\"=[1, 2, 3]\"");
       numeric_ = true, key_.unit = Unit::any, symbol_ = symbol_of(*parameter);
       return;
     }
@@ -91,8 +141,7 @@ class Reader {
     numeric_ = form == Form::number || form == Form::vector3 || form == Form::axis || form == Form::orientation ||
                form == Form::numbers || form == Form::points || form == Form::law || form == Form::laws ||
                form == Form::translation_law || form == Form::rotation_law;
-    if (numeric_) return;
-    const Value& now = *place.value;  // the tables do not know: it keeps its kind
+    if (numeric_) return;  // else, where the tables do not know, it keeps its kind
     const bool open = form == Form::any && key_.choices.empty();
     const bool quantity = now.text() != nullptr && read_quantity(*now.text(), Unit::any).problem.empty();
     numeric_ = open && (now.number() != nullptr || quantity);
@@ -141,6 +190,13 @@ class Reader {
   std::optional<std::string> symbol_;  // of a parameter; "": without a unit
 };
 
+// The value at a place as in Variable::place.
+Value value_now(const std::string& place, Value& root, const Scene& scene, const Registry& registry) {
+  if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
+  Value expanded = scene.root;
+  return *find_place(expanded, place.substr(kSet.size()), registry).value;
+}
+
 // a:b:n. Both ends are met exactly.
 std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& parts, const std::string& path) {
   if (parts.size() != 3)
@@ -185,15 +241,16 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   const ScenePlace place = place_of(root, path, scene, registry);
   if (place.path.starts_with("requires"))
     throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
-  const SceneParameter* parameter = parameter_at(place.path, scene);
+  const Value* parameter = parameter_at(place.path, scene);
+  Value& old = value_at(root, place.path, registry);
   Value v = value_of(word);
   if (parameter != nullptr && !word.starts_with('=')) {
-    v = Reader(place, parameter, path).read(word);
+    v = Reader(place, old, parameter, path).read(word);
     if (const std::string unit = symbol_of(*parameter); !unit.empty())
       v = Value(text::number(*v.number()) + " " + unit);
   }
-  v.where = place.value->where;
-  *place.value = std::move(v);
+  v.where = old.where;
+  old = std::move(v);
 }
 
 }  // namespace
@@ -210,9 +267,9 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   ScenePlace place = place_of(root, v.path, scene, registry);
   v.place = place.path, v.near = place.near;
   if (v.place.starts_with("points.")) place.key.form = Form::number, place.key.unit = Unit::length;
-  const SceneParameter* parameter = parameter_at(v.place, scene);
+  const Value* parameter = parameter_at(v.place, scene);
   if (parameter != nullptr) v.given_unit = symbol_of(*parameter);
-  Reader reader(place, parameter, v.path);
+  Reader reader(place, value_now(v.place, root, scene, registry), parameter, v.path);
   const std::string values = text.substr(equals + 1);
   const std::vector<std::string> range = split_at(':', values);
   if (range.size() > 1)
@@ -242,7 +299,7 @@ Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, con
                  const Registry& registry) {
   Value root = written_root(scene);
   for (std::size_t k = 0; k < variables.size(); ++k) {
-    Value& value = *find_place(root, variables[k].place, registry).value;
+    Value& value = value_at(root, variables[k].place, registry);
     const Where where = value.where;
     value = variables[k].values[choice[k]];
     if (!variables[k].given_unit.empty() && value.number() != nullptr)
@@ -269,7 +326,7 @@ std::vector<std::string> left_behind(const Variable& v, const Scene& scene, cons
     return read.problem.empty() ? std::optional(read.value) : std::nullopt;
   };
   std::vector<std::string> same;
-  if (!is_length(v.place)) return same;
+  if (v.place.starts_with(kSet) || !is_length(v.place)) return same;
   const std::optional<double> own = in_metres(*find_place(root, v.place, registry).value);
   if (!own || *own == 0) return same;
   for (const NumberAt& number : numbers_in(root)) {

@@ -59,8 +59,8 @@ constexpr Word kForms[] = {
 )_"},
     {"formula",
      R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. As a value of a scene
-it reads "parameters" and "points" and knows units; in a law it reads t, in a function joint x y z rx ry rz e1 e2 e3 and t.
-  "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)"
+it reads "parameters", "points" and places of bodies and knows units; in a law it reads t, in a function joint x y z rx ry rz e1 e2 e3 and t.
+  "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)"
 )_"},
     {"unit",
      R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad with n u m c d k M before them; deg, rev, turn, rpm,

@@ -1,6 +1,9 @@
 #include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/detail_observer.h"
 
 namespace lockstep {
+
+DetailObserver::~DetailObserver() = default;
 
 Observer::~Observer() = default;
 

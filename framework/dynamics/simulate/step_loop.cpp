@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
@@ -104,6 +105,7 @@ void StepLoop::add_observer(Observer& observer) {
     ++parts_->started;
   }
   observers_.push_back(&observer);
+  if (auto* detailed = dynamic_cast<DetailObserver*>(&observer)) parts_->detailed.push_back(detailed);
 }
 
 Event& StepLoop::add_event(Event event) {
@@ -173,8 +175,8 @@ void StepLoop::start_run() {
 }
 
 void StepLoop::make_start() {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
-      *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
+         detailed] = *parts_;
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, method_->info());
@@ -220,8 +222,8 @@ void StepLoop::make_start() {
 }
 
 void StepLoop::advance(double limit, double largest) {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
-      *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
+         detailed] = *parts_;
   const auto who = [&] {  // links and forces are compared over ten steps
     const std::string words =
         who_varies(dynamics_, state_, std::max(10 * parts_->clock.advised(), 1e-9 * std::max(1.0, std::abs(state_.t))));
@@ -270,8 +272,8 @@ void StepLoop::advance(double limit, double largest) {
 
 // All that follows an accepted step. A phase that throws is gone on with when the run goes on.
 void StepLoop::conclude() {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
-      *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
+         detailed] = *parts_;
   const Sample sample(dynamics_, state_, interval.report());
   switch (phase_) {
     case Phase::none:
@@ -294,6 +296,7 @@ void StepLoop::conclude() {
       ask_progress();
       [[fallthrough]];
     case Phase::jump:
+      parts_->show_before_jump(sample);
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");
@@ -346,8 +349,8 @@ void StepLoop::cross_jump(double t) {
 }
 
 void StepLoop::begin_method() {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
-      *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
+         detailed] = *parts_;
   if (method_->info().joint)
     dynamics_.to_formulation(state_, &before_change);
   else

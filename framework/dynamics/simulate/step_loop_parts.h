@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/clock.h"
@@ -12,6 +13,8 @@
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
+
+class DetailObserver;
 
 struct StepLoop::Parts {
   explicit Parts(StepLoop& of)
@@ -33,6 +36,12 @@ struct StepLoop::Parts {
     std::string refusal{};  // why no motion follows the jump; "" where one does
   } ended;                  // how the last step ended
   std::string cause;        // of the changes at its end
+
+  std::vector<DetailObserver*> detailed;  // of the observers
+  /// Shows states inside of the last step, from t0 to t1.
+  void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
+  /// Shows the state before what acts at the end of a step: an impact, a law's jump, an event that changes something.
+  void show_before_jump(const Sample&);
 };
 
 // Calls all observers that were not called in this phase yet.

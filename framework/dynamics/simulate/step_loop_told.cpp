@@ -1,9 +1,12 @@
 // What a step loop tells: observers their phases, the host its warnings.
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
 #include <exception>
 
+#include <lockstep/error.h>
 #include <lockstep/log.h>
+#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
@@ -26,6 +29,31 @@ void StepLoop::output_inside() {
   const double t0 = interval.from().t;
   for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
     if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
+  if (interval.has_dense())
+    for (DetailObserver* o : parts_->detailed) parts_->show_inside(*o, dynamics_, t0, state_.t);
+}
+
+// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
+void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
+  const double h = to.spacing();
+  if (!(h < t1 - t0 + h)) return;  // infinite
+  for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
+    try {
+      if (k * h > t0) to.between(Sample(dynamics, interval.at(k * h), interval.report()));
+    } catch (const Error&) {
+      continue;
+    }
+  }
+}
+
+void StepLoop::Parts::show_before_jump(const Sample& sample) {
+  if (detailed.empty()) return;
+  bool acts = ended.jump || ended.touched;
+  for (std::size_t i = 0; i < events.size() && !acts; ++i)
+    acts = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
+           events.due(i, sample.state.t) != EventLocator::Due::no;
+  if (!acts) return;
+  for (DetailObserver* o : detailed) o->before_jump(sample);
 }
 
 void StepLoop::output(const Sample& sample) {

@@ -28,7 +28,8 @@ std::string csv_cell(std::string_view text) {
     if (c == '"') doubled += '"';
     doubled += plain.back();
   }
-  const bool whole = plain == text::trimmed(plain) && plain.find_first_of(",\"") == std::string::npos;
+  const bool whole = plain == text::trimmed(plain) && plain.find_first_of(",\"") == std::string::npos &&
+                     !plain.starts_with("\xEF\xBB\xBF");
   return whole ? plain : '"' + doubled + '"';
 }
 

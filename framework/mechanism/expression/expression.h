@@ -84,7 +84,8 @@ struct Node {
 };
 
 /// A formula. Precedence, from the loosest: ? :, ||, &&, one comparison, + -, * /, signs and !, ^ (from the right),
-/// components .x .y .z. Directly behind a number stands its unit, as far as symbols of units go: "9.81 m/s^2".
+/// components .x .y .z. Directly behind a number stands its unit, as far as symbols of units go: "9.81 m/s^2". A name
+/// with ".at", ".from" or ".to" behind it, "rod.to", is one name: a place of a body.
 class LOCKSTEP_API Expression {
  public:
   /// Reads a formula, with or without "=" before it. `variables`: names that stand for no unit, so that "2 t" is no two

@@ -54,6 +54,7 @@ constexpr std::array<Binary, 12> kBinary{{{"||", Operation::disjunction, 1},
                                           {"*", Operation::multiply, 5},
                                           {"/", Operation::divide, 5}}};
 constexpr int kComparison = 3, kSigns = 6;
+constexpr std::array<std::string_view, 3> kPlacesOfBodies{"at", "from", "to"};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -181,16 +182,33 @@ class ExpressionParser {
 
   int components() {
     int of = primary();
+    if (e_.node(of).operation == Operation::name && place_of_body()) of = e_.root();
     while (at_ + 1 < text_.size() && text_[at_] == '.') {
       const std::size_t at = at_;
       const std::size_t k = std::string_view("xyz").find(text_[at_ + 1]);
       const bool longer = at_ + 2 < text_.size() && (begins_name(text_[at_ + 2]) || is_digit(text_[at_ + 2]));
-      if (k == std::string_view::npos || longer) fail(at, "expected \".x\", \".y\" or \".z\", a component of a point");
+      if (k == std::string_view::npos || longer)
+        fail(at, "expected \".x\", \".y\" or \".z\", a component of a point" +
+                     std::string(e_.node(of).operation == Operation::name ? "; or \".at\", \".from\", \".to\" of a body"
+                                                                          : ""));
       at_ += 2;
       of = put(Operation::component, at, {of});
       last().index = static_cast<int>(k);
     }
     return of;
+  }
+
+  // "rod.from" is a name.
+  bool place_of_body() {
+    for (const std::string_view place : kPlacesOfBodies) {
+      const std::size_t end = at_ + 1 + place.size();
+      if (at_ >= text_.size() || text_[at_] != '.' || text_.compare(at_ + 1, place.size(), place) != 0) continue;
+      if (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) continue;
+      last().name += text_.substr(at_, end - at_);
+      at_ = end;
+      return true;
+    }
+    return false;
   }
 
   int primary() {

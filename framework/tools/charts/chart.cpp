@@ -74,7 +74,7 @@ Layout layout_of(const ChartSpec& spec) {
   constexpr double kRow = 21, kGap = 12;
   std::size_t n_rows = 0;
   for (const Panel& p : spec.panels) n_rows = std::max(n_rows, legend_of(p, spec.width).n_rows);
-  const double top = spec.title.empty() ? 6 : 46;  // one line in large letters or two in small ones
+  const double top = 6 + title_height(spec.title);
   const double bottom = spec.x_label.empty() ? 36 : 72;
   const double pitch = (spec.height - top - bottom + kGap) / static_cast<double>(spec.panels.size());
   const double legend = std::min(kRow * static_cast<double>(n_rows) + 6, 0.5 * pitch);

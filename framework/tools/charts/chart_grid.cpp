@@ -14,14 +14,12 @@ namespace {
 using namespace chart_style;
 
 // Pixels.
-constexpr double kTitle = 54, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
+constexpr double kBelowTitle = 14, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
                  kRight = 24, kBeforeRemarks = 22;
 
 // The colours of chart_style and five more, which most readers can distinguish; marks and dashes do the rest.
 constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
                                               "#000000", "#882255", "#999933", "#5b3fa0", "#8c564b", "#7f7f7f"};
-
-constexpr std::size_t kOneLine = 98;  // letters of a title
 
 /// All labels with their line styles and colours.
 struct Legend {
@@ -30,6 +28,7 @@ struct Legend {
   std::vector<std::string> colors;
   std::size_t n_columns = 1, n_rows = 0;
   double width = 0;  // letters added to each column: gnuplot underestimates their width
+  bool rings = false;
 
   std::size_t index(const std::string& label) const {
     return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
@@ -49,9 +48,11 @@ Legend legend_of(const GridSpec& spec) {
         legend.labels.push_back(s.label), legend.styles.push_back(style);
         longest = std::max(longest, s.label.size());
       }
+  for (const GridPanel& panel : spec.panels) legend.rings = legend.rings || !panel.open_ends.x.empty();
+  if (legend.rings) longest = std::max(longest, spec.open_label.size());
   const double letters = static_cast<double>(longest);
   const std::size_t fits = legend_columns(spec.width - kLeft - kRight, letters, 9.5);
-  const std::size_t n = legend.labels.size();
+  const std::size_t n = legend.labels.size() + (legend.rings ? 1 : 0);
   legend.n_rows = (n + fits - 1) / fits;
   legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
   legend.width = 1 + 0.25 * letters;
@@ -68,7 +69,7 @@ Layout layout_of(const GridSpec& spec, const Legend& legend) {
   all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.panels.size());
   all.n_rows = (spec.panels.size() + all.n_columns - 1) / all.n_columns;
   all.width = spec.width;
-  all.title = kTitle + (spec.title.size() > kOneLine ? kLegendRow : 0);
+  all.title = kBelowTitle + title_height(spec.title);
   all.top = all.title + kLegendRow * static_cast<double>(legend.n_rows);
   all.plot_height = spec.panel_height - kAbove - kBelow;
   const auto n = static_cast<double>(all.n_columns);
@@ -85,7 +86,9 @@ void whole_page(Script& out) {
   margins(out, 0, 1, 1, 0);
 }
 
-void add_legend(Script& out, const Layout& all, const Legend& legend) {
+constexpr const char* kRings = "with points pt 6 ps 2.2 lw 1.6 lc rgb '#555555'";
+
+void add_legend(Script& out, const GridSpec& spec, const Layout& all, const Legend& legend) {
   whole_page(out);
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
                        kLeft / all.width, 1 - (all.title - 6) / all.height, legend.n_columns, legend.width));
@@ -95,6 +98,7 @@ void add_legend(Script& out, const Layout& all, const Legend& legend) {
     clause.replace(0, std::string("$none using 1:2").size(), "keyentry");
     clauses.push_back(clause);
   }
+  if (legend.rings) clauses.push_back(fmt::format("keyentry {} title {}", kRings, quoted_text(spec.open_label)));
   plot(out, clauses);
   out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
 }
@@ -146,6 +150,10 @@ void add_panel(Script& out, const GridSpec& spec, const Layout& all, const Legen
     s.label.clear();
     clauses.push_back(plot_clause(block_name(k, i), s, n));
   }
+  if (!panel.open_ends.x.empty()) {
+    path_data(out, "open", panel.open_ends);
+    clauses.push_back(fmt::format("$open using 1:2 {} notitle", kRings));
+  }
   plot(out, clauses);
 }
 
@@ -164,7 +172,8 @@ void add_remarks(Script& out, const GridSpec& spec, const Layout& all) {
 void check(const GridSpec& spec) {
   if (spec.panels.empty()) throw ModelError(fmt::format("chart \"{}\" has no panels; give it one", spec.title));
   for (const GridPanel& panel : spec.panels)
-    check_panel(panel.series, true, true, spec.title, panel.title, "numbers above zero");
+    chart_style::check(panel.open_ends, spec.title),
+        check_panel(panel.series, true, true, spec.title, panel.title, "numbers above zero");
 }
 
 }  // namespace
@@ -177,7 +186,7 @@ void write_grid(const std::string& path, const GridSpec& spec) {
   panel_data(out, spec.panels);
   common(out);
   begin_page(out, 1, spec.title);
-  add_legend(out, all, legend);
+  add_legend(out, spec, all, legend);
   for (std::size_t k = 0; k < spec.panels.size(); ++k) add_panel(out, spec, all, legend, k);
   add_remarks(out, spec, all);
   end_page(out);

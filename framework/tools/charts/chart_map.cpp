@@ -112,7 +112,7 @@ void add_map(Script& out, const MapSpec& spec) {
 
 // Pixels.
 namespace page {
-constexpr double kTitle = 54, kLegendRow = 24, kRemark = 19, kAbove = 40, kBelow = 74, kLeft = 92, kBetween = 108,
+constexpr double kBelowTitle = 14, kLegendRow = 24, kRemark = 19, kAbove = 40, kBelow = 74, kLeft = 92, kBetween = 108,
                  kRight = 24, kBeforeRemarks = 10;
 }
 
@@ -138,7 +138,7 @@ MapLayout map_layout_of(const MapGridSpec& spec) {
   all.n_rows = (spec.maps.size() + all.n_columns - 1) / all.n_columns;
   const auto n = static_cast<double>(all.n_columns);
   all.width = spec.width;
-  all.top = page::kTitle +
+  all.top = (page::kBelowTitle + title_height(spec.title)) +
             page::kLegendRow * static_cast<double>((shown_kinds(spec).size() + kLegendColumns) / kLegendColumns);
   all.map_width = (all.width - page::kLeft - page::kRight - page::kBetween * (n - 1)) / n;
   all.map_height = spec.map_height - page::kAbove - page::kBelow;
@@ -167,7 +167,8 @@ void add_map_legend(Script& out, const MapGridSpec& spec, const MapLayout& all) 
     clauses.push_back(
         fmt::format("keyentry with lines lc rgb '#111111' lw 2.4 title {}", quoted_text(spec.curve_label)));
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width 2",
-                       page::kLeft / all.width, 1 - (page::kTitle - 6) / all.height, kLegendColumns));
+                       page::kLeft / all.width, 1 - ((page::kBelowTitle + title_height(spec.title)) - 6) / all.height,
+                       kLegendColumns));
   plot(out, clauses);
   out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
 }
@@ -263,12 +264,27 @@ void write_bars(const std::string& path, const BarSpec& spec) {
   std::size_t longest = 0;
   for (const std::string& c : spec.categories) longest = std::max(longest, c.size());
   const bool crowded = 8 * longest * spec.categories.size() > static_cast<std::size_t>(spec.width) - 150;
-  out.line(crowded ? "set xtics rotate by -20\nset rmargin 12" : "set xtics norotate");
+  out.line(crowded ? "set xtics rotate by -20" : "set xtics norotate");
+  constexpr double kLeftOfBars = 104, kLegend = 30;  // pixels
+  const double right = crowded ? 120 : 28, below = crowded ? 90 : 44;
+  const double top = 1 - (title_height(spec.title) + kLegend) / spec.height;
+  margins(out, kLeftOfBars / spec.width, 1 - right / spec.width, top, below / spec.height);
+  out.line(
+      fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal", kLeftOfBars / spec.width, top));
   out.line(fmt::format("set xrange [-0.6:{}]", static_cast<double>(spec.categories.size()) - 0.4));
   if (!spec.log_y)
     out.line(fmt::format("set yrange [{}:*]", std::min(0.0, y.low)));
   else
     out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
+  std::size_t letters = 0;
+  for (const BarSpec::Group& g : spec.groups)
+    for (const double v : g.values) letters = std::max(letters, fmt::format("{:.4g}", v).size());
+  const double pixels = (spec.width - kLeftOfBars - right) / static_cast<double>(spec.categories.size()) * width;
+  const bool upright = 7.5 * static_cast<double>(letters) > pixels;  // wider than their bar
+  if (upright && !spec.log_y) out.line(fmt::format("set yrange [{}:{}]", std::min(0.0, y.low), 1.15 * y.high));
+  if (upright && spec.log_y)
+    out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3 * std::cbrt(y.high / y.low)));
+  const char* const stand = upright ? "rotate by 90 left offset 0,0.4" : "offset 0,0.6";
   std::vector<std::string> clauses;
   for (std::size_t g = 0; g < spec.groups.size(); ++g) {
     const std::string name = fmt::format("bar{}", g);
@@ -282,8 +298,7 @@ void write_bars(const std::string& path, const BarSpec& spec) {
     const std::string tint = color_or(spec.groups[g].color, g, "group \"" + spec.groups[g].label + "\"");
     const std::string legend = spec.groups[g].label.empty() ? "notitle" : "title " + quoted_text(spec.groups[g].label);
     clauses.push_back(fmt::format("${} using 1:2:({}) with boxes lc rgb '{}' {}", name, 0.94 * width, tint, legend));
-    clauses.push_back(
-        fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels offset 0,0.6 font ',10' notitle", name));
+    clauses.push_back(fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels {} font ',10' notitle", name, stand));
   }
   plot(out, clauses);
   end_page(out);

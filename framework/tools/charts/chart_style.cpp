@@ -51,21 +51,22 @@ std::size_t character_end(const std::string& text, std::size_t at) {
   return std::min(at, text.size());
 }
 
-// A title no wider than the picture: smaller letters for a long one, then two lines, then cut off.
+constexpr std::size_t kTitleLetters = 84;  // in a line: 870 pixels
+
+// A title in one or two lines of one size; what is longer is cut off.
 std::string fitted(const std::string& title) {
-  constexpr std::size_t kLarge = 68, kSmall = 98;  // letters that fit into 800 pixels
-  if (title.size() <= kSmall) {
-    const std::size_t size = title.size() <= kLarge ? 16 : 16 * kLarge / title.size();
-    return fmt::format("{} noenhanced font ',{}'", quoted_text(title), size);
-  }
-  std::size_t first = title.rfind(' ', kSmall);
-  if (first == std::string::npos || first < kSmall / 3) first = character_end(title, kSmall);
+  const char* const font = "noenhanced font ',14'";
+  if (title.size() <= kTitleLetters) return fmt::format("{} {}", quoted_text(title), font);
+  std::size_t first = title.rfind(' ', kTitleLetters);
+  if (first == std::string::npos || first < kTitleLetters / 3) first = character_end(title, kTitleLetters);
   std::string rest = title.substr(first + (title[first] == ' ' ? 1 : 0));
-  if (rest.size() > kSmall) rest = rest.substr(0, character_end(rest, kSmall - 3)) + "...";
-  return fmt::format("{}.\"\\n\".{} noenhanced font ',11'", quoted_text(title.substr(0, first)), quoted_text(rest));
+  if (rest.size() > kTitleLetters) rest = rest.substr(0, character_end(rest, kTitleLetters - 3)) + "...";
+  return fmt::format("{}.\"\\n\".{} {}", quoted_text(title.substr(0, first)), quoted_text(rest), font);
 }
 
 }  // namespace
+
+double title_height(const std::string& title) { return title.empty() ? 0 : title.size() <= kTitleLetters ? 40 : 62; }
 
 std::string color(std::size_t n) { return std::string(kColors[n % kColors.size()]); }
 
@@ -122,9 +123,11 @@ void notes(Script& out, const std::vector<Note>& all) {
   }
 }
 
-void series_data(Script& out, const std::string& name, const Series& s) {
+namespace {
+
+void point_data(Script& out, const std::string& name, const Series& s, const std::vector<std::size_t>& which) {
   out.begin_data(name);
-  for (std::size_t i : thinned(s)) {
+  for (std::size_t i : which) {
     const double row[] = {s.x[i], s.y[i]};
     if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
       out.row(row);
@@ -132,6 +135,19 @@ void series_data(Script& out, const std::string& name, const Series& s) {
       out.gap();
   }
   out.end_data();
+}
+
+}  // namespace
+
+void series_data(Script& out, const std::string& name, const Series& s) { point_data(out, name, s, thinned(s)); }
+
+void path_data(Script& out, const std::string& name, const Series& s) {
+  constexpr std::size_t kMost = 10'000;
+  const std::size_t stride = 1 + s.x.size() / kMost;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < s.x.size(); i += stride) which.push_back(i);
+  if (!which.empty() && which.back() + 1 != s.x.size()) which.push_back(s.x.size() - 1);
+  point_data(out, name, s, which);
 }
 
 std::string plot_clause(const std::string& name, const Series& s, std::size_t n) {

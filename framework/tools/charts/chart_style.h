@@ -20,11 +20,15 @@ void common(Script&);
 /// Begins a page of n panels, one below the other, with its title above the legend; `end_page` ends it.
 void begin_page(Script&, std::size_t n, const std::string& title);
 void end_page(Script&);
+/// Pixels that the title of a page takes: nothing, one line or two.
+double title_height(const std::string& title);
 /// Label, scale and ticks of axis 'x' or 'y'; `low` and `high`: the range shown.
 void axis(Script&, char axis, const std::string& label, bool log, double low, double high);
 void notes(Script&, const std::vector<Note>&);
 /// Data block `$name` of the series, thinned to what a picture can show.
 void series_data(Script&, const std::string& name, const Series&);
+/// The same of a path, whose points are not ordered along x: thinned evenly.
+void path_data(Script&, const std::string& name, const Series&);
 /// The name of the data block of one series of one panel, and all blocks of some panels.
 std::string block_name(std::size_t panel, std::size_t series);
 template <class P>

@@ -91,6 +91,17 @@ void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
   panel.y_range = {y.first / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
 }
 
+// A ring at the last point of each curve that would go on: its next setting was not tried, which is no failure.
+void add_open_ends(const WorkPrecision& result, GridPanel& panel, ErrorKind kind, CostKind by,
+                   const std::vector<std::pair<std::string, Wanted>>& curves) {
+  for (const auto& [label, wanted] : curves) {
+    if (std::none_of(result.open.begin(), result.open.end(), wanted)) continue;
+    const Series curve = curve_of(result, label, kind, by, wanted);
+    if (curve.x.empty()) continue;
+    panel.open_ends.x.push_back(curve.x.back()), panel.open_ends.y.push_back(curve.y.back());
+  }
+}
+
 std::string shortened(std::string text, std::size_t most) {
   for (char& c : text)
     if (c == '\n') c = ' ';
@@ -166,6 +177,7 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);
+  add_open_ends(result, panel, kind, by, curves);
   std::erase_if(panel.series, [](const Series& s) { return s.x.empty(); });
   return panel;
 }
@@ -197,6 +209,7 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
   chart.strip_label = "grey: failed";
+  chart.open_label = "finer was not tried";
   Curves curves;
   for (const std::string& name : values_of(result, ChartBy::integrator))
     curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
@@ -218,6 +231,7 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
   chart.strip_label = "grey: failed";
+  chart.open_label = "finer was not tried";
   Curves all;
   std::string solvers;
   for (const std::string& integrator : integrators) {

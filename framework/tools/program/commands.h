@@ -47,6 +47,9 @@ struct Arguments {
   bool floating = false;          ///< the first link of an imported robot is not held
   bool no_picture = false;        ///< CSV alone
   bool strict = false;            ///< a doubtful result is an error
+  std::vector<std::string> pictures;  ///< X:Y, columns
+  std::string headers;                ///< "units" or "plain"; "": the scene's
+  bool at_jumps = false;              ///< rows before and after what jumps
   bool allow_files = false;       ///< the scene may read files outside of its folder
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...

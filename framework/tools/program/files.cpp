@@ -17,6 +17,7 @@
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/commands.h"
 
@@ -129,9 +130,19 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
 
 }  // namespace
 
-void check_overwrites(const std::string& csv, const Scene& scene) {
-  const fs::path base = fs::path(csv).replace_extension();
-  refuse_inputs({csv, csv + ".partial", base.string() + ".svg", base.string() + ".png"}, scene);
+std::string picture_base(const std::string& csv, const PictureRequest& picture) {
+  std::string name = picture.y + "_over_" + picture.x;
+  for (char& c : name)
+    if (std::string_view("/\\:*?\"<>| ").find(c) != std::string_view::npos) c = '_';
+  return fs::path(csv).replace_extension().string() + "." + name;
+}
+
+void check_overwrites(const std::string& csv, const Scene& scene, const std::vector<PictureRequest>& pictures) {
+  const std::string base = fs::path(csv).replace_extension().string();
+  std::vector<fs::path> results{csv, csv + ".partial", base + ".svg", base + ".png"};
+  for (const PictureRequest& picture : pictures)
+    for (const char* ending : {".svg", ".png"}) results.emplace_back(picture_base(csv, picture) + ending);
+  refuse_inputs(results, scene);
 }
 
 void check_files(const Scene& scene) {
@@ -214,8 +225,23 @@ std::string open_in_browser(const std::string& file) {
   return "";
 }
 
+namespace {
+
+// One column against another, in the order of time.
+void draw_path(const std::string& base, const std::string& title, const Table& table, const PictureRequest& picture) {
+  const Column &x = table.column(picture.x), &y = table.column(picture.y);
+  write_path(base, {.title = title,
+                    .x_label = column_title(x),
+                    .y_label = column_title(y),
+                    .x = x.values,
+                    .y = y.values,
+                    .equal_scales = x.unit == y.unit && x.unit == "m"});
+}
+
+}  // namespace
+
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
-                     const std::vector<std::vector<std::string>>& draw) {
+                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures) {
   Drawing drawing;
   if (std::error_code none; !fs::is_regular_file(csv, none))
     drawing.reason = "nothing to draw beside '" + csv + "', which is no file";
@@ -233,6 +259,11 @@ Drawing draw_columns(const std::string& csv, const std::string& title, const Tab
     write_chart(base, chart);
     drawing.files = {base + ".svg", base + ".png"};
     drawing.n_drawn = names.size();
+    for (const PictureRequest& picture : pictures) {
+      const std::string own = picture_base(csv, picture);
+      draw_path(own, title, table, picture);
+      drawing.files.insert(drawing.files.end(), {own + ".svg", own + ".png"});
+    }
   } catch (const std::exception& error) {
     drawing.reason = what_of(error);
     drawing.failed = true;

@@ -6,6 +6,7 @@
 
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
+#include "framework/description/scene/run_outputs.h"
 
 namespace lockstep {
 
@@ -28,9 +29,12 @@ std::string csv_path(const std::string& record, const std::string& scene);
 /// Throws FileError if the file cannot be written; called before the run, so that no result is lost.
 void check_writable(const std::string& file);
 
+/// The base, without ending, of a picture of one column against another: "four_bar.By_over_Bx" beside four_bar.csv.
+std::string picture_base(const std::string& csv, const PictureRequest&);
+
 /// Throws UsageError if the results, or the pictures beside them, would replace a file that the scene is read from: its
 /// own, or one that it names.
-void check_overwrites(const std::string& csv, const Scene&);
+void check_overwrites(const std::string& csv, const Scene&, const std::vector<PictureRequest>& pictures = {});
 
 /// The HTML file of a report: `report` if given, else beside the CSV, with its name. Makes its folder. Throws FileError,
 /// and UsageError where the name is that of another result, or of a file that the scene is read from.
@@ -52,8 +56,9 @@ struct Drawing {
 };
 
 /// Draws columns over time as SVG and PNG next to the CSV: the panels of `draw`, or the first columns, one panel per
-/// unit. Does not throw if drawing fails: the results are worth more than their picture.
+/// unit; and the pictures of one column against another. Does not throw if drawing fails: the results are worth more than their picture.
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table&,
-                     const std::vector<std::vector<std::string>>& draw = {});
+                     const std::vector<std::vector<std::string>>& draw = {},
+                     const std::vector<PictureRequest>& pictures = {});
 
 }  // namespace lockstep

@@ -114,7 +114,7 @@ void GrowingCsv::start(const Sample&) {
   file_.clear();
   n_rows_ = 0, written_ = now();
   line_.clear();
-  append_csv_header(line_, table_);
+  append_csv_header(line_, table_, units_);
   file_.append(line_);
 }
 

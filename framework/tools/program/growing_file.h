@@ -41,7 +41,7 @@ class GrowingFile {
 /// recorder; what it appended last is left to write() or commit().
 class GrowingCsv final : public Observer {
  public:
-  GrowingCsv(GrowingFile& file, const Table& table) : file_(file), table_(table) {}
+  GrowingCsv(GrowingFile& file, const Table& table, bool units = true) : file_(file), table_(table), units_(units) {}
   void start(const Sample&) override;
   void output(const Sample&) override;
   void finish(const Sample&) override;
@@ -50,6 +50,7 @@ class GrowingCsv final : public Observer {
   void append_rows();
   GrowingFile& file_;
   const Table& table_;
+  bool units_;              // in the header
   std::size_t n_rows_ = 0;  // appended
   std::string line_;
   double written_ = 0;  // when, s by the clock

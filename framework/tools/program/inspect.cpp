@@ -12,6 +12,7 @@
 #include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/document.h"
 
 namespace lockstep {
@@ -76,7 +77,41 @@ int list_command(const Arguments& args) {
   return kExitOk;
 }
 
+namespace {
+
+// Parameters and points of a scene: one of them, or all.
+int describe_in_scene(const Arguments& args) {
+  const Loaded loaded = read_with_plugins(args);
+  std::vector<ParameterFacts> all;
+  for (const SceneParameter& p : loaded.scene.parameters)
+    if (args.name.empty()) all.push_back(parameter_facts(loaded.scene, p.name));
+  if (!args.name.empty()) all.push_back(parameter_facts(loaded.scene, args.name));
+  if (args.json) {
+    Json list = Json::array();
+    for (const ParameterFacts& f : all)
+      list.push_back({{"name", f.name},
+                      {"kind", f.kind},
+                      {"value", f.value},
+                      {"written", Json::parse(f.written)},
+                      {"where", f.where},
+                      {"read_by", f.read_by}});
+    print_document(list);
+    return kExitOk;
+  }
+  for (const ParameterFacts& f : all) {
+    fmt::print("{}: a {} of {}\n  {}, written {}\n", f.name, f.kind, f.where, f.value, f.written);
+    fmt::print("  read by: {}\n", f.read_by.empty() ? "nothing" : text::join(f.read_by, ", "));
+    fmt::print("  another value: --set {}=..., a range: --vary {}=...\n", f.name, f.name);
+  }
+  if (all.empty()) fmt::print("{} has neither parameters nor points\n", loaded.scene.file);
+  return kExitOk;
+}
+
+}  // namespace
+
 int describe_command(const Arguments& args) {
+  if (!args.scene.empty()) return describe_in_scene(args);
+  if (args.name.empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
   const Registry registry = make_registry(args.plugins);
   const std::vector<Description> found = find_descriptions(registry, args.name);
   const std::string word = describe_word(registry, args.name);

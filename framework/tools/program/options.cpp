@@ -73,15 +73,27 @@ void add_settings(CLI::App& verb, Arguments& a) {
   add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
 }
 
+void add_headers(CLI::App& verb, Arguments& a) {
+  add(verb, "--headers", a.headers, "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\"",
+      {"units", "plain"});
+}
+
 // What a run writes beside its report.
 void add_run_outputs(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
-  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file");
   verb.add_flag(
       "--strict", a.strict,
       "end with 11 where the result is doubtful: singular positions passed with plain stages, a tolerance that "
       "was not reached, recorded reactions beside a singular position");
+  add_headers(verb, a);
+  verb.add_flag("--at-jumps", a.at_jumps, "rows also just before and just after events, impacts and jumps of laws");
+  CLI::Option* pictures =
+      verb.add_option("--picture", a.pictures,
+                      "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated")
+          ->type_name("X:Y")
+          ->allow_extra_args(false);
+  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file")->excludes(pictures);
   CLI::Option* quiet =
       verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
   add_json(verb, a)->excludes(quiet);

@@ -50,6 +50,8 @@ void add_plugins(CLI::App& verb, Arguments&);
 void add_scene(CLI::App& verb, Arguments&);
 /// The scene, and how it is run.
 void add_settings(CLI::App& verb, Arguments&);
+/// --headers.
+void add_headers(CLI::App& verb, Arguments&);
 /// What a run writes beside its report.
 void add_run_outputs(CLI::App& verb, Arguments&);
 

@@ -11,12 +11,16 @@
 #include <lockstep/assembly.h>
 #include <lockstep/log.h>
 #include <lockstep/step_loop.h>
+#include <lockstep/text.h>
+#include "framework/description/scene/run_outputs.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/frames_taken.h"
@@ -77,15 +81,54 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   return audit;
 }
 
+// "X:Y" of the command line, columns that are recorded.
+PictureRequest picture_of(const std::string& text, const Table& columns) {
+  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', colon + 1)) {
+    const PictureRequest picture{text.substr(0, colon), text.substr(colon + 1)};
+    if (columns.has(picture.x) && columns.has(picture.y)) return picture;
+  }
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    throw UsageError("--picture " + text + ": expected X:Y, two recorded columns, as in --picture crank.x:crank.y");
+  for (const std::string& name : {text.substr(0, colon), text.substr(colon + 1)})
+    if (!columns.has(name))
+      throw UsageError("--picture " + text + ": \"" + name + "\" is not recorded" +
+                       text::suggestion(name, columns.names()));
+  return {};
+}
+
+// Of the scene and the command line.
+RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& columns) {
+  RunOutputs out = outputs_of(loaded.scene);
+  if (!args.headers.empty()) out.units = args.headers == "units";
+  out.at_jumps = out.at_jumps || args.at_jumps;
+  for (const std::string& text : args.pictures) out.pictures.push_back(picture_of(text, columns));
+  return out;
+}
+
+// The rows that pictures need beside the table's; null where none is drawn.
+std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Table& table,
+                                          const Arguments& args) {
+  std::error_code error;
+  const bool draws = !args.no_picture && csv != "-" && m.run.record.size() > 0 && !find_gnuplot().empty() &&
+                     (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
+  if (!draws) return nullptr;
+  return std::make_unique<PictureRows>(make_recorder(m), table, picture_spacing(loop_options(m.run), m.run.until));
+}
+
 // The table first: it is reported even if the picture fails.
 std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table,
-                                     const RunSettings& run, const Arguments& args, const Words& words) {
+                                     const PictureRows* rows, const RunSettings& run, const RunOutputs& outputs,
+                                     const Arguments& args, const Words& words) {
   words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(table));
   if (args.no_picture || args.record == "-") return {csv};
-  const Drawing drawing = draw_columns(csv, title, table, run.draw);
+  const bool detailed = rows != nullptr && table.n_rows() > 1;
+  const Drawing drawing = draw_columns(csv, title, detailed ? rows->together() : table, run.draw, outputs.pictures);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
   if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
+  if (!drawing.files.empty() && detailed && rows->joins_steps())
+    words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
   const std::size_t n = table.n_columns() - 1;
   if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
     words.say("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
@@ -207,12 +250,15 @@ int run_command(const Arguments& args) {
            "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
   const std::string csv = csv_path(args.record, args.scene);
-  check_overwrites(csv, loaded.scene);
+  const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  const RunOutputs outputs = outputs_of(loaded, args, recorder->table());
+  check_overwrites(csv, loaded.scene, outputs.pictures);
   GrowingFile file(csv);
 
-  const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
   RunReport report(args, loaded, m, *recorder, csv);
+  const std::unique_ptr<PictureRows> details = picture_rows(m, csv, recorder->table(), args);
+  RowsAtJumps at_jumps(*recorder);
   Summary summary;
   std::optional<EnergyAudit> audit;  // energies are integrated only if they are printed
   if (!args.quiet) audit.emplace(m.system, m.run.limits);
@@ -233,8 +279,9 @@ int run_command(const Arguments& args) {
                  first_of(columns));
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
-  GrowingCsv rows(file, recorder->table());
+  GrowingCsv rows(file, recorder->table(), outputs.units);
   sim.add_observer(*recorder);
+  if (outputs.at_jumps) sim.add_observer(at_jumps);
   sim.add_observer(rows);
   const bool judged = !args.quiet || args.strict;
   const IntegratorInfo method = sim.integrator().info();
@@ -242,6 +289,7 @@ int run_command(const Arguments& args) {
   SingularWatch singular(m.system);
   if (judged) sim.add_observer(doubts);
   if (judged && SingularWatch::is_needed(dynamics, start, method)) sim.add_observer(singular);
+  if (details) sim.add_observer(*details);
   if (audit) sim.add_observer(summary), sim.add_observer(*audit);
   report.watch(sim);
   for (Event& event : events) sim.add_event(std::move(event));
@@ -274,7 +322,8 @@ int run_command(const Arguments& args) {
   words.say("{}", lines);
   if (unwritten) std::rethrow_exception(unwritten);
   file.commit();
-  std::vector<std::string> files = print_files(csv, loaded.title(), recorder->table(), m.run, args, words);
+  std::vector<std::string> files =
+      print_files(csv, loaded.title(), recorder->table(), details.get(), m.run, outputs, args, words);
   if (report) {
     report.write(sim, lines, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
     words.say("             {}\n", report.file());

@@ -16,6 +16,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
+#include "framework/description/scene/run_outputs.h"
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
@@ -73,6 +74,7 @@ struct Plan {
   Grid grid;
   Shard shard;
   Table columns;
+  bool plain_headers;
 
   Scene scene(long run) const {
     Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
@@ -81,6 +83,19 @@ struct Plan {
   }
   std::string setting(long run) const { return setting_text(variables, grid.at(run)); }
 };
+
+// The columns and rows of a table by their names alone.
+Table without_units(const Table& table) {
+  Table plain;
+  for (const Column& c : table.columns()) plain.add_column(c.name);
+  plain.reserve(table.n_rows());
+  std::vector<double> row(table.n_columns());
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    for (std::size_t k = 0; k < row.size(); ++k) row[k] = table.columns()[k].values[i];
+    plain.add_row(row);
+  }
+  return plain;
+}
 
 // A run as an object: the values that it has, and what they gave.
 nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& variables,
@@ -156,7 +171,8 @@ Plan make_plan(const Arguments& args) {
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   Grid grid = usage("--vary", [&] { return Grid(sizes); });
-  Plan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}};
+  const bool plain = args.headers.empty() ? !outputs_of(loaded.scene).units : args.headers == "plain";
+  Plan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
   plan.columns = columns_of(plan);
   return plan;
 }
@@ -212,7 +228,7 @@ class Sweep {
 
   Tally go() {
     rows_.clear();
-    rows_.append(sweep_header(plan_.variables, plan_.columns));
+    rows_.append(header());
     rows_.write();
     {
       std::vector<std::jthread> threads;
@@ -231,6 +247,12 @@ class Sweep {
   long n_runs() const { return n_runs_; }
 
  private:
+  std::string header() const {
+    if (!plan_.plain_headers) return sweep_header(plan_.variables, plan_.columns);
+    std::vector<Variable> variables = plan_.variables;
+    for (Variable& v : variables) v.unit.clear();
+    return sweep_header(variables, without_units(plan_.columns));
+  }
   struct Stopper {
     RunQueue& queue;
     ~Stopper() { queue.stop(); }
@@ -328,7 +350,7 @@ class Sweep {
     if (plan_.arguments.histories.empty() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
     write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number(k), width)).string(),
-              history);
+              plan_.plain_headers ? without_units(history) : history);
     return true;
   }
 

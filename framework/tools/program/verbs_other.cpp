@@ -27,8 +27,9 @@ void add_list(CLI::App& verb, Arguments& a) {
 void add_describe(CLI::App& verb, Arguments& a) {
   add(verb, "name", a.name, "NAME",
       "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, "
-      "run, ...; a key; or orientation, axis, law, formula, unit, channel, ...")
-      ->required();
+      "run, ...; a key; or orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point");
+  add(verb, "--scene", a.scene, "FILE.json",
+      "describe a parameter or point of this scene, or all of them: value, place, what hangs on it");
   add_plugins(verb, a);
   add_json(verb, a);
 }
@@ -70,7 +71,7 @@ constexpr Verb kOtherVerbs[] = {
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},
     {"describe", "Print what a type or an object of a scene is and which keys it takes", add_describe, describe_command,
-     "Example:\n  lockstep describe revolute"},
+     "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json"},
     {"schema", "Print the JSON Schema of scene files, for editors", add_plugins, schema_command,
      "Example:\n  lockstep schema > scene.schema.json"},
     {"reference", "Print the reference of scenes as a page in Markdown: every object, type, key and unit", add_plugins,

@@ -67,6 +67,7 @@ void add_sweep(CLI::App& verb, Arguments& a) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   add(verb, "--histories", a.histories, "DIR", "folder for the columns of each run, <its number>.csv");
+  add_headers(verb, a);
   CLI::Option* quiet = verb.add_flag("--quiet", a.quiet, "print errors only");
   add_json(verb, a)->excludes(quiet);
 }

@@ -19,19 +19,6 @@
 namespace lockstep {
 namespace {
 
-// A text with a separator, a quote or a line end is put in quotes, its own quotes doubled; and one that would lose
-// something otherwise: blanks at its ends, or at its beginning what reads as a byte order mark.
-std::string quoted(const std::string& text) {
-  const bool whole = text == text::trimmed(text) && !text.starts_with("\xEF\xBB\xBF");
-  if (whole && text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string all = "\"";
-  for (char c : text) {
-    if (c == '"') all += '"';
-    all += c;
-  }
-  return all + '"';
-}
-
 void append_number(std::string& line, double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value);
@@ -63,9 +50,10 @@ double read_number(std::string_view cell, const std::string& file, int line, con
 
 }  // namespace
 
-void append_csv_header(std::string& text, const Table& table) {
+void append_csv_header(std::string& text, const Table& table, bool units) {
   const std::size_t begin = text.size();
-  for (const Column& c : table.columns()) text.append(text.size() == begin ? "" : ",").append(quoted(column_title(c)));
+  for (const Column& c : table.columns())
+    text.append(text.size() == begin ? "" : ",").append(csv_cell(units ? column_title(c) : c.name));
   text += '\n';
 }
 

@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -51,21 +52,8 @@ void refuse_other_columns(const Table& table, const Table& like) {
     throw ModelError("it records other columns than the first run; name in \"run\" what is recorded");
 }
 
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return text;
-}
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string titled(const std::string& name, const std::string& unit) {
-  return cell(unit.empty() ? name : name + " [" + unit + "]");
+  return csv_cell(unit.empty() ? name : name + " [" + unit + "]");
 }
 
 }  // namespace
@@ -127,8 +115,7 @@ std::string sweep_header(const std::vector<Variable>& variables, const Table& co
 std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
                       const Table& columns, const SweepRun& result) {
   std::string line = std::to_string(run);
-  for (std::size_t k = 0; k < variables.size(); ++k)
-    line += "," + cell(one_line(plain_text(variables[k].values[choice[k]])));
+  for (std::size_t k = 0; k < variables.size(); ++k) line += "," + csv_cell(plain_text(variables[k].values[choice[k]]));
   const std::size_t n = columns.n_columns() - 1;
   if (result.failed || result.columns.size() != n) {
     line += std::string(1 + 3 * n, ',');
@@ -138,8 +125,7 @@ std::string sweep_row(long run, const std::vector<Variable>& variables, const st
       for (const double x : {c.last, c.least, c.most}) line += "," + text::number(x);
   }
   const std::string status = result.failed ? "failed: " + result.status : result.status;
-  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + cell(one_line(status)) +
-         "\n";
+  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + csv_cell(status) + "\n";
 }
 
 }  // namespace lockstep

@@ -1,0 +1,181 @@
+#include "framework/description/scene/moved_scene.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <set>
+#include <string>
+
+#include <lockstep/body.h>
+#include "framework/description/scene/builder.h"
+#include "framework/mechanism/params/read.h"
+
+namespace lockstep {
+namespace {
+
+Value* member_of(Value& object, const std::string& key) {
+  if (Value::Object* members = object.object())
+    for (Value::Member& m : *members)
+      if (m.key == key) return &m.value;
+  return nullptr;
+}
+
+std::string text_of(Value& object, const std::string& key) {
+  const Value* v = member_of(object, key);
+  return v != nullptr && v->text() != nullptr ? *v->text() : "";
+}
+
+void put(Value& object, const std::string& key, std::initializer_list<double> numbers) {
+  Value v = Value::list(numbers);
+  Value* old = member_of(object, key);
+  const Where where = old != nullptr ? old->where : object.where;
+  v.where = where;
+  for (Value& each : *v.list()) each.where = where;
+  if (old != nullptr)
+    *old = std::move(v);
+  else
+    object.object()->push_back({key, std::move(v), where});
+}
+void put(Value& object, const std::string& key, const Vec3& v) { put(object, key, {v[0], v[1], v[2]}); }
+void put(Value& object, const std::string& key, const Quat& q) { put(object, key, {q.w, q.x, q.y, q.z}); }
+
+Value object_with(const char* key, Value value, const Where& where) {
+  Value object(Value::Object{{key, std::move(value), where}});
+  object.where = where;
+  return object;
+}
+
+class Mover {
+ public:
+  Mover(Value& scene, const Pose& by) : scene_(scene), by_(by), turns_(by.q.w != 1), turn_(rotation(by.q)) {}
+
+  void move() {
+    if (Value* points = member_of(scene_, "points"); points != nullptr && points->object() != nullptr)
+      for (const Value::Member& m : Value::Object(*points->object())) point(*points, m.key, "scene, points");
+    each("markers", "marker", [&](Value& v, const std::string& owner) {
+      markers_.insert(text_of(v, "name"));
+      marker(v, owner);
+    });
+    each("bodies", "body", [&](Value& v, const std::string& owner) { body(v, owner); });
+    each("links", "link", [&](Value& v, const std::string& owner) { attached(v, owner); });
+    each("forces", "force", [&](Value& v, const std::string& owner) { force(v, owner); });
+  }
+
+ private:
+  template <class Move>
+  void each(const char* list, const char* kind, Move&& move) {
+    Value* all = member_of(scene_, list);
+    if (all == nullptr || all->list() == nullptr) return;
+    for (std::size_t i = 0; i < all->list()->size(); ++i) {
+      Value& object = (*all->list())[i];
+      if (object.object() != nullptr) move(object, owner_of(kind, object, list, i));
+    }
+  }
+
+  // -- values under a key, moved where they are given
+  void point(Value& object, const std::string& key, const std::string& owner) {
+    if (const Value* v = member_of(object, key))
+      put(object, key, Vec3(by_.x + turn_ * read_vector3(*v, Unit::length, part_of(owner, key))));
+  }
+  void point_or_origin(Value& object, const std::string& key, const std::string& owner) {
+    if (member_of(object, key) == nullptr) return put(object, key, by_.x);
+    point(object, key, owner);
+  }
+  void direction(Value& object, const std::string& key, Unit unit, const std::string& owner) {
+    const Value* v = member_of(object, key);
+    if (v != nullptr && turns_) put(object, key, Vec3(turn_ * read_vector3(*v, unit, part_of(owner, key))));
+  }
+  void orientation(Value& object, const std::string& owner) { orientation(object, "orientation", owner); }
+  void orientation(Value& object, const std::string& key, const std::string& owner) {
+    if (!turns_) return;
+    const Value* v = member_of(object, key);
+    put(object, key, v != nullptr ? by_.q * read_orientation(*v, part_of(owner, key)) : by_.q);
+  }
+
+  // -- things
+  void body(Value& v, const std::string& owner) {
+    if (Value* rod = member_of(v, "rod"); rod != nullptr && rod->object() != nullptr) {
+      this->rod(v, *rod, owner);
+    } else {
+      point_or_origin(v, "position", owner);
+      if (member_of(v, "particle") == nullptr) orientation(v, owner);
+    }
+    direction(v, "velocity", Unit::speed, owner);
+    direction(v, "omega_world", Unit::angular_speed, owner);
+  }
+
+  // A rod's ends say how it is rolled about its axis (z as near to the world's as can be). Where the turned rod would be
+  // rolled otherwise, it becomes a part of a body that is placed.
+  void rod(Value& body, Value& rod, const std::string& owner) {
+    const Value *from = member_of(rod, "from"), *to = member_of(rod, "to");
+    if (from == nullptr || to == nullptr) return;  // refused when it is built
+    const std::string part = part_of(owner, "rod");
+    const Vec3 a = read_vector3(*from, Unit::length, part_of(part, "from")),
+               b = read_vector3(*to, Unit::length, part_of(part, "to"));
+    if (!((b - a).norm() > 0)) return;
+    const Vec3 moved_a = by_.x + turn_ * a, moved_b = by_.x + turn_ * b;
+    const Pose home = by_ * shapes::slender_rod(1, a, b, 1).home;
+    const Quat rolled = conjugate(home.q) * shapes::slender_rod(1, moved_a, moved_b, 1).home.q;
+    const bool placed = member_of(body, "position") != nullptr || member_of(body, "orientation") != nullptr;  // refused
+    if (placed || std::hypot(rolled.x, rolled.y, rolled.z) < 1e-12)
+      return put(rod, "from", moved_a), put(rod, "to", moved_b);
+    const double half = (b - a).norm() / 2;
+    put(rod, "from", Vec3(-half, 0, 0)), put(rod, "to", Vec3(half, 0, 0));
+    Value parts(Value::List{object_with("rod", rod, rod.where)});
+    parts.where = rod.where;
+    const Where where = rod.where;
+    body = body.without({"rod"});
+    body.object()->push_back({"compound", std::move(parts), where});
+    put(body, "position", home.x), put(body, "orientation", home.q);
+  }
+
+  void marker(Value& v, const std::string& owner) {
+    if (member_of(v, "world_at") != nullptr || member_of(v, "world_orientation") != nullptr) {
+      point_or_origin(v, "world_at", owner), orientation(v, "world_orientation", owner);
+    } else if (text_of(v, "body") == "ground") {
+      point_or_origin(v, "at", owner), orientation(v, owner);
+    }
+  }
+
+  void attached(Value& v, const std::string& owner) {
+    places(v, owner);
+    if (Value* pairs = member_of(v, "pairs"); pairs != nullptr && pairs->list() != nullptr)
+      for (std::size_t i = 0; i < pairs->list()->size(); ++i)
+        if ((*pairs->list())[i].object() != nullptr) places((*pairs->list())[i], item(part_of(owner, "pairs"), i));
+  }
+  // New markers on bodies have the world's axes where none are given, and the axes of the other side's marker if it is
+  // one.
+  void places(Value& v, const std::string& owner) {
+    for (const char* key : {"at", "at_p", "at_s"}) point(v, key, owner);
+    if (!turns_) return;
+    if (const Value* axis = member_of(v, "axis"))
+      return put(v, "axis", Vec3(turn_ * read_axis(*axis, part_of(owner, "axis"))));
+    const std::string p = text_of(v, "p"), s = text_of(v, "s");
+    const bool on_bodies = !p.empty() && !markers_.contains(p) && (s.empty() || !markers_.contains(s));
+    if (on_bodies || member_of(v, "orientation") != nullptr) orientation(v, owner);
+  }
+
+  void force(Value& v, const std::string& owner) {
+    attached(v, owner);
+    const std::string type = text_of(v, "type"), axes = text_of(v, "axes");
+    if (!turns_ || (type != "applied_force" && type != "applied_torque") || (!axes.empty() && axes != "world")) return;
+    if (const Value* laws = member_of(v, "laws"))
+      refuse(laws->where, part_of(owner, "laws"),
+             "they are of components in world axes, which an orientation of the included scene cannot turn; give it "
+             "\"axes\": \"marker\", or \"direction\" and \"law\"");
+    direction(v, type == "applied_force" ? "force" : "torque", Unit::any, owner);
+    if (const Value* axis = member_of(v, "direction"))
+      put(v, "direction", Vec3(turn_ * read_axis(*axis, part_of(owner, "direction"))));
+  }
+
+  Value& scene_;
+  const Pose by_;
+  const bool turns_;
+  const Mat3 turn_;
+  std::set<std::string> markers_;
+};
+
+}  // namespace
+
+void move_scene(Value& scene, const Pose& by) { Mover(scene, by).move(); }
+
+}  // namespace lockstep

@@ -1,0 +1,41 @@
+#include "framework/description/scene/run_outputs.h"
+
+#include <algorithm>
+
+#include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
+
+namespace lockstep {
+namespace {
+
+// The name of a column that is recorded, under this key.
+std::string recorded_name(const Params& picture, const char* key, const std::vector<ChannelRequest>& record) {
+  std::vector<std::string> known{"t"};
+  for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
+  const std::string name = picture.text(key);
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    picture.refuse(key, "\"" + name + "\" is not recorded" + text::suggestion(name, known));
+  return name;
+}
+
+}  // namespace
+
+RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& record) {
+  RunOutputs out;
+  const Params p = params_of(run, "run", "run", nullptr);
+  out.units = p.text("headers") == "units";
+  out.at_jumps = p.boolean("at_jumps");
+  const Value::List& pictures = objects_of(p, "pictures");
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
+    out.pictures.push_back({recorded_name(picture, "x", record), recorded_name(picture, "y", record)});
+  }
+  return out;
+}
+
+RunOutputs outputs_of(const Scene& scene) {
+  const Value* run = scene.root.find("run");
+  return run != nullptr ? read_outputs(*run, scene.run.record) : RunOutputs{};
+}
+
+}  // namespace lockstep

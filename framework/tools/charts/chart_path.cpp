@@ -1,0 +1,63 @@
+#include "framework/tools/charts/chart_path.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include "framework/tools/charts/chart_style.h"
+
+namespace lockstep {
+namespace {
+using namespace chart_style;
+
+constexpr double kLeft = 104, kRight = 40, kTop = 16, kBottom = 76;  // pixels around the axes
+
+// The range of the data and a twentieth of it on both sides, no narrower than `least`.
+Range with_room(const Extent& e, double least) {
+  const double span = std::max({e.high - e.low, least, 1e-5 * std::max(std::abs(e.low), std::abs(e.high)), 1e-300});
+  const double middle = 0.5 * (e.low + e.high);
+  return {middle - 0.55 * span, middle + 0.55 * span};
+}
+
+// Widens the range that has more room, so that both axes have one scale: pixels per unit.
+void equalize(Range& x, Range& y, double width, double height) {
+  const double span = std::max((x.second - x.first) / width, (y.second - y.first) / height);
+  const auto widen = [&](Range& r, double pixels) {
+    const double middle = 0.5 * (r.first + r.second);
+    r = {middle - 0.5 * span * pixels, middle + 0.5 * span * pixels};
+  };
+  widen(x, width), widen(y, height);
+}
+
+}  // namespace
+
+void write_path(const std::string& path, const PathSpec& spec) {
+  const Series curve{"", spec.x, spec.y};
+  check_panel({curve}, false, false, spec.title, spec.y_label, "a curve with numbers");
+  Extent x{}, y{};
+  x.take(spec.x, false), y.take(spec.y, false);
+  Range seen_x = with_room(x, 0), seen_y = with_room(y, 0);
+  const double top = kTop + title_height(spec.title);
+  const double width = spec.width - kLeft - kRight, height = spec.height - top - kBottom;
+  if (spec.equal_scales) equalize(seen_x, seen_y, width, height);
+  std::size_t first = 0;
+  while (first + 1 < spec.x.size() && !(std::isfinite(spec.x[first]) && std::isfinite(spec.y[first]))) ++first;
+  Script out;
+  path_data(out, "p0s0", curve);
+  common(out);
+  begin_page(out, 1, spec.title);
+  margins(out, kLeft / spec.width, 1 - kRight / spec.width, 1 - top / spec.height, kBottom / spec.height);
+  out.line("unset key");
+  axis(out, 'x', spec.x_label, false, x.low, x.high);
+  axis(out, 'y', spec.y_label, false, y.low, y.high);
+  out.line(
+      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
+  notes(out, {{spec.x[first], spec.y[first], "start"}});
+  plot(out, {plot_clause("p0s0", curve, 0)});
+  end_page(out);
+  draw(out, path, spec.width, spec.height);
+}
+
+}  // namespace lockstep

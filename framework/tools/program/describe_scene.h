@@ -1,0 +1,26 @@
+// What a name of a scene stands for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/scene.h>
+
+namespace lockstep {
+
+/// A parameter or point of a scene.
+struct ParameterFacts {
+  std::string name, kind,              ///< "parameter" or "point"
+      value,                           ///< in SI units: "0.1 m"
+      written,                         ///< as the scene gives it: "100 mm"
+      where;                           ///< "four_bar.json:5:16"
+  std::vector<std::string> read_by{};  ///< paths of the values that hang on it directly
+};
+
+/// Of the parameter or point of this name. Throws UsageError with the closest name.
+ParameterFacts parameter_facts(const Scene&, const std::string& name);
+
+/// The value of a parameter in words: "0.1 m", "[0.1, 0, 0] m".
+std::string parameter_value(const SceneParameter&);
+
+}  // namespace lockstep

@@ -1,0 +1,103 @@
+#include "framework/tools/program/detail_rows.h"
+
+#include <limits>
+
+#include <lockstep/error.h>
+
+namespace lockstep {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMostRows = 600;
+
+const std::vector<double>& times(const Table& table) { return table.columns().front().values; }
+bool ends_at(const Table& table, double t) { return table.n_rows() > 0 && times(table).back() == t; }
+
+}  // namespace
+
+double RowsAtJumps::spacing() const { return kInfinity; }
+
+// At an output the row before is there already.
+void RowsAtJumps::before_jump(const Sample& sample) {
+  acted_ = sample.state.t;
+  if (!ends_at(recorder_.table(), acted_)) recorder_.output(sample);
+}
+void RowsAtJumps::jumped(const Sample& sample) {
+  if (sample.state.t == acted_) recorder_.output(sample);
+}
+
+PictureRows::PictureRows(std::unique_ptr<Recorder> own, const Table& main, double spacing)
+    : own_(std::move(own)), main_(main), spacing_(spacing) {}
+
+void PictureRows::start(const Sample& sample) {
+  own_->start(sample);
+  last_ = sample.state.t, acted_ = -1, n_between_ = n_steps_ = 0;
+  of_jump_.clear();
+}
+
+// Without dense output the ends of steps are all there is.
+void PictureRows::step(const Sample& sample) {
+  own_->step(sample);
+  ++n_steps_;
+  if (n_between_ == 0 && sample.state.t - last_ >= spacing_) add(sample, false);
+}
+
+void PictureRows::between(const Sample& sample) {
+  if (add(sample, false)) ++n_between_;
+}
+
+void PictureRows::before_jump(const Sample& sample) {
+  acted_ = sample.state.t;
+  if (!ends_at(main_, acted_)) add(sample, true);
+}
+
+void PictureRows::jumped(const Sample& sample) {
+  own_->jumped(sample);
+  if (sample.state.t == acted_) add(sample, true);
+}
+
+// What cannot be computed there is left out of the picture.
+bool PictureRows::add(const Sample& sample, bool of_jump) {
+  try {
+    own_->output(sample);
+    of_jump_.push_back(of_jump);
+    last_ = sample.state.t;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// Of rows at one instant the table's own come first: they show what was before a jump. Rows within steps that nearly meet
+// one of its own are left out: a line between points that a rounding separates has spikes.
+Table PictureRows::together() const {
+  const Table& more = own_->table();
+  Table all;
+  for (const Column& c : main_.columns()) all.add_column(c.name, c.unit);
+  all.reserve(main_.n_rows() + more.n_rows());
+  std::vector<double> row(main_.n_columns());
+  const auto take = [&](const Table& from, std::size_t i) {
+    for (std::size_t k = 0; k < row.size(); ++k) row[k] = from.columns()[k].values[i];
+    all.add_row(row);
+  };
+  const std::vector<double>& own = times(main_);
+  const auto meets = [&](double t, std::size_t i) {
+    const double near = 0.1 * spacing_;
+    return (i > 0 && t - own[i - 1] < near) || (i < own.size() && own[i] - t < near);
+  };
+  std::size_t j = 0;
+  for (std::size_t i = 0; i <= own.size(); ++i) {
+    for (; j < more.n_rows() && (i == own.size() || times(more)[j] < own[i]); ++j)
+      if (of_jump_[j] || !meets(times(more)[j], i)) take(more, j);
+    if (i < own.size()) take(main_, i);
+  }
+  return all;
+}
+
+double picture_spacing(const StepLoopOptions& options, double until) {
+  const double spacing = until / kMostRows;
+  const bool dense = options.output_times.empty() && options.output > 0 && options.output <= spacing;
+  return dense || !(spacing > 0) ? kInfinity : spacing;
+}
+
+}  // namespace lockstep

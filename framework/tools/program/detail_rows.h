@@ -1,0 +1,57 @@
+// Rows beside the outputs of a run: for smooth pictures, and at what jumps.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <lockstep/recorder.h>
+#include "framework/dynamics/simulate/detail_observer.h"
+
+namespace lockstep {
+
+/// Adds rows to a recorder just before and just after events, impacts and jumps of laws. Add it to the run after the
+/// recorder.
+class RowsAtJumps final : public DetailObserver {
+ public:
+  explicit RowsAtJumps(Recorder& recorder) : recorder_(recorder) {}
+  double spacing() const override;
+  void between(const Sample&) override {}
+  void before_jump(const Sample&) override;
+  void jumped(const Sample&) override;
+
+ private:
+  Recorder& recorder_;
+  double acted_ = -1;  // when something acted last, s
+};
+
+/// The rows that a picture needs beside those of the table: on a grid within steps, by dense output, or at the ends of
+/// steps of a method without it; before and after jumps.
+class PictureRows final : public DetailObserver {
+ public:
+  /// `own`: a recorder of the same columns as `main`. `spacing`: of the rows, s; infinity: none but at jumps.
+  PictureRows(std::unique_ptr<Recorder> own, const Table& main, double spacing);
+  double spacing() const override { return spacing_; }
+  void start(const Sample&) override;
+  void step(const Sample&) override;
+  void jumped(const Sample&) override;
+  void between(const Sample&) override;
+  void before_jump(const Sample&) override;
+
+  /// Both tables in the order of time.
+  Table together() const;
+  /// Whether the method has no dense output, so that curves join the ends of its steps.
+  bool joins_steps() const { return n_between_ == 0 && n_steps_ > 0; }
+
+ private:
+  bool add(const Sample&, bool of_jump);
+  std::unique_ptr<Recorder> own_;
+  const Table& main_;
+  double spacing_, last_ = 0, acted_ = -1;
+  long n_between_ = 0, n_steps_ = 0;
+  std::vector<bool> of_jump_;  // by row of own_
+};
+
+/// How far apart the rows of a picture are, s: some 600 over the run, or infinity where the outputs are as dense.
+double picture_spacing(const StepLoopOptions&, double until);
+
+}  // namespace lockstep
