@@ -153,4 +153,22 @@ bool Clock::end_due(double t) const {
   return options_.output_times.empty() && options_.output > 0 && last_output_ != t;
 }
 
+// The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
+void Clock::save(Snapshot& out) const {
+  for (const double x : {t_start_, t_end_, advised_, anchor_, pace_from_, last_output_, breakpoints_to_}) out.put(x);
+  for (const long n : {n_from_anchor_, n_paced_, n_slow_, next_output_}) out.put(static_cast<double>(n));
+  out.put(warned_ ? 1 : 0);
+  out.put_all(
+      std::vector<double>(breakpoints_.begin() + static_cast<std::ptrdiff_t>(next_breakpoint_), breakpoints_.end()));
+}
+
+void Clock::load(const Snapshot& in) {
+  adaptive_ = method_.info().adaptive;
+  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_from_, &last_output_, &breakpoints_to_})
+    *x = in.get();
+  for (long* n : {&n_from_anchor_, &n_paced_, &n_slow_, &next_output_}) *n = in.get_count();
+  warned_ = in.get_flag();
+  in.get_all(breakpoints_), next_breakpoint_ = 0;
+}
+
 }  // namespace lockstep

@@ -13,4 +13,8 @@ void Observer::output(const Sample&) {}
 
 void Observer::finish(const Sample&) {}
 
+void Observer::save(Snapshot&) const {}
+
+void Observer::load(const Snapshot&) {}
+
 }  // namespace lockstep

@@ -21,7 +21,9 @@
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/program/run_checkpoint.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -44,10 +46,11 @@ struct Ended {
   bool interrupted = false;
 };
 
-Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
+Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, double& seconds) {
   Ended ended;
   Interrupt interrupt;
   Progress progress(until, quiet);
+  if (checkpoints) sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked()); };
   sim.progress = [&](const State& s) {
     progress.at(s.t);
     return !interrupt.asked();
@@ -76,9 +79,9 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
 }
 
 // The table first: it is reported even if the picture fails.
-std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table,
+std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table, long n_rows,
                                      const RunSettings& run, const Arguments& args, const Words& words) {
-  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(table));
+  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(n_rows));
   if (args.no_picture || args.record == "-") return {csv};
   const Drawing drawing = draw_columns(csv, title, table, run.draw);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
@@ -173,10 +176,14 @@ int report_command(const Arguments& args) {
   return run_command(with_report);
 }
 
-int run_command(const Arguments& args) {
+namespace {
+
+// `from`: the checkpoint that the run goes on from; null: it begins.
+int run_scene(const Arguments& args, const RunCheckpoint* from) {
   if (args.quiet) set_logger(nullptr);
   const Words words(args);
   Loaded loaded = load(args);
+  if (from != nullptr) from->check(args.checkpoint, args, loaded);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
@@ -185,6 +192,7 @@ int run_command(const Arguments& args) {
   const std::string csv = csv_path(args.record, args.scene);
   check_overwrites(csv, loaded.scene);
   GrowingFile file(csv);
+  Checkpoints checkpoints(args, loaded, file);
 
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
@@ -195,7 +203,7 @@ int run_command(const Arguments& args) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = m.system.start();
   words.say("{}\n", loaded.title());
-  if (m.run.assemble) {
+  if (m.run.assemble && from == nullptr) {
     const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds);
     if (assembled.is_notable()) words.say("  assembled  {}\n", assembled.text());
     if (assembled.largest_move > 1e-6)
@@ -203,29 +211,34 @@ int run_command(const Arguments& args) {
         words.say("  taken      {}, as no place is given\n", text);
   }
 
-  if (!args.quiet)
+  if (!args.quiet && from == nullptr)
     if (const std::vector<std::string> columns = not_unique(dynamics, start, m.run); !columns.empty())
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
-  GrowingCsv rows(file, recorder->table());
+  RunRows rows(file, *recorder, report || args.certify);  // both read the rows afterwards
   sim.add_observer(*recorder);
   sim.add_observer(rows);
   if (audit) sim.add_observer(summary), sim.add_observer(*audit);
   report.watch(sim);
   for (Event& event : events) sim.add_event(std::move(event));
-  sim.set_state(std::move(start));
-  warn(loaded.scene, m, args, sim);
+  if (from == nullptr) {
+    sim.set_state(std::move(start));
+    warn(loaded.scene, m, args, sim);
+  } else {
+    rows.go_on();
+    sim.load(from->run);
+    words.say("  resumed    at t = {:.6g} s, after {} steps\n", sim.state().t, sim.report().steps);
+  }
 
   double seconds = 0;
-  const Ended ended = go(sim, m.run.until, args.quiet, seconds);
+  const Ended ended = go(sim, m.run.until, args.quiet, checkpoints, seconds);
   const std::exception_ptr unwritten = write_rest(file);
   if (ended.error) {
-    const std::string written = unwritten
-                                    ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                    : rows_of(recorder->table()) + " up to there " +
-                                          (recorder->table().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
+    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
+                                          : rows_of(rows.rows().n_rows()) + " up to there " +
+                                                (rows.rows().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
     write_unfinished(report, sim, ended.error);
     if (args.json)
@@ -233,7 +246,7 @@ int run_command(const Arguments& args) {
                  {{"status", "failed"},
                   {"t", sim.state().t},
                   {"error", thrown_words(ended.error)},
-                  {"rows", recorder->table().n_rows()},
+                  {"rows", rows.rows().n_rows()},
                   {"files", {file.partial()}}});
     std::rethrow_exception(ended.error);
   }
@@ -243,7 +256,9 @@ int run_command(const Arguments& args) {
   words.say("{}", lines);
   if (unwritten) std::rethrow_exception(unwritten);
   file.commit();
-  std::vector<std::string> files = print_files(csv, loaded.title(), recorder->table(), m.run, args, words);
+  if (!ended.interrupted) checkpoints.remove();
+  std::vector<std::string> files =
+      print_files(csv, loaded.title(), rows.rows().table(), rows.rows().n_rows(), m.run, args, words);
   if (report) {
     report.write(sim, lines, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
     words.say("             {}\n", report.file());
@@ -251,16 +266,34 @@ int run_command(const Arguments& args) {
     show(args, report);
   }
   if (args.json) {
-    nlohmann::ordered_json j = json_of(end, recorder->table());
+    nlohmann::ordered_json j = json_of(end, rows.rows());
     j["files"] = files;
     print_json(args, loaded, std::move(j));
   }
   if (args.certify && !ended.interrupted)
     fmt::print(args.record == "-" ? stderr : stdout, "{}", certificate_of(loaded, args, m.run, recorder->table()));
   if (ended.interrupted)
-    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
+    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written{}\n", sim.state().t,
+               checkpoints ? "; go on with: lockstep resume " + in_quotes(checkpoints.file()) : "");
   if (ended.interrupted) return kExitInterrupted;
   return is_wrong(found, sim.integrator().info()) ? kExitNotConserved : kExitOk;
+}
+
+}  // namespace
+
+int run_command(const Arguments& args) { return run_scene(args, nullptr); }
+
+int resume_command(const Arguments& args) {
+  const RunCheckpoint from = RunCheckpoint::read(args.checkpoint);
+  const std::string file = std::filesystem::absolute(args.checkpoint).string();
+  std::error_code error;
+  std::filesystem::current_path(from.folder, error);
+  if (error)
+    throw FileError(fmt::format("checkpoint '{}': the folder '{}', in which the run was begun, cannot be entered: {}",
+                                file, from.folder, error.message()));
+  Arguments begun = read_run_words(from.words);
+  begun.record = from.csv, begun.checkpoint = file;
+  return run_scene(begun, &from);
 }
 
 int assemble_command(const Arguments& args) {
