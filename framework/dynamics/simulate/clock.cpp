@@ -13,8 +13,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostSteps = 1e9;      // a run that would take more of them has no end in sight,
-constexpr long kSlow = 1000;            // if it says so at this many steps in a row
 constexpr long kPaced = 10000;          // steps over which the pace is measured
 constexpr double kLongRun = 1e7;        // steps left of which the run warns
 constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
@@ -69,7 +67,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   const double scale = std::max(std::abs(t), span());
-  if (h < 1e-13 * scale)
+  if (step_is_round_off(h, t, span()))
     throw StepError(
         fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
