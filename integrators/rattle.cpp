@@ -141,7 +141,7 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
 // The matrix of the end of the last step, in an object that did not make it; it was counted then.
 void Rattle::factor_again(Dynamics& dynamics) {
   copy_motion(now_, next_);
-  next_.q = factored_q_, next_.t = factored_t_;
+  next_.q = factored_q_, next_.t = factored_t_, next_.z = now_.z;
   factor_->compute(dynamics.gather(next_));
   --dynamics.work().factors;
 }
@@ -150,14 +150,14 @@ void Rattle::save(Snapshot& out) const {
   out.put(ready_ ? 1 : 0);
   if (!ready_) return;
   out.put(now_.t), out.put(left_), out.put(factored_t_);
-  for (const VecX* v : {&now_.q, &now_.v, &guess_, &factored_q_}) out.put_all(*v);
+  for (const VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) out.put_all(*v);
 }
 
 void Rattle::restore(const Snapshot& in) {
   ready_ = restored_ = in.get_flag();
   if (!ready_) return;
   now_.t = in.get(), left_ = in.get(), factored_t_ = in.get();
-  for (VecX* v : {&now_.q, &now_.v, &guess_, &factored_q_}) in.get_all(*v);
+  for (VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) in.get_all(*v);
 }
 
 // False when an event has changed the state.

@@ -10,6 +10,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/sweep/scene_run.h"
@@ -34,7 +35,7 @@ struct Way {
   std::string words() const { return integrator + " " + solver + " " + formulation; }
 };
 
-constexpr double kParts = 150;  // fixed steps of a run
+constexpr double kParts = 60;  // fixed steps of a run
 
 /// A rod on a hinge with a stop, and a ball on a spring that is caught, let go by an event at an instant, and counted
 /// by one that comes again and again.
@@ -42,7 +43,7 @@ constexpr const char* kEvents = R"({
   "lockstep": 1,
   "gravity": [0, -9.81, 0],
   "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0], "axial_inertia": 0.01}},
-             {"name": "ball", "mass": 1, "inertia": [0.1, 0.1, 0.1], "at": [2, 0, 0]}],
+             {"name": "ball", "mass": 1, "inertia": [0.1, 0.1, 0.1], "position": [2, 0, 0]}],
   "markers": [{"name": "end", "body": "rod", "world_at": [0, 0, 0]},
               {"name": "pivot", "body": "ground", "orientation": {"axis": "z", "angle": "-90 deg"}},
               {"name": "eye", "body": "ball", "world_at": [2, 0, 0]},
@@ -52,7 +53,7 @@ constexpr const char* kEvents = R"({
             {"name": "grip", "type": "spherical", "p": "eye", "s": "hook", "active": false}],
   "forces": [{"name": "spring", "type": "spring_damper", "p": "eye", "s": "hook", "stiffness": 40, "damping": 0.3,
               "free_length": 0.5}],
-  "events": [{"name": "low", "when": {"channel": "ball.y", "crosses": -0.1, "direction": "falling"}, "once": false},
+  "events": [{"name": "low", "when": {"channel": "ball.y", "crosses": -0.1, "direction": "falling"}, "once": false, "deactivate": ["grip"]},
              {"name": "off", "at": 1.3, "deactivate": ["spring"]},
              {"name": "on", "at": 1.5, "activate": ["spring"]}],
   "run": {"tolerance": 1e-8, "until": 3, "output": 0.02,
@@ -70,7 +71,7 @@ Scene scene_of(const std::string& file, const Way& way, double share) {
   RunSettings with_step = run;
   with_step.step = run.until / kParts;
   if (!make_integrator(with_step, registry())->info().adaptive) run = with_step;
-  run.max_steps = 20000;
+  run.max_steps = 2000;
   return scene;
 }
 
@@ -79,7 +80,7 @@ struct Run {
   explicit Run(const Scene& scene) : m(build_mechanism(scene, registry())) {
     record_places(m);
     m.run.record.push_back({"energy.balance", "balance of a test", {}});
-    m.run.record.push_back({"solver.rejected", "tries of a test", {}});
+    m.run.record.push_back({"rejected", "tries of a test", {}});
     recorder = make_recorder(m);
     std::vector<Event> events = make_events(m, *recorder);
     audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
@@ -184,6 +185,8 @@ std::vector<std::string> sample_files() {
 void check_ways(const std::vector<std::string>& files, const std::vector<Way>& ways, double share, int n,
                 long at_least) {
   std::mt19937 draw(20261);
+  const auto before = logger();
+  set_logger(nullptr);
   long equal = 0;
   for (const std::string& file : files)
     for (const Way& way : ways) {
@@ -193,6 +196,7 @@ void check_ways(const std::vector<std::string>& files, const std::vector<Way>& w
       CHECK(found == "");
       ++equal;
     }
+  set_logger(before);
   CHECK(equal >= at_least);
 }
 
@@ -205,7 +209,7 @@ TEST_CASE(
        {"dopri5", "dop853", "dop853:stages=manifold", "dopri5:fixed=true", "rk4", "semi_implicit_euler", "radau5",
         "generalized_alpha", "generalized_alpha:adaptive=true", "rattle2", "rattle4"})
     ways.push_back({.integrator = integrator});
-  check_ways(sample_files(), ways, 0.1, 2, 300);
+  check_ways(sample_files(), ways, 0.04, 1, 300);
 }
 
 TEST_CASE(
@@ -218,7 +222,7 @@ TEST_CASE(
   ways.push_back({.formulation = "joint"});
   ways.push_back({.formulation = "omega", .stabilization = Stabilization::Kind::baumgarte});
   ways.push_back({.integrator = "radau5", .formulation = "omega", .stabilization = Stabilization::Kind::none});
-  check_ways(sample_files(), ways, 0.05, 1, 150);
+  check_ways(sample_files(), ways, 0.02, 1, 150);
 }
 
 TEST_CASE("a run that goes on across events and impacts equals the one that was not interrupted") {
