@@ -67,7 +67,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   passage_.begin(scheme_.tableau, state, dynamics);
   stages_.begin(scheme_.tableau, state, passage_.active());
   watch_.begin(state.v.size());
-  h_ = 0;
+  h_ = h_followed_ = 0;
   dense_ready_ = false;
   if (!scheme_.error) return;
   error_ = gap_ = sized_like(state);
@@ -84,9 +84,9 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
 // The first stage does not depend on h: rejected attempts keep it. From the rate at the end of the last step, which
 // begins this one, and that of its late stage, the watch estimates the fastest mode.
 double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
-  const bool follows = h_ > 0 && start_.t == landed_t_;
-  const double h_before = h_;
-  h_ = 0;
+  const bool follows = h_followed_ > 0 && start_.t == landed_t_;
+  const double h_before = h_followed_;
+  h_ = h_followed_ = 0;
   dense_ready_ = false;
   passage_.start_step();
   first_done_ = passage_.first_stage(dynamics, start_, stages_);
@@ -119,7 +119,7 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
 }
 
 void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
-  h_ = report.h;
+  h_ = h_followed_ = report.h;
   landed_t_ = landed_.t;
   report.manifold = passage_.stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
@@ -190,20 +190,24 @@ void EmbeddedRungeKutta::prepare_dense() const {
 
 void EmbeddedRungeKutta::save(Snapshot& out) const {
   AdaptiveStepper::save(out);
-  watch_.save(out);
   passage_.save(out);
+  if (fixed()) return;
+  watch_.save(out);
+  out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v);
 }
 
 void EmbeddedRungeKutta::restore(const Snapshot& in) {
   AdaptiveStepper::restore(in);
-  watch_.restore(in);
   passage_.restore(in);
-  h_ = 0;
+  h_ = h_followed_ = 0;
+  if (fixed()) return;
+  watch_.restore(in);
+  h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
 }
 
 double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, double largest) {
   if (fixed()) return 0;
-  h_ = 0;  // the end of the last step is used as scratch
+  h_ = h_followed_ = 0;  // the end of the last step is used as scratch
   dense_ready_ = false;
   const double guess = AdaptiveStepper::first_step(dynamics, state, largest);
   copy_motion(state, start_);

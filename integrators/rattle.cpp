@@ -72,7 +72,7 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
   C_ = Cd_ = lambda_ = VecX::Zero(m);
   rate0_ = rate1_ = sized_like(state);
   factor_.emplace(dynamics.new_factor());
-  ready_ = false;
+  ready_ = restored_ = false;
 }
 
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
@@ -112,6 +112,8 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
 StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   const bool quadratures = state.s.size() > 0;
   if (quadratures) dynamics.rate(state, rate0_);
+  if (restored_ && goes_on_from(state)) factor_again(dynamics);
+  restored_ = false;
   if (!goes_on_from(state)) {  // M d + J^T nu = f, J d = -(J v + Ct): the first guess
     ready_ = false;
     copy_motion(state, next_);
@@ -124,6 +126,7 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   StepReport report;
   report.h = h;
   report.violation = report.violation_after = left_;
+  factored_q_ = now_.q, factored_t_ = now_.t;
   now_.t = state.t + h;
   dynamics.normalize(now_);
   if (quadratures) {
@@ -133,6 +136,28 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   copy_motion(now_, state);
   ready_ = true;
   return report;
+}
+
+// The matrix of the end of the last step, in an object that did not make it; it was counted then.
+void Rattle::factor_again(Dynamics& dynamics) {
+  copy_motion(now_, next_);
+  next_.q = factored_q_, next_.t = factored_t_, next_.z = now_.z;
+  factor_->compute(dynamics.gather(next_));
+  --dynamics.work().factors;
+}
+
+void Rattle::save(Snapshot& out) const {
+  out.put(ready_ ? 1 : 0);
+  if (!ready_) return;
+  out.put(now_.t), out.put(left_), out.put(factored_t_);
+  for (const VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) out.put_all(*v);
+}
+
+void Rattle::restore(const Snapshot& in) {
+  ready_ = restored_ = in.get_flag();
+  if (!ready_) return;
+  now_.t = in.get(), left_ = in.get(), factored_t_ = in.get();
+  for (VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) in.get_all(*v);
 }
 
 // False when an event has changed the state.

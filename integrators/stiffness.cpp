@@ -45,11 +45,13 @@ void StiffnessWatch::add(double h, double dv2, double da2, double da_dv, double 
 
 void StiffnessWatch::save(Snapshot& out) const {
   for (const double x : {n_, rate2_, damped_, stiff_ ? 1.0 : 0.0}) out.put(x);
+  out.put_all(a_before_);
 }
 
 void StiffnessWatch::restore(const Snapshot& in) {
   for (double* x : {&n_, &rate2_, &damped_}) *x = in.get();
-  stiff_ = in.get() != 0;
+  stiff_ = in.get_flag();
+  in.get_all(a_before_);
 }
 
 }  // namespace lockstep

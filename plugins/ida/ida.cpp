@@ -109,6 +109,7 @@ class Ida final : public Integrator {
   }
 
   void restore(const Snapshot&) override { followed_ = false; }
+  bool saves_all() const override { return false; }  // IDA keeps its history to itself
 
  private:
   // -- IDA's callbacks; an exception must not pass through IDA, so it waits in thrown_

@@ -1,4 +1,5 @@
 #include "tests/differential/trial.h"
+#include "tests/support/worst.h"
 
 #include <spdlog/spdlog.h>
 #include <algorithm>
@@ -120,7 +121,7 @@ double difference(const std::vector<Snapshot>& a, const std::vector<Snapshot>& b
           (a[k].poses[i].x - b[k].poses[i].x).norm() + angle(a[k].poses[i].q, b[k].poses[i].q) +
           0.1 * ((a[k].twists[i].v - b[k].twists[i].v).norm() + (a[k].twists[i].w - b[k].twists[i].w).norm());
       if (!std::isfinite(here)) return kApart;
-      worst = std::max(worst, here);
+      keep_worst(worst, here);
     }
   }
   return worst;

@@ -154,6 +154,126 @@ TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows an
   fs::remove(partial);
 }
 
+TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to the same table", "[faults]") {
+  struct Kind {
+    const char *name, *run;
+  };
+  const Kind kinds[] = {
+      {"again_rk4",
+       R"("until": 1500, "output": 0.05, "integrator": "rk4", "step": 0.01, "record": ["arm.angle_z", "energy.total"])"},
+      {"again_dop853",
+       R"("until": 4000, "output": 0.1, "integrator": "dop853", "tolerance": 1e-9, "record": ["arm.angle_z", "A.force_on_p_world_y"])"}};
+  const int rounds = std::getenv("LOCKSTEP_FAULTS") != nullptr ? 20 : 3;
+  for (const Kind& kind : kinds) {
+    const std::string scene = arm_scene(kind.name, kind.run), base = kFolder + "/" + kind.name;
+    const std::string file = base + ".csv", saved = base + ".checkpoint";
+    REQUIRE(call("run '" + scene + "' --no-picture --record '" + file + "'").exit == 0);
+    const std::string whole = bytes_of(file);
+    REQUIRE(whole.size() > 100000);
+    long resumed = 0;
+    for (int k = 0; k < rounds; ++k)
+      for (const char* signal : {"KILL", "TERM"}) {
+        for (const std::string& name : {file, file + ".partial", saved}) fs::remove(name);
+        const std::string wait = std::to_string(0.15 + 0.11 * k);
+        const auto ended = [&](const std::string& words) {
+          return shell("lockstep " + words + " & sleep " + wait + "; kill -" + signal + " $! 2>/dev/null; wait $!");
+        };
+        ended("run '" + scene + "' --no-picture --record '" + file + "' --checkpoint '" + saved + "' --every 0.02s");
+        if (fs::exists(saved)) ended("resume '" + saved + "'");
+        while (fs::exists(saved)) {
+          const Called r = call("resume '" + saved + "'");
+          INFO(kind.name << ", " << signal << " after " << wait << " s:\n" << r.text);
+          REQUIRE(r.exit == 0);
+          CHECK(contains(r.text, "resumed    at t = "));
+          ++resumed;
+        }
+        if (!fs::exists(file)) continue;  // ended before its first checkpoint
+        CHECK((bytes_of(file) == whole));
+        CHECK_FALSE(fs::exists(file + ".partial"));
+      }
+    CHECK(resumed >= rounds);
+  }
+}
+
+TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself have changed", "[faults]") {
+  const std::string scene =
+      arm_scene("changed", R"("until": 1e5, "output": 0.05, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");
+  const std::string file = kFolder + "/changed.csv", saved = kFolder + "/changed.checkpoint";
+  for (const std::string& name : {file, file + ".partial", saved}) fs::remove(name);
+  shell("lockstep run '" + scene + "' --no-picture --quiet --record '" + file + "' --checkpoint '" + saved +
+        "' --every 0.02s & sleep 0.5; kill -KILL $!; wait $!");
+  REQUIRE(fs::exists(saved));
+  const auto refused = [&](const std::string& part) {
+    const Called r = call("resume '" + saved + "'");
+    INFO(r.text);
+    CHECK(r.exit == 8);
+    CHECK(contains(r.text, part));
+  };
+  const std::string of_scene = bytes_of(scene), of_file = bytes_of(saved), of_rows = bytes_of(file + ".partial");
+  const auto put = [](const std::string& name, const std::string& bytes) {
+    std::ofstream(name, std::ios::binary) << bytes;
+  };
+  put(scene, of_scene + " ");
+  refused("scene '" + scene + "', or a file that it reads, was changed since");
+  put(scene, of_scene);
+  std::string rows = of_rows;
+  rows[of_rows.find('\n') + 3] ^= 1;
+  put(file + ".partial", rows);
+  refused("neither in");
+  put(file + ".partial", of_rows);
+  std::string damaged = of_file;
+  damaged[damaged.size() / 2] ^= 4;
+  put(saved, damaged);
+  refused("is damaged");
+  put(saved, of_file.substr(0, of_file.size() / 3));
+  refused("is cut or damaged");
+  CHECK(bytes_of(file + ".partial") == of_rows);
+  CHECK(call("run '" + scene + "' --record '" + file + "' --checkpoint '" + file + "'").exit == 2);
+  CHECK(call("run '" + scene + "' --record '" + file + "' --checkpoint '" + scene + "'").exit == 2);
+  CHECK(call("run '" + scene + "' --record - --checkpoint '" + saved + "'").exit == 2);
+  for (const std::string& name : {file + ".partial", saved}) fs::remove(name);
+}
+
+TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "[faults]") {
+  const std::string scene =
+      arm_scene("rest", R"("until": 2, "output": 0.01, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
+  const std::string file = kFolder + "/rest.csv", partial = file + ".partial", mark = file + ".sweep";
+  const std::string words =
+      "sweep '" + scene + "' --quiet --jobs 2 --vary gravity.2=-9.81:-1:60 --record '" + file + "'";
+  const auto without_cpu = [](const std::string& text) {  // the last cell but one
+    std::string out;
+    for (std::size_t at = 0, next; (next = text.find('\n', at)) != std::string::npos; at = next + 1) {
+      const std::string line = text.substr(at, next - at);
+      const std::size_t last = line.rfind(','), before = line.rfind(',', last - 1);
+      out += line.substr(0, before) + line.substr(last) + "\n";
+    }
+    return out;
+  };
+  for (const std::string& name : {file, partial, mark}) fs::remove(name);
+  REQUIRE(call(words).exit == 0);
+  const std::string whole = without_cpu(bytes_of(file));
+  CHECK_FALSE(fs::exists(mark));
+  const Called none = call(words + " --resume");
+  CHECK(none.exit == 8);
+  CHECK(contains(none.text, "no sweep to go on with"));
+  for (const char* signal : {"KILL", "TERM"}) {
+    fs::remove(file);
+    shell("lockstep " + words + " & sleep 0.35; kill -" + signal + " $!; wait $!");
+    INFO(signal);
+    REQUIRE(fs::exists(mark));
+    std::ofstream(fs::exists(partial) ? partial : file, std::ios::app) << "7,-9";  // a torn row
+    const Called other = call(words + " --until 1 --resume");
+    CHECK(other.exit == 8);
+    CHECK(contains(other.text, "it was begun by `lockstep sweep"));
+    const Called r = shell("lockstep " + words + " --resume");
+    INFO(r.text);
+    CHECK(r.exit == 0);
+    CHECK((without_cpu(bytes_of(file)) == whole));
+    CHECK_FALSE(fs::exists(mark));
+    CHECK_FALSE(fs::exists(partial));
+  }
+}
+
 TEST_CASE("every verb that prints says that a full standard output is full", "[faults]") {
   const std::string scene = arm_scene("full", kShort);
   const std::vector<std::string> all = {"check '" + scene + "'",

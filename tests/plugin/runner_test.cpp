@@ -129,9 +129,9 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
 
 TEST_CASE("every verb has help with an example", "[runner]") {
   for (const char* verb :
-       {"",        "run",       "check",    "list",  "describe", "schema", "assemble", "statics", "kinematics", "inverse",
-        "explain", "modes",     "linearize", "matrices", "chart", "advise", "sweep",   "atlas",   "demo",       "import",
-        "report",  "reference", "completion", "man"}) {
+       {"",        "run",     "check",  "list",      "describe",   "schema", "assemble", "statics", "kinematics",
+        "inverse", "explain", "modes",  "linearize", "matrices",   "chart",  "advise",   "sweep",   "atlas",
+        "demo",    "import",  "report", "reference", "completion", "man",    "resume"}) {
     const Called r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);

@@ -114,9 +114,37 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
   REQUIRE(a.size() == 12);
   REQUIRE(b.size() == 12);
   CHECK(a[0] == b[0]);
-  for (std::size_t i = 1; i < a.size(); ++i)
-    for (std::size_t k = 0; k + 2 < a[i].size(); ++k)  // all but steps and status
-      CHECK(std::stod(a[i][k]) == Approx(std::stod(b[i][k])).margin(1e-6));
+  const auto judged = static_cast<std::size_t>(std::ranges::find(a[0], "energy") - a[0].begin());
+  REQUIRE(judged + 5 == a[0].size());  // energy, imbalance, violation, steps, status
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < judged; ++k) CHECK(std::stod(a[i][k]) == Approx(std::stod(b[i][k])).margin(1e-6));
+    CHECK(a[i][judged] == "");  // no works are integrated in lanes
+    CHECK(b[i][judged] == "conserved");
+    CHECK(std::stod(b[i][judged + 1]) < 1e-6);
+    for (const auto* row : {&a[i], &b[i]}) CHECK(std::stod((*row)[judged + 2]) < 1e-9);
+  }
+}
+
+TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and the exit code tells", "[runner][sweep]") {
+  const Called r = call("sweep '" + kRod + "' --until 2 --vary run.tolerance=1e-9,0.5 --record verdicts.csv");
+  INFO(r.text);
+  CHECK(r.exit == 9);
+  CHECK(contains(r.text, "NOT CONSERVED  or drifted: 1 of the runs"));
+  const auto rows = results_of("verdicts.csv");
+  REQUIRE(rows.size() == 3);
+  const auto at = static_cast<std::size_t>(std::ranges::find(rows[0], "energy") - rows[0].begin());
+  CHECK(rows[1][at] == "conserved");
+  CHECK(rows[2][at] == "not conserved");
+  CHECK(std::stod(rows[2][at + 1]) > 1e-3);
+
+  const Called d = call("sweep '" + kRod +
+                        "' --until 5 --vary run.tolerance=1e-9,1e-3 --formulation omega --stabilization none "
+                        "--record drifts.csv --json");
+  INFO(d.text);
+  const auto drifts = results_of("drifts.csv");
+  REQUIRE(drifts.size() == 3);
+  CHECK(std::stod(drifts[2][at + 2]) > std::stod(drifts[1][at + 2]));
+  CHECK(contains(d.text, "\"drifted\": "));
 }
 
 TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runner][sweep]") {

@@ -5,6 +5,7 @@
 #include <lockstep/simulation.h>
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"
+#include "tests/support/worst.h"
 
 namespace spin_test {
 
@@ -57,7 +58,7 @@ double length_error(long steps) {
   double worst = 0;
   for (long k = 0; k < steps; ++k) {
     run.loop().step();
-    if (k % 1000 == 999) worst = std::max(worst, std::abs(run.state().q.segment<4>(3).norm() - 1));
+    if (k % 1000 == 999) keep_worst(worst, std::abs(run.state().q.segment<4>(3).norm() - 1));
   }
   return worst;
 }

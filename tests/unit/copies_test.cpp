@@ -1,13 +1,14 @@
 #include <lockstep/batch.h>
 
+#include <lockstep/error.h>
+#include <lockstep/forces.h>
 #include <lockstep/registry.h>
 #include <lockstep/stepping.h>
-#include <lockstep/forces.h>
-#include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"
+#include "tests/support/worst.h"
 
 namespace copies_test {
 
@@ -33,7 +34,7 @@ double difference(Family& family, std::vector<State> states, Instructions set = 
     StateRate truth;
     dynamics.rate(states[k], truth);
     for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
-      worst = std::max(worst, largest(rates[k].*part - truth.*part) / std::max(1.0, largest(truth.*part)));
+      keep_worst(worst, largest(rates[k].*part - truth.*part) / std::max(1.0, largest(truth.*part)));
   }
   return worst;
 }

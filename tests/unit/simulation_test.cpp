@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
+#include "tests/support/worst.h"
 
 namespace simulation_test {
 
@@ -90,8 +91,8 @@ TEST_CASE("output times are exact and the states between steps are the motion's"
     const RodPendulum* motion = nullptr;
     void output(const Sample& s) override {
       times.push_back(s.state.t);
-      worst = std::max(worst, motion->error(s.state));
-      off = std::max(off, s.dynamics().violation(s.state));
+      keep_worst(worst, motion->error(s.state));
+      keep_worst(off, s.dynamics().violation(s.state));
     }
   } seen;
   seen.motion = &pendulum;

@@ -1,6 +1,8 @@
 // Runs of a sweep eight at a time against the same runs one by one.
 #include "framework/tools/sweep/sweep_lanes.h"
 
+#include <lockstep/batch.h>
+
 #include <cmath>
 
 #include <lockstep/registry.h>
@@ -95,6 +97,38 @@ TEST_CASE("lanes can be broken off", "[unit][scene]") {
       sweep_lanes(group.scenes, group.registry, group.columns, [](const State& s) { return s.t < 0.5; });
   REQUIRE(lanes.size() == 3);
   CHECK(lanes.front().broken_off);
+}
+
+// A driven four-bar whose base is too short for its crank to go round: it locks at about 0.43 s.
+TEST_CASE("a copy near a locked position ends soon, by counts", "[unit][scene]") {
+  const Scene scene = in_space(scene_from_text(R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "points": {"A": [0,0,0], "B": [0,0.1,0], "C": [0.25,0.15,0], "D": [0.16,0,0]},
+    "bodies": [{"name": "crank", "rod": {"mass": 1, "from": "A", "to": "B"}},
+               {"name": "coupler", "rod": {"mass": 1, "from": "B", "to": "C"}},
+               {"name": "rocker", "rod": {"mass": 1, "from": "C", "to": "D"}}],
+    "links": [{"name": "a", "type": "revolute", "p": "crank", "s": "ground", "at": "A",
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 10}}},
+              {"name": "b", "type": "revolute", "p": "coupler", "s": "crank", "at": "B"},
+              {"name": "c", "type": "revolute", "p": "coupler", "s": "rocker", "at": "C"},
+              {"name": "d", "type": "revolute", "p": "rocker", "s": "ground", "at": "D"}]})",
+                                               "locks.json"));
+  for (const char* integrator : {"dopri5", "dop853"}) {
+    INFO(integrator);
+    Mechanism one = build_mechanism(scene, builtin_registry()), other = build_mechanism(scene, builtin_registry());
+    CopiesOptions options;
+    options.integrator = integrator, options.tolerance = {1e-11, 1e-13};
+    Copies copies({&one.system, &other.system}, options);
+    const std::vector<State> starts{one.system.start(), other.system.start()};
+    const std::vector<double> times{0, 0.2, 1};
+    for (const CopyReport& r : copies.run(starts, times, [](int, std::size_t, const State&) {})) {
+      INFO(r.steps << " steps, " << r.rejected << " tries, " << r.error);
+      CHECK_FALSE(r.finished);
+      CHECK(r.t > 0.4);
+      CHECK(r.t < 0.45);
+      CHECK(r.error != "");
+      CHECK(r.steps + r.rejected < 20000);
+    }
+  }
 }
 
 }  // namespace sweep_lanes_test

@@ -78,9 +78,9 @@ TEST_CASE("a run that fails is a row with its reason, the others stay", "[unit][
   const Swept sweep(kPendulum, {"bodies.bob.particle=1,-1,2"});
   CHECK(sweep_header(sweep.variables, sweep.columns) ==
         "run,bodies.bob.particle [kg],t final [s],bob.x final [m],bob.x min [m],bob.x max [m],"
-        "speed final [m/s],speed min [m/s],speed max [m/s],steps,cpu [s],status\n");
+        "speed final [m/s],speed min [m/s],speed max [m/s],energy,imbalance,violation [m],steps,cpu [s],status\n");
   const std::string failed = sweep.row(2);
-  CHECK(failed.rfind("2,-1,,,,,,,,0,", 0) == 0);
+  CHECK(failed.rfind("2,-1,,,,,,,,,,,0,", 0) == 0);
   check_words(failed, {"\"failed: scene.json:2:", "body 'bob'", "must be greater than 0"});
   CHECK(failed.find('\n') == failed.size() - 1);
   for (const long k : {1l, 3l}) CHECK(sweep.row(k).find(",stopped by 'lowest'\n") != std::string::npos);

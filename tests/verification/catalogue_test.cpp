@@ -7,18 +7,19 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
-#include <lockstep/dynamics.h>
-#include <lockstep/step_loop.h>
-#include <lockstep/solvers.h>
 #include <lockstep/couplings.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
-#include <lockstep/scene.h>
 #include <lockstep/laws.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
 
 namespace catalogue_test {
 
@@ -167,9 +168,9 @@ TEST_CASE("a car on a corkscrew is a pendulum", "[verification][joints]") {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double way = truth[i][0], speed = truth[i][1];
     const double rate = -m * g * l * std::sin(way) / M;
-    s = std::max(s, std::abs(t["s"][i] - way)), sd = std::max(sd, std::abs(t["s_d"][i] - speed));
+    keep_worst(s, std::abs(t["s"][i] - way)), keep_worst(sd, std::abs(t["s_d"][i] - speed));
     x = std::max({x, std::abs(t["x"][i] - p * way), std::abs(t["z"][i] + 2 * std::cos(way))});
-    angle = std::max(angle, std::abs(t["angle"][i] - way));
+    keep_worst(angle, std::abs(t["angle"][i] - way));
     // the mass centre goes round at l: z = -l cos s
     seat =
         std::max(seat, std::abs(t["seat"][i] - m * (g + l * (std::sin(way) * rate + std::cos(way) * speed * speed))));
@@ -203,7 +204,7 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
       solved([&](double s, double) { return -m * g * R * std::sin(s) / (m * R * R + J); }, start, 0, times);
   double worst = 0;
   for (std::size_t i = 0; i < times.size(); ++i)
-    worst = std::max(worst, (run.at(times[i]).slot_pose(body.slot).x - path->at(truth[i][0]).x).norm());
+    keep_worst(worst, (run.at(times[i]).slot_pose(body.slot).x - path->at(truth[i][0]).x).norm());
   CAPTURE(planar, worst);
   CHECK(worst <= 1e-8);
 }
@@ -238,7 +239,7 @@ TEST_CASE("a bead on a wire in a plane moves as its one equation says", "[verifi
       wire.start, wire.speed, times);
   double worst = 0;
   for (std::size_t i = 0; i < times.size(); ++i)
-    worst = std::max(worst, (run.at(times[i]).slot_pose(bead.slot).x - wire.path->at(truth[i][0]).x).norm());
+    keep_worst(worst, (run.at(times[i]).slot_pose(bead.slot).x - wire.path->at(truth[i][0]).x).norm());
   CAPTURE(worst);
   CHECK(worst <= 1e-8);
 }
@@ -284,15 +285,15 @@ TEST_CASE("a roller on an eccentric circle is a slider-crank", "[verification][j
     const double t = 0.05 * i;
     const State s = run.at(t);
     const LawValue h = height->at(t);
-    y = std::max(y, std::abs(s.slot_pose(cam.follower.slot).x[1] - h.y));
-    v = std::max(v, std::abs(s.v[6 * cam.follower.slot + 1] - h.yd));
+    keep_worst(y, std::abs(s.slot_pose(cam.follower.slot).x[1] - h.y));
+    keep_worst(v, std::abs(s.v[6 * cam.follower.slot + 1] - h.yd));
     // the contact pushes along the line of centres: its share along y is m (y'' + g)
     const double along = (h.y - e * std::sin(w * t)) / l;
     const Evaluated& values = run.dynamics.evaluate(s);
     double lambda = 0;
     for (const RowEntry& entry : values.rows.entries)
       if (entry.m == 1) lambda = values.lambda[entry.first_row];
-    push = std::max(push, std::abs(-lambda * along - (h.ydd + g)));
+    keep_worst(push, std::abs(-lambda * along - (h.ydd + g)));
   }
   CAPTURE(planar, y, v, push);
   CHECK(y <= 1e-11);
@@ -312,13 +313,13 @@ TEST_CASE("a flat face on an eccentric circle moves as a sine", "[verification][
   for (int i = 0; i <= 60; ++i) {
     const double t = 0.05 * i;
     const State s = run.at(t);
-    y = std::max(y, std::abs(s.slot_pose(cam.follower.slot).x[1] - (R + e * std::sin(w * t))));
-    v = std::max(v, std::abs(s.v[6 * cam.follower.slot + 1] - e * w * std::cos(w * t)));
+    keep_worst(y, std::abs(s.slot_pose(cam.follower.slot).x[1] - (R + e * std::sin(w * t))));
+    keep_worst(v, std::abs(s.v[6 * cam.follower.slot + 1] - e * w * std::cos(w * t)));
     const Evaluated& values = run.dynamics.evaluate(s);
     double lambda = 0;
     for (const RowEntry& entry : values.rows.entries)
       if (entry.m == 1) lambda = values.lambda[entry.first_row];
-    push = std::max(push, std::abs(-lambda - (g - e * w * w * std::sin(w * t))));
+    keep_worst(push, std::abs(-lambda - (g - e * w * w * std::sin(w * t))));
   }
   CAPTURE(aside, y, v, push);
   CHECK(y <= 1e-11);
@@ -370,8 +371,8 @@ TEST_CASE("followers of splined cams stand where a search finds them", "[verific
   // the work of the drive is what followers and shaft carry: torque against the power of pushes
   double power = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i)
-    power = std::max(power, std::abs(t["torque"][i] * 12 - 0.3 * (t["y_1_dd"][i] + g) * t["y_1_d"][i] -
-                                     0.2 * (t["y_2_dd"][i] + g) * t["y_2_d"][i]));
+    keep_worst(power, std::abs(t["torque"][i] * 12 - 0.3 * (t["y_1_dd"][i] + g) * t["y_1_d"][i] -
+                               0.2 * (t["y_2_dd"][i] + g) * t["y_2_d"][i]));
   CHECK(power <= (std::string(way.integrator) == "generalized_alpha" ? 1e-2 : 1e-7));
 }
 

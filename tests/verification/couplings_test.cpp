@@ -4,19 +4,20 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
-#include <lockstep/dynamics.h>
-#include <lockstep/step_loop.h>
-#include <lockstep/forces.h>
-#include <lockstep/solvers.h>
 #include <lockstep/couplings.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/forces.h>
 #include <lockstep/joints.h>
-#include <lockstep/recorder.h>
-#include <lockstep/scene.h>
 #include <lockstep/laws.h>
+#include <lockstep/recorder.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/worst.h"
 
 namespace couplings_test {
 
@@ -204,7 +205,7 @@ TEST_CASE("a tappet leaves its cam when it would have to be pulled", "[verificat
     if (time > lands) continue;
     const bool flies = time > leaves;
     flying += flies;
-    worst = std::max(worst, std::abs(t["tappet.y"][i] - (flies ? flight(time) : rides(time))));
+    keep_worst(worst, std::abs(t["tappet.y"][i] - (flies ? flight(time) : rides(time))));
     if (std::abs(time - leaves) > 1e-4) CHECK(t["contact.in_contact"][i] == (flies ? 0 : 1));
   }
   CAPTURE(leaves, lands, worst);

@@ -9,6 +9,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/worst.h"
 
 namespace friction_test {
 
@@ -68,8 +69,7 @@ Run run(System& system, const std::string& method, const Params& keys, double st
 
 double worst(const Table& table, const std::string& column, const std::function<double(double)>& truth) {
   double most = 0;
-  for (std::size_t i = 0; i < table.n_rows(); ++i)
-    most = std::max(most, std::abs(table[column][i] - truth(table["t"][i])));
+  for (std::size_t i = 0; i < table.n_rows(); ++i) keep_worst(most, std::abs(table[column][i] - truth(table["t"][i])));
   return most;
 }
 

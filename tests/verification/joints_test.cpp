@@ -8,6 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
 
 namespace joints_test {
 
@@ -59,7 +60,7 @@ TEST_CASE("Hooke joints turn as their closed forms say", "[verification][joints]
         const std::string ours = std::string("w_") + shaft + q, theirs = std::string("phi_") + shaft + q;
         double worst = 0;
         for (std::size_t i = 0; i < truth.n_rows(); ++i)
-          worst = std::max(worst, std::abs(run.table[ours.c_str()][i] - truth[theirs.c_str()][i]));
+          keep_worst(worst, std::abs(run.table[ours.c_str()][i] - truth[theirs.c_str()][i]));
         CAPTURE(ours);
         CHECK(worst <= (*q == 0 ? 1e-11 : 1e-7));
       }

@@ -13,6 +13,7 @@
 #include "tests/support/lock_checks.h"
 #include "tests/support/lock_inputs.h"
 #include "tests/support/paths.h"
+#include "tests/support/worst.h"
 
 namespace kernel_test {
 
@@ -68,7 +69,7 @@ Got kernel_rotation(const KernelInputs& in, Mask rows = Mask::all) {
 
 double worst(const Got& g, const Configuration& c, int first, int n) {
   double w = 0;
-  const auto take = [&](const MatX& got, const MatX& expected) { w = std::max(w, difference(got, expected)); };
+  const auto take = [&](const MatX& got, const MatX& expected) { keep_worst(w, difference(got, expected)); };
   take(g.C, oracle::exact_C(c).segment(first, n));
   take(g.Ct, oracle::exact_Ct(c).segment(first, n));
   take(g.Qhat, oracle::exact_Qhat(c).segment(first, n));

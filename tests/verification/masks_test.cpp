@@ -7,6 +7,7 @@
 #include "tests/support/constraint.h"
 #include "tests/support/dense.h"
 #include "tests/support/lock_inputs.h"
+#include "tests/support/worst.h"
 
 namespace masks_test {
 
@@ -44,11 +45,11 @@ double worst(const Rows& got, const Exact& exact, Mask mask, int grounded) {
   double w = 0;
   for (int i = 0; i < n; ++i) {
     const int k = rows[static_cast<std::size_t>(i)];
-    w = std::max(w, difference(got.C.segment(i, 1), exact.C.segment(k, 1)));
-    w = std::max(w, difference(got.Ct.segment(i, 1), exact.Ct.segment(k, 1)));
-    w = std::max(w, difference(got.Qhat.segment(i, 1), exact.Qhat.segment(k, 1)));
+    keep_worst(w, difference(got.C.segment(i, 1), exact.C.segment(k, 1)));
+    keep_worst(w, difference(got.Ct.segment(i, 1), exact.Ct.segment(k, 1)));
+    keep_worst(w, difference(got.Qhat.segment(i, 1), exact.Qhat.segment(k, 1)));
     const MatX J = grounded == 0 ? MatX(exact.J.row(k)) : MatX(exact.J.row(k).segment(grounded == 1 ? 6 : 0, 6));
-    w = std::max(w, difference(got.J.row(i), J));
+    keep_worst(w, difference(got.J.row(i), J));
   }
   return w;
 }

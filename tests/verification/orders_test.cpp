@@ -4,12 +4,13 @@
 #include <cmath>
 #include <string>
 
-#include <lockstep/solvers.h>
-#include <lockstep/joints.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
 
 namespace orders_test {
 
@@ -28,8 +29,7 @@ double error_of(const std::string& method, double h, Formulation formulation, co
   });
   double worst = 0;
   for (const char* c : {"xc", "yc", "zc"})
-    for (std::size_t i = 0; i < run.table.n_rows(); ++i)
-      worst = std::max(worst, std::abs(run.table[c][i] - truth[c][i]));
+    for (std::size_t i = 0; i < run.table.n_rows(); ++i) keep_worst(worst, std::abs(run.table[c][i] - truth[c][i]));
   return worst;
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("the error of radau5 follows the tolerance down to 1e-9 with slope one
     });
     double worst = 0;  // angles of all rods; a rod's end is off by as much, times its length of 1 m
     for (const ColumnError& e : compare(run.table, truth))
-      if (e.name.starts_with("q") && e.name.find('_') == std::string::npos) worst = std::max(worst, e.error);
+      if (e.name.starts_with("q") && e.name.find('_') == std::string::npos) keep_worst(worst, e.error);
     return worst;
   };
   const double loose = error_at(1e-5), tight = error_at(1e-9), slope = std::log10(loose / tight) / 4;

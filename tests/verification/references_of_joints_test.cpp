@@ -5,16 +5,17 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/step_loop.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
-#include <lockstep/scene.h>
 #include <lockstep/laws.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
 
 namespace references_of_joints_test {
 
@@ -46,9 +47,9 @@ TEST_CASE("the spatial slider-crank holds to its reference over eight turns", "[
   for (std::size_t i = 0; i < truth.n_rows(); ++i) {
     for (const char axis : {'x', 'y', 'z'}) {
       const std::string d = std::string("d") + axis, b = std::string(1, axis) + "b", c = std::string(1, axis) + "c_rod";
-      worst = std::max(worst, std::abs((run.table[b][i] - run.table[c][i]) / 0.15 - truth[d][i]));
+      keep_worst(worst, std::abs((run.table[b][i] - run.table[c][i]) / 0.15 - truth[d][i]));
     }
-    balance = std::max(balance, std::abs(run.table["balance"][i]));
+    keep_worst(balance, std::abs(run.table["balance"][i]));
   }
   CHECK(worst <= 1e-10);
   CHECK(balance <= 1e-9);
@@ -74,7 +75,7 @@ TEST_CASE("the linkage of Peaucellier draws a straight line", "[verification][jo
     return rate ? 1e-9 * std::max(1.0, e.size) : rk4 ? 1e-10 : 1e-11;
   });
   double worst = 0;
-  for (const double x : run.table["Px"]) worst = std::max(worst, std::abs(x - 0.525));
+  for (const double x : run.table["Px"]) keep_worst(worst, std::abs(x - 0.525));
   CHECK(worst <= (rk4 ? 1e-10 : 1e-12));
 }
 
@@ -158,13 +159,13 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
     const Pose p = body_pose(platform, s);
     const Twist v = body_twist(platform, s);
     const Quat off = conjugate(quaternion(i)) * p.q;
-    position = std::max(position, (p.x - three("x", "y", "z", i)).norm());
-    turn = std::max(turn, 2 * off.vec().norm());
+    keep_worst(position, (p.x - three("x", "y", "z", i)).norm());
+    keep_worst(turn, 2 * off.vec().norm());
     speed = std::max(
         {speed, (v.v - three("vx", "vy", "vz", i)).norm(), (rotation(p.q) * v.w - three("wx", "wy", "wz", i)).norm()});
     const Evaluated& values = dynamics.evaluate(s);
     for (int k = 0; k < 6; ++k)  // a multiplier above zero pulls, f pushes
-      force = std::max(force, std::abs(values.lambda[k] + number(("f" + std::to_string(k + 1)).c_str(), i)));
+      keep_worst(force, std::abs(values.lambda[k] + number(("f" + std::to_string(k + 1)).c_str(), i)));
   }
   CAPTURE(rk4, position, turn, speed, force);
   CHECK(position <= (rk4 ? 1e-10 : 1e-11));
@@ -187,7 +188,7 @@ TEST_CASE("the Stewart platform of the scene follows its table", "[verification]
     const std::string n = std::to_string(k);
     double worst = 0;
     for (std::size_t i = 0; i < truth.n_rows(); ++i)
-      worst = std::max(worst, std::abs(run.table["lambda_" + n][i] + truth["f" + n][i]));
+      keep_worst(worst, std::abs(run.table["lambda_" + n][i] + truth["f" + n][i]));
     CAPTURE(k);
     CHECK(worst <= 1e-4);
   }

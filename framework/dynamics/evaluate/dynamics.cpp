@@ -179,4 +179,42 @@ void Dynamics::accept(State& state) {
   system_.accept(inputs(state), state);
 }
 
+void Dynamics::save(const State& state, Snapshot& out) {
+  for (const long n : {work_.evaluations, work_.factors, work_.projections, work_.corrections})
+    out.put(static_cast<double>(n));
+  factor_.save(gather(state), out);
+}
+
+void Dynamics::restore(const State& state, const Snapshot& in) {
+  WorkCount work;
+  for (long* n : {&work.evaluations, &work.factors, &work.projections, &work.corrections}) *n = in.get_count();
+  factor_.restore(gather(state), in);
+  work_ = work;  // what was done to get here was counted before
+}
+
+void Dynamics::save_state(const State& state, Snapshot& out) const {
+  out.put(state.t), out.put(state.coordinates ? 1 : 0);
+  for (const VecX* v : {&state.q, &state.v, &state.s, &state.z}) out.put_all(*v);
+  out.put_all(state.modes), out.put_all(state.watched);
+}
+
+void Dynamics::load_state(State& state, const Snapshot& in) {
+  set_up();
+  State read;
+  read.t = in.get();
+  const bool other_coordinates = in.get_flag();
+  for (VecX* v : {&read.q, &read.v, &read.s, &read.z}) in.get_all(*v);
+  in.get_all(read.modes), in.get_all(read.watched);
+  const State own = system_.start();
+  const bool fits = read.modes.size() == own.modes.size() && read.watched.size() == own.watched.size();
+  if (fits && other_coordinates) read.coordinates = tree(read.modes).coordinates;
+  const Eigen::Index n_q = read.coordinates ? read.coordinates->n_q() : own.q.size();
+  const Eigen::Index n_v = read.coordinates ? read.coordinates->n_v() : own.v.size();
+  if (!fits || other_coordinates != (read.coordinates != nullptr) || read.q.size() != n_q || read.v.size() != n_v ||
+      read.s.size() != own.s.size() || read.z.size() != own.z.size())
+    throw ModelError(
+        "the saved state does not fit the system: it is of another mechanism, or other columns are recorded");
+  state = std::move(read);
+}
+
 }  // namespace lockstep

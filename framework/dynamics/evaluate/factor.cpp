@@ -33,6 +33,22 @@ void Factor::compute(const Evaluation& e) {
   ++work_->factors;
 }
 
+void Factor::save(const Evaluation& e, Snapshot& out) const {
+  Snapshot learned;
+  const bool any = factorization_ && fits(e);
+  if (any) factorization_->save(learned);
+  out.put(any ? 1 : 0), out.put_part(learned);
+}
+
+void Factor::restore(const Evaluation& e, const Snapshot& in) {
+  const bool any = in.get_flag();
+  const Snapshot learned = in.get_part();
+  layout_ = nullptr;
+  if (!any) return;
+  compute(e);
+  factorization_->restore(learned);
+}
+
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   return solve(e, f, c, false, a, lambda);
 }

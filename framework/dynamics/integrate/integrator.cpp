@@ -16,6 +16,8 @@ void Integrator::save(Snapshot&) const {}
 
 void Integrator::restore(const Snapshot&) {}
 
+bool Integrator::saves_all() const { return true; }
+
 ErrorContext context_of(const Integrator& method, double t) {
   ErrorContext context{.thing = {.kind = "integrator", .name = "?", .origin = method.origin()}, .t = t, .refuses = true};
   try {

@@ -13,8 +13,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostSteps = 1e9;      // a run that would take more of them has no end in sight,
-constexpr long kSlow = 1000;            // if it says so at this many steps in a row
 constexpr long kPaced = 10000;          // steps over which the pace is measured
 constexpr double kLongRun = 1e7;        // steps left of which the run warns
 constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
@@ -69,7 +67,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   const double scale = std::max(std::abs(t), span());
-  if (h < 1e-13 * scale)
+  if (step_is_round_off(h, t, span()))
     throw StepError(
         fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
@@ -151,6 +149,24 @@ double Clock::shortest_output() const {
 
 bool Clock::end_due(double t) const {
   return options_.output_times.empty() && options_.output > 0 && last_output_ != t;
+}
+
+// The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
+void Clock::save(Snapshot& out) const {
+  for (const double x : {t_start_, t_end_, advised_, anchor_, pace_from_, last_output_, breakpoints_to_}) out.put(x);
+  for (const long n : {n_from_anchor_, n_paced_, n_slow_, next_output_}) out.put(static_cast<double>(n));
+  out.put(warned_ ? 1 : 0);
+  out.put_all(
+      std::vector<double>(breakpoints_.begin() + static_cast<std::ptrdiff_t>(next_breakpoint_), breakpoints_.end()));
+}
+
+void Clock::load(const Snapshot& in) {
+  adaptive_ = method_.info().adaptive;
+  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_from_, &last_output_, &breakpoints_to_})
+    *x = in.get();
+  for (long* n : {&n_from_anchor_, &n_paced_, &n_slow_, &next_output_}) *n = in.get_count();
+  warned_ = in.get_flag();
+  in.get_all(breakpoints_), next_breakpoint_ = 0;
 }
 
 }  // namespace lockstep

@@ -21,7 +21,7 @@ class LOCKSTEP_API Clock {
   };
 
   /// The end of the run; infinity: single steps.
-  void set_end(double t) { t_end_ = t, n_slow_ = 0; }
+  void set_end(double t) { n_slow_ = t == t_end_ ? n_slow_ : 0, t_end_ = t; }
   double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);
@@ -57,6 +57,10 @@ class LOCKSTEP_API Clock {
   void note_output(double t) { last_output_ = t; }
   /// The shortest time between requested outputs; infinity: every step is one.
   double shortest_output() const;
+
+  // -- checkpoints
+  void save(Snapshot&) const;
+  void load(const Snapshot&);
 
  private:
   void refresh_breakpoints(double t, double limit, double largest);

@@ -34,14 +34,37 @@ bool ContactManager::free(std::size_t i, const State& s) const {
   return contacts_.watched(i, s) && !contacts_.in_force(i, s);
 }
 
-void ContactManager::start(const State& state) {
+void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
   const std::size_t n = contacts_.size();
   released_.clear(), contact_time_ = kNever;
   for (std::vector<Gap>* v : {&samples_, &hits_}) v->reserve(n * (kParts + 1));
   touching_.reserve(n), active_.reserve(n), aim_.reserve(n), released_.reserve(n);
   sample_times_.reserve(kParts + 1);
-  for (std::size_t i = 0; i < n; ++i) {
+}
+
+void ContactManager::save(Snapshot& out) const {
+  out.put(static_cast<double>(contacts_.size()));
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i];
+    for (const double x : {c.floor, c.clear ? 1.0 : 0.0, c.gap.c, c.gap.cd, c.push, c.push_now}) out.put(x);
+  }
+}
+
+void ContactManager::load(const Snapshot& in) {
+  lay_out();
+  if (in.get_count() != static_cast<long>(contacts_.size()))
+    throw ModelError("the run was saved with another number of one-sided links");
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    Contact& c = contacts_[i];
+    c.floor = in.get(), c.clear = in.get_flag();
+    for (double* x : {&c.gap.c, &c.gap.cd, &c.push, &c.push_now}) *x = in.get();
+  }
+}
+
+void ContactManager::start(const State& state) {
+  lay_out();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!contacts_.watched(i, state)) continue;
     check_side(i, state, "the start");
     const Gap g = contacts_.gap(i, dynamics_.inputs(state));

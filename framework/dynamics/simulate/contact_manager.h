@@ -35,8 +35,14 @@ class ContactManager {
   /// Resolves impacts, contacts and releases at this state.
   Settled settle(State&);
 
+  // -- checkpoints
+  void save(Snapshot&) const;
+  /// In place of start().
+  void load(const Snapshot&);
+
  private:
   Settled settle_all(State&);
+  void lay_out();
   // contact_manager.cpp: inside a step
   bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);

@@ -203,4 +203,30 @@ std::vector<std::string> EventLocator::past_at_start() const {
   return names;
 }
 
+void EventLocator::save(Snapshot& out) const {
+  out.put(static_cast<double>(events_.size()));
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const Watched& w = watched_[i];
+    out.put_text(events_[i].name);
+    for (const double x : {w.value, w.now, w.last, w.at, w.over ? 1.0 : 0.0, w.met ? 1.0 : 0.0}) out.put(x);
+  }
+}
+
+void EventLocator::load(const Snapshot& in) {
+  const long n = in.get_count();
+  if (n != static_cast<long>(events_.size()))
+    throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,
+                                 events_.size()));
+  watched_.assign(events_.size(), {});
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    Watched& w = watched_[i];
+    if (const std::string name = in.get_text(); name != events_[i].name)
+      throw ModelError(
+          fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
+                      name, events_[i].name));
+    for (double* x : {&w.value, &w.now, &w.last, &w.at}) *x = in.get();
+    w.over = in.get_flag(), w.met = in.get_flag();
+  }
+}
+
 }  // namespace lockstep

@@ -44,6 +44,11 @@ class EventLocator {
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
   std::vector<std::string> past_at_start() const;
 
+  // -- checkpoints
+  void save(Snapshot&) const;
+  /// Throws ModelError where the events have other names or another order.
+  void load(const Snapshot&);
+
  private:
   struct Watched {
     double value = 0, now = 0;                               ///< at the beginning and the end of the present step

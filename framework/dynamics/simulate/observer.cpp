@@ -16,4 +16,8 @@ void Observer::output(const Sample&) {}
 
 void Observer::finish(const Sample&) {}
 
+void Observer::save(Snapshot&) const {}
+
+void Observer::load(const Snapshot&) {}
+
 }  // namespace lockstep

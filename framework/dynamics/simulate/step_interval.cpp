@@ -69,4 +69,27 @@ void StepInterval::cut(double t, State& state) {
   report_.h = t - from_.t;
 }
 
+void StepInterval::save(Snapshot& out) const {
+  for (const double x :
+       {report_.h, report_.h_next, report_.error, static_cast<double>(report_.rejected), report_.violation,
+        report_.violation_after, report_.manifold ? 1.0 : 0.0, report_.stiff ? 1.0 : 0.0})
+    out.put(x);
+  Snapshot method;
+  method_.save(method);
+  out.put_part(method);
+}
+
+void StepInterval::load(const State& state, const Snapshot& in) {
+  report_.h = in.get(), report_.h_next = in.get(), report_.error = in.get();
+  report_.rejected = static_cast<int>(in.get_count());
+  report_.violation = in.get(), report_.violation_after = in.get();
+  report_.manifold = in.get_flag(), report_.stiff = in.get_flag();
+  const Snapshot method = in.get_part();
+  begin(state);
+  named(method_, state.t, [&] { method_.restore(method); });
+  if (!method.at_end())
+    throw ModelError(fmt::format(
+        "{}: restore() reads less than save() wrote; it must read all of it, in the same order", method_.info().name));
+}
+
 }  // namespace lockstep

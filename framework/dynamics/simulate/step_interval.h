@@ -33,6 +33,11 @@ class StepInterval {
   /// The state at t becomes the end of the step.
   void cut(double t, State& state);
 
+  // -- checkpoints: the report of the last step, and the method
+  void save(Snapshot&) const;
+  /// In place of start() and begin(). Throws ModelError where the method reads less than it saved.
+  void load(const State&, const Snapshot&);
+
  private:
   Dynamics& dynamics_;
   Integrator& method_;

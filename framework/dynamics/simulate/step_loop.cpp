@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
@@ -59,21 +58,6 @@ void check_finite(const System& system, const State& state) {
 
 }  // namespace
 
-template <class Act>
-void StepLoop::exclusively(const char* what, Act&& act) {
-  if (running_)
-    throw ModelError(fmt::format(
-        "{} was called from inside the run, by an observer, an event or progress; call it when run_until has returned",
-        what));
-  struct Running {
-    bool &running, &stale;
-    const int before = std::uncaught_exceptions();
-    ~Running() { running = false, stale = stale || std::uncaught_exceptions() > before; }
-  } guard{running_, stale_};
-  running_ = true;
-  act();
-}
-
 StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepLoopOptions options)
     : dynamics_(dynamics), method_(std::move(method)), options_(std::move(options)) {
   if (!method_) throw ModelError("a step loop needs an integrator; take one from the registry");
@@ -123,7 +107,10 @@ const SimulationReport& StepLoop::run_until(double t) {
     try {
       parts_->clock.set_end(t);
       start();
-      while (!report_.stopped && state_.t < t) advance(t, 0);
+      while (!report_.stopped && state_.t < t) {
+        advance(t, 0);
+        if (between_steps) user_code("between_steps", "", state_.t, [&] { between_steps(); });
+      }
       output_end();
     } catch (const SolveError& e) {
       warn_of_turns();

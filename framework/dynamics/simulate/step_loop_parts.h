@@ -1,10 +1,14 @@
 // What a step loop is made of, for the files that it is written in.
 #pragma once
 
+#include <spdlog/fmt/fmt.h>
+
 #include <cstddef>
+#include <exception>
 #include <string>
 #include <vector>
 
+#include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/contact_manager.h"
@@ -43,6 +47,21 @@ struct StepLoop::Parts {
   /// Shows the state before what acts at the end of a step: an impact, a law's jump, an event that changes something.
   void show_before_jump(const Sample&);
 };
+
+template <class Act>
+void StepLoop::exclusively(const char* what, Act&& act) {
+  if (running_)
+    throw ModelError(fmt::format(
+        "{} was called from inside the run, by an observer, an event or progress; call it when run_until has returned",
+        what));
+  struct Running {
+    bool &running, &stale;
+    const int before = std::uncaught_exceptions();
+    ~Running() { running = false, stale = stale || std::uncaught_exceptions() > before; }
+  } guard{running_, stale_};
+  running_ = true;
+  act();
+}
 
 // Calls all observers that were not called in this phase yet.
 template <class Call>

@@ -2,8 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace lockstep {
+
+inline constexpr double kMostSteps = 1e9;  ///< a run that would take more of them has no end in sight,
+inline constexpr long kSlow = 1000;        ///< if it says so at this many steps in a row
+
+/// Whether a step h, s, at t is round-off beside t and the length of the run.
+inline bool step_is_round_off(double h, double t, double span) { return h < 1e-13 * std::max(std::abs(t), span); }
 
 /// The next step when `left` remains and h is advised: all of it, or half of it rather than leave a sliver. A step
 /// within `rounding` of all counts as all.

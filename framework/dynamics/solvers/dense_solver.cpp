@@ -73,6 +73,8 @@ class DenseFactorization final : public Factorization {
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
   void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
+  void save(Snapshot& out) const override { watch_.save(out), out.put(usual_rank_); }
+  void restore(const Snapshot& in) override { watch_.restore(in), usual_rank_ = static_cast<int>(in.get_count()); }
 
  private:
   std::vector<double> L_;  // blocks as in Kkt::M

@@ -26,6 +26,16 @@ class SchurFactorization final : public Factorization {
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
   void complete(SolveReport&) override;
+  void save(Snapshot& out) const override {
+    watch_.save(out), out.put(floors_known_ ? 1 : 0), out.put_all(pivot_floors_);
+  }
+  void restore(const Snapshot& in) override {
+    watch_.restore(in), floors_known_ = in.get_flag();
+    std::vector<double> floors;
+    in.get_all(floors);
+    std::ranges::copy_n(floors.begin(), static_cast<long>(std::min(floors.size(), pivot_floors_.size())),
+                        pivot_floors_.begin());
+  }
 
  private:
   void size(const KktPattern&);

@@ -119,6 +119,8 @@ class PivotWatch {
     std::ranges::nth_element(beyond_, at, {}, &Pivot::share);
     for (auto p = at; p != beyond_.end(); ++p) regular_ = std::min(regular_, p->relative);
   }
+  void save(Snapshot& out) const { out.put(usual_); }  ///< how many small pivots are usual
+  void restore(const Snapshot& in) { usual_ = static_cast<int>(in.get_count()); }
   /// The smallest pivot relative to its diagonal.
   double smallest() const { return smallest_; }
   /// The smallest beyond the usual ones: falls as the square of the distance to a singular position.

@@ -200,6 +200,10 @@ class LOCKSTEP_API Factor {
   /// Throws NonFiniteError where this solution is not finite, SolveError where its rows contradict one another, with
   /// the name of the link or force.
   void check(const Evaluation&, const VecX& a, const VecX& lambda, const SolveReport&) const;
+  /// Writes what the solver has learned from matrices with the links in force of `e`; nothing where it has seen none.
+  void save(const Evaluation& e, Snapshot&) const;
+  /// Takes back what save() wrote at an evaluation of the same state.
+  void restore(const Evaluation& e, const Snapshot&);
 
  private:
   void lay_out(const Evaluation&);
@@ -361,6 +365,16 @@ class LOCKSTEP_API Dynamics {
   // -- matrices
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
   Factor& factor(const Evaluation&);
+  // -- checkpoints
+  /// Writes the counters of work, and what the solver has learned; `state`: the present one.
+  void save(const State&, Snapshot&);
+  /// Takes back what save() wrote, at the same state.
+  void restore(const State&, const Snapshot&);
+  /// Writes a state in any coordinates; they must be current (has_current_coordinates).
+  void save_state(const State&, Snapshot&) const;
+  /// Reads what save_state() wrote. Throws ModelError where it does not fit the system.
+  void load_state(State&, const Snapshot&);
+
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
   Factor new_factor() { return {system_, *solver_, kkt_formulation(), work_}; }
 

@@ -76,6 +76,9 @@ class LOCKSTEP_API Integrator {
   virtual void save(Snapshot&) const;
   /// Takes back what save() wrote, in the same order, also in another object after begin(). Default: nothing.
   virtual void restore(const Snapshot&);
+  /// Whether save() writes all that the next steps read, so that a checkpoint goes on to the last bit; false for methods
+  /// of other libraries that keep their history to themselves. Default: true.
+  virtual bool saves_all() const;
 
  private:
   std::string origin_;

@@ -103,6 +103,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   Dynamics* dynamics_ = nullptr;
   StateRate error_, gap_;    // gap_: end of the last step less its late stage
   double h_ = 0;             // of the last step; 0: there is none
+  double h_followed_ = 0;    // the same, for the watch, which a snapshot keeps
   double landed_t_ = 0;      // its end
   bool first_done_ = false;  // the first stage of the present step is evaluated
 
@@ -404,7 +405,8 @@ class LOCKSTEP_API Rattle final : public Integrator {
   IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   StepReport step(Dynamics&, State&, double h) override;
-  void restore(const Snapshot&) override { ready_ = false; }
+  void save(Snapshot&) const override;
+  void restore(const Snapshot&) override;
 
  private:
   struct Turning {
@@ -415,6 +417,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   void substep(Dynamics&, double h);
   const Evaluation& find_multipliers(Dynamics&, double h, double t);
   void drift(double h);
+  void factor_again(Dynamics&);
   const Evaluation& gather_next(Dynamics&);
   void kick(const Evaluation&, double h);
   bool goes_on_from(const State&) const;
@@ -429,6 +432,9 @@ class LOCKSTEP_API Rattle final : public Integrator {
   std::optional<Factor> factor_;  // of the matrix at now_ once a kick was made
   double left_ = 0;               // |C| at now_, m
   bool ready_ = false;            // factor_ and guess_ are those of now_
+  VecX factored_q_;               // where the matrix was factored: q of now_ before it was normalised,
+  double factored_t_ = 0;         // and the time
+  bool restored_ = false;         // the matrix there is yet to be factored
 };
 
 

@@ -1,10 +1,14 @@
 // Aligned buffers, and the numbers that an integrator saves.
 #pragma once
 
-#include <cassert>
 #include <cstddef>
 #include <new>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
+
+#include <lockstep/export.h>
 
 namespace lockstep {
 
@@ -33,33 +37,53 @@ struct AlignedAllocator {
 template <class T>
 using Aligned = std::vector<T, AlignedAllocator<T>>;
 
-// Snapshot: numbers saved in order and restored in the same order; what an integrator keeps outside the State.
+// Snapshot: numbers saved in order and restored in the same order; what an integrator or an observer keeps outside the
+// State.
 
-/// Numbers that an integrator saves, and restores in the same order.
-class Snapshot {
+/// Numbers that are saved, and restored in the same order.
+class LOCKSTEP_API Snapshot {
  public:
   void put(double x) { numbers_.push_back(x); }  ///< appends a number
-  /// Appends a vector: its size, then its numbers.
+  /// Appends a vector of numbers, or of bool: its size, then its numbers.
   template <class V>
   void put_all(const V& v) {
     put(static_cast<double>(v.size()));
-    for (decltype(v.size()) i = 0; i < v.size(); ++i) put(v[i]);
+    for (decltype(v.size()) i = 0; i < v.size(); ++i) put(static_cast<double>(v[i]));
   }
-  /// The next number; asserts that there is one.
+  void put_text(std::string_view text);  ///< appends a text
+  void put_part(const Snapshot& part);   ///< appends another snapshot as one item
+  /// The next number. Throws ModelError where there is none: more is read than was saved.
   double get() const {
-    assert(at_ < numbers_.size());
+    if (at_ >= numbers_.size()) ran_out();
     return numbers_[at_++];
   }
-  /// Reads a vector that put_all wrote; resizes v.
+  bool get_flag() const { return get() != 0; }  ///< the next number as yes (not 0) or no
+  long get_count() const;                       ///< the next number as a whole one; throws as get()
+  /// Reads a vector that put_all wrote; resizes v. Throws as get().
   template <class V>
   void get_all(V& v) const {
-    v.resize(static_cast<decltype(v.size())>(get()));
-    for (decltype(v.size()) i = 0; i < v.size(); ++i) v[i] = get();
+    using Number = std::remove_cvref_t<decltype(v[0])>;
+    const std::size_t n = get_size();
+    v.resize(static_cast<decltype(v.size())>(n));
+    for (decltype(v.size()) i = 0; i < v.size(); ++i) {
+      if constexpr (std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
+        v[i] = static_cast<Number>(get());
+      else
+        v[i] = get() != 0;
+    }
   }
+  std::string get_text() const;                           ///< reads what put_text wrote; throws as get()
+  Snapshot get_part() const;                              ///< reads what put_part wrote; throws as get()
+  bool at_end() const { return at_ == numbers_.size(); }  ///< whether all that was saved has been read
   void rewind() const { at_ = 0; }             ///< the next get() returns the first number again
   void clear() { numbers_.clear(), at_ = 0; }  ///< removes all numbers
+  const std::vector<double>& numbers() const { return numbers_; }  ///< all of them, in order
+  /// Takes these numbers, of another snapshot, in place of its own.
+  void assign(std::vector<double> numbers) { numbers_ = std::move(numbers), at_ = 0; }
 
  private:
+  std::size_t get_size() const;
+  [[noreturn]] static void ran_out();
   std::vector<double> numbers_;
   mutable std::size_t at_ = 0;
 };

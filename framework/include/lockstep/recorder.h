@@ -27,6 +27,9 @@ struct Channel {
   std::function<void(const Sample&)> jumped{};  ///< called as Observer::jumped, where present
   /// Called at the start of a run before track(), where present: forgets an earlier run.
   std::function<void()> restart{};
+  /// Write and read what track() keeps, for a checkpoint, where present.
+  std::function<void(Snapshot&)> save{};
+  std::function<void(const Snapshot&)> load{};  ///< the counterpart of `save`
 };
 
 /// Name, unit and one line of help of a channel.
@@ -140,6 +143,10 @@ class LOCKSTEP_API Recorder : public Observer {
   void step(const Sample&) override;
   void jumped(const Sample&) override;
   void output(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
+  /// Removes the rows that were recorded so far, for whoever has taken them; columns and counted turns stay.
+  void drop_rows() { table_.clear_rows(); }
 
  private:
   Table table_;
@@ -196,6 +203,8 @@ class LOCKSTEP_API EnergyAudit final : public Observer {
   void step(const Sample&) override;
   void jumped(const Sample&) override;
   void output(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
   Audit result() const;  ///< of the run so far
 
  private:

@@ -47,6 +47,15 @@ class LOCKSTEP_API Simulation {
   /// recorded is kept.
   const SimulationReport& run_until(double t);
 
+  /// Writes the run to a checkpoint: a file of its own that replaces an older one when it is whole. Table, events and
+  /// what observers write themselves (Observer::save) are part of it. Throws ModelError where the run has not begun or
+  /// cannot be saved (StepLoop::save), FileError.
+  void save(const std::string& file);
+  /// Goes on from a checkpoint, in place of a start, with the same system, options, columns, events and observers: the
+  /// run is then equal to the last bit to the one that was saved. Throws FileError where the file is none, is damaged,
+  /// or of another version, ModelError where it is of another simulation.
+  void load(const std::string& file);
+
   // -- after any of these no column can be added
   const State& state();                       ///< at the present time; before the run the assembled start
   void set_state(State);                      ///< sets another start, which is assembled when the options say so
@@ -60,6 +69,7 @@ class LOCKSTEP_API Simulation {
  private:
   void begin();
   void start_from(State start);
+  std::string fingerprint() const;
 
   System& system_;
   SimulationOptions options_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/export.h>
+#include <lockstep/memory.h>
 #include <lockstep/rows.h>
 
 namespace lockstep {
@@ -101,6 +102,11 @@ class LOCKSTEP_API Factorization {
   /// Fills in what solve() left out of the report of the last solution because it costs time: residual, pivots,
   /// detector.
   virtual void complete(SolveReport&) {}
+  /// Writes what it has learned from the matrices that it factored. Default: nothing.
+  virtual void save(Snapshot&) const {}
+  /// Takes back what save() wrote, in another object for matrices of the same shape that has computed one. Default:
+  /// nothing.
+  virtual void restore(const Snapshot&) {}
 };
 
 /// A method, without numbers: makes factorizations of matrices of one shape, as many as the caller wants to hold.

@@ -77,6 +77,11 @@ class LOCKSTEP_API Observer {
   virtual void output(const Sample&);
   /// Called at the end of every StepLoop::run_until, also when it throws.
   virtual void finish(const Sample&);
+  /// Writes what it keeps from call to call, for a checkpoint. Default: nothing.
+  virtual void save(Snapshot&) const;
+  /// Takes back what save() wrote, in the same order; start() was called before, at the state of the checkpoint.
+  /// Default: nothing.
+  virtual void load(const Snapshot&);
 };
 
 // Event: changes the links in force or the state between two steps, by time or by a condition located to tolerance.
@@ -177,6 +182,9 @@ class LOCKSTEP_API StepLoop {
   /// Called after every accepted step; returns false to end the run there.
   std::function<bool(const State&)> progress{};
 
+  /// Called between two steps, when all that belongs to an accepted step is done: here save() may be called.
+  std::function<void()> between_steps{};
+
   /// Runs on to the time t, s; may be called again for more. Throws ModelError for a t that lies in the past,
   /// AssemblyError for a start that violates the constraints, StepError for a step that no method may make (backwards,
   /// nowhere, too far, with other links in force), and what steps, events and observers throw; observers are finished
@@ -186,6 +194,15 @@ class LOCKSTEP_API StepLoop {
   /// does not finish the observers.
   StepReport step(double h = 0);
   const SimulationReport& report() const { return report_; }  ///< of the run so far
+
+  /// Writes all that the run holds between two steps: state, report, step control, history of the method, events,
+  /// contacts, what the solver has learned, and what the observers write themselves (Observer::save). Throws ModelError
+  /// where the run has not begun, where an error left a step unfinished, and where the method does not save all of its
+  /// history (Integrator::saves_all).
+  void save(Snapshot&);
+  /// Goes on from there, in place of set_state(): with the same system, method, options, events and observers the run
+  /// is then equal to the last bit to the one that was saved. Throws ModelError where one of them is another.
+  void load(const Snapshot&);
   /// Adds a warning to the report and logs it (log.h).
   void warn(const std::string& text);
 
@@ -222,6 +239,7 @@ class LOCKSTEP_API StepLoop {
   void finish(Errors of_observers);
   void measure_turns(double h);
   void warn_of_turns();
+  void load_parts(const Snapshot&);
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;

@@ -42,6 +42,11 @@ struct SweepRun {
   bool failed = false;               ///< `status` is then the reason, and `columns` do not count
   bool broken_off = false;           ///< `go_on` of sweep_run() ended it
   std::string status;                ///< "ok", or "stopped by 'landed'" where an event ended the run
+  std::string energy;    ///< "conserved", "not conserved", "not judged"; "" in lanes, which integrate no works
+  double imbalance = 0;  ///< of the energy, relative to what was exchanged (Audit::imbalance_share)
+  bool drifted = false;  ///< the violation went beyond its limit
+  double violation = 0;  ///< largest |C| after a step, m; in lanes at the outputs
+  bool wrong = false;    ///< it drifted, or a method that controls its error did not conserve energy
 };
 
 /// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
@@ -58,7 +63,8 @@ LOCKSTEP_API SweepRun sweep_run(const Scene&, const Registry&, const Table& like
 LOCKSTEP_API SweepRun recorded_run(const Table&);
 
 /// Header of the CSV file of a sweep, with a line end:
-/// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],steps,cpu [s],status".
+/// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],
+/// energy,imbalance,violation [m],steps,cpu [s],status".
 LOCKSTEP_API std::string sweep_header(const std::vector<Variable>&, const Table& columns);
 /// Row of the CSV file of a sweep, with a line end; the cells of results are empty when the run failed. `choice`:
 /// number of the value of each variable.

@@ -1,5 +1,7 @@
 #include "framework/tools/batch/copy_run.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -50,6 +52,8 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
     integrator->begin(dynamics, state);
     const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();
     report.t = state.t;
+    const double t_start = state.t;
+    long n_slow = 0;
     while (!schedule.done()) {
       while (!schedule.done() && schedule.reach() <= state.t) {  // the start may be an output time
         bool output = false;
@@ -57,6 +61,13 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
         if (output) task.output(copy, schedule.next() - 1, state);
       }
       if (schedule.done()) break;
+      if (h > 0 && !fixed) {
+        n_slow = schedule.end() - state.t > kMostSteps * h ? n_slow + 1 : 0;
+        if (step_is_round_off(h, state.t, schedule.end() - t_start) || n_slow > kSlow)
+          throw StepError(
+              fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator->info().name, h, state.t),
+              state.t);
+      }
       if (!(h > 0)) h = integrator->first_step(dynamics, state, std::min(largest, schedule.reach() - state.t));
       const double asked = schedule.step(state.t, std::min(h, largest), fixed);
       const bool lands = schedule.lands(state.t, asked);

@@ -15,6 +15,7 @@ class OutputSchedule {
  public:
   void begin(const System&, double t0, std::span<const double> times);
   bool done() const { return next_ == times_.size(); }
+  double end() const { return times_.back(); }
   std::size_t next() const { return next_; }
   /// The next instant at which a step ends: an output time, or a few roundings before a jump.
   double reach() const;

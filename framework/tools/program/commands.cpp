@@ -119,6 +119,7 @@ int run_words(int argc, const char* const* argv) {
   }
   const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
   arguments.command = command_words(argc, argv, arguments);
+  arguments.words.assign(argv + 1, argv + argc);
   const int code = guarded([&] { return called->second->run(arguments); });
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
@@ -142,6 +143,24 @@ int exit_code_of(const Error& error) {
                                            {Kind::interrupted, kExitInterrupted}};
   const auto code = kCodes.find(error.kind());
   return code == kCodes.end() ? kExitFailure : code->second;
+}
+
+Arguments read_run_words(const std::vector<std::string>& words) {
+  CLI::App app("lockstep", "lockstep");
+  Arguments arguments;
+  const auto run =
+      std::ranges::find(run_verbs(), std::string_view("run"), [](const Verb& v) { return std::string_view(v.name); });
+  run->add_options(*app.add_subcommand(run->name, run->help), arguments);
+  std::vector<const char*> argv{"lockstep"};
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  const int argc = static_cast<int>(argv.size());
+  try {
+    app.parse(argc, argv.data());
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string("the command line that a checkpoint holds cannot be read: ") + error.what());
+  }
+  arguments.command = command_words(argc, argv.data(), arguments), arguments.words = words;
+  return arguments;
 }
 
 int run_program(int argc, const char* const* argv) {

@@ -71,6 +71,9 @@ struct Arguments {
   std::string count, spin, csv;   ///< how many modes; a vector; a file
   bool frozen = false;            ///< coefficients of an instant that is no equilibrium
   std::vector<std::string> inputs, outputs;  ///< of a linearisation
+  std::string checkpoint, every;             ///< the file of a checkpoint; how often it is written, by the clock
+  bool resume = false;                       ///< a sweep goes on where it was interrupted
+  std::vector<std::string> words;            ///< of the command line, after the program's name
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -92,10 +95,14 @@ void override_settings(RunSettings&, const Arguments&, const Registry&);
 /// Reads the scene, loads plugins and overrides the run settings.
 Loaded load(const Arguments&);
 
+/// The command line of an earlier run, `lockstep run` ..., by its words after the program's name.
+Arguments read_run_words(const std::vector<std::string>& words);
+
 /// The code for an error.
 int exit_code_of(const Error&);
 
 int run_command(const Arguments&);
+int resume_command(const Arguments&);
 int report_command(const Arguments&);
 int demo_command(const Arguments&);
 int import_command(const Arguments&);

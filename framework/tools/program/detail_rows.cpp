@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMostRows = 600;
+constexpr std::size_t kMostKept = 20000;  // with those at jumps
 
 const std::vector<double>& times(const Table& table) { return table.columns().front().values; }
-bool ends_at(const Table& table, double t) { return table.n_rows() > 0 && times(table).back() == t; }
 
 }  // namespace
 
@@ -20,14 +20,14 @@ double RowsAtJumps::spacing() const { return kInfinity; }
 // At an output the row before is there already.
 void RowsAtJumps::before_jump(const Sample& sample) {
   acted_ = sample.state.t;
-  if (!ends_at(recorder_.table(), acted_)) recorder_.output(sample);
+  if (rows_.last_instant() != acted_) recorder_.output(sample);
 }
 void RowsAtJumps::jumped(const Sample& sample) {
   if (sample.state.t == acted_) recorder_.output(sample);
 }
 
-PictureRows::PictureRows(std::unique_ptr<Recorder> own, const Table& main, double spacing)
-    : own_(std::move(own)), main_(main), spacing_(spacing) {}
+PictureRows::PictureRows(std::unique_ptr<Recorder> own, const RunRows& rows, double spacing)
+    : own_(std::move(own)), rows_(rows), spacing_(spacing) {}
 
 void PictureRows::start(const Sample& sample) {
   own_->start(sample);
@@ -48,7 +48,7 @@ void PictureRows::between(const Sample& sample) {
 
 void PictureRows::before_jump(const Sample& sample) {
   acted_ = sample.state.t;
-  if (!ends_at(main_, acted_)) add(sample, true);
+  if (rows_.last_instant() != acted_) add(sample, true);
 }
 
 void PictureRows::jumped(const Sample& sample) {
@@ -56,8 +56,24 @@ void PictureRows::jumped(const Sample& sample) {
   if (sample.state.t == acted_) add(sample, true);
 }
 
+void PictureRows::save(Snapshot& out) const {
+  own_->save(out);
+  out.put(last_), out.put(acted_);
+  out.put(static_cast<double>(n_between_)), out.put(static_cast<double>(n_steps_));
+  for (const bool jump : of_jump_) out.put(jump ? 1 : 0);
+}
+
+void PictureRows::load(const Snapshot& in) {
+  own_->load(in);
+  last_ = in.get(), acted_ = in.get();
+  n_between_ = in.get_count(), n_steps_ = in.get_count();
+  of_jump_.resize(own_->table().n_rows());
+  for (std::size_t i = 0; i < of_jump_.size(); ++i) of_jump_[i] = in.get_flag();
+}
+
 // What cannot be computed there is left out of the picture.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
+  if (of_jump_.size() == kMostKept) return false;
   try {
     own_->output(sample);
     of_jump_.push_back(of_jump);
@@ -70,17 +86,17 @@ bool PictureRows::add(const Sample& sample, bool of_jump) {
 
 // Of rows at one instant the table's own come first: they show what was before a jump. Rows within steps that nearly meet
 // one of its own are left out: a line between points that a rounding separates has spikes.
-Table PictureRows::together() const {
+Table PictureRows::together(const Table& main) const {
   const Table& more = own_->table();
   Table all;
-  for (const Column& c : main_.columns()) all.add_column(c.name, c.unit);
-  all.reserve(main_.n_rows() + more.n_rows());
-  std::vector<double> row(main_.n_columns());
+  for (const Column& c : main.columns()) all.add_column(c.name, c.unit);
+  all.reserve(main.n_rows() + more.n_rows());
+  std::vector<double> row(main.n_columns());
   const auto take = [&](const Table& from, std::size_t i) {
     for (std::size_t k = 0; k < row.size(); ++k) row[k] = from.columns()[k].values[i];
     all.add_row(row);
   };
-  const std::vector<double>& own = times(main_);
+  const std::vector<double>& own = times(main);
   const auto meets = [&](double t, std::size_t i) {
     const double near = 0.1 * spacing_;
     return (i > 0 && t - own[i - 1] < near) || (i < own.size() && own[i] - t < near);
@@ -89,7 +105,7 @@ Table PictureRows::together() const {
   for (std::size_t i = 0; i <= own.size(); ++i) {
     for (; j < more.n_rows() && (i == own.size() || times(more)[j] < own[i]); ++j)
       if (of_jump_[j] || !meets(times(more)[j], i)) take(more, j);
-    if (i < own.size()) take(main_, i);
+    if (i < own.size()) take(main, i);
   }
   return all;
 }

@@ -6,6 +6,7 @@
 
 #include <lockstep/recorder.h>
 #include "framework/dynamics/simulate/detail_observer.h"
+#include "framework/tools/program/run_rows.h"
 
 namespace lockstep {
 
@@ -13,14 +14,17 @@ namespace lockstep {
 /// recorder.
 class RowsAtJumps final : public DetailObserver {
  public:
-  explicit RowsAtJumps(Recorder& recorder) : recorder_(recorder) {}
+  RowsAtJumps(Recorder& recorder, const RunRows& rows) : recorder_(recorder), rows_(rows) {}
   double spacing() const override;
   void between(const Sample&) override {}
   void before_jump(const Sample&) override;
   void jumped(const Sample&) override;
+  void save(Snapshot& out) const override { out.put(acted_); }
+  void load(const Snapshot& in) override { acted_ = in.get(); }
 
  private:
   Recorder& recorder_;
+  const RunRows& rows_;
   double acted_ = -1;  // when something acted last, s
 };
 
@@ -28,24 +32,26 @@ class RowsAtJumps final : public DetailObserver {
 /// steps of a method without it; before and after jumps.
 class PictureRows final : public DetailObserver {
  public:
-  /// `own`: a recorder of the same columns as `main`. `spacing`: of the rows, s; infinity: none but at jumps.
-  PictureRows(std::unique_ptr<Recorder> own, const Table& main, double spacing);
+  /// `own`: a recorder of the same columns as `rows`. `spacing`: of the rows, s; infinity: none but at jumps.
+  PictureRows(std::unique_ptr<Recorder> own, const RunRows& rows, double spacing);
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
   void step(const Sample&) override;
   void jumped(const Sample&) override;
   void between(const Sample&) override;
   void before_jump(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
 
-  /// Both tables in the order of time.
-  Table together() const;
+  /// With the rows of the run, `main`, in the order of time.
+  Table together(const Table& main) const;
   /// Whether the method has no dense output, so that curves join the ends of its steps.
   bool joins_steps() const { return n_between_ == 0 && n_steps_ > 0; }
 
  private:
   bool add(const Sample&, bool of_jump);
   std::unique_ptr<Recorder> own_;
-  const Table& main_;
+  const RunRows& rows_;
   double spacing_, last_ = 0, acted_ = -1;
   long n_between_ = 0, n_steps_ = 0;
   std::vector<bool> of_jump_;  // by row of own_

@@ -16,10 +16,13 @@
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/run_report.h"
+#include "framework/tools/simulation/checkpoint.h"
 
 extern char** environ;
 
@@ -143,6 +146,33 @@ void check_overwrites(const std::string& csv, const Scene& scene, const std::vec
   for (const PictureRequest& picture : pictures)
     for (const char* ending : {".svg", ".png"}) results.emplace_back(picture_base(csv, picture) + ending);
   refuse_inputs(results, scene);
+}
+
+void check_checkpoint(const std::string& checkpoint, const std::string& csv, const Scene& scene) {
+  const std::string base = fs::path(csv).replace_extension().string();
+  const fs::path own = fs::path(checkpoint).lexically_normal(), partial = own.string() + ".partial";
+  for (const std::string& taken : {csv, csv + ".partial", base + ".svg", base + ".png"})
+    if (own == fs::path(taken).lexically_normal() || partial == fs::path(taken).lexically_normal())
+      throw UsageError("--checkpoint: the checkpoint would replace '" + taken + "', a result; name another file");
+  refuse_inputs({own, partial}, scene);
+  check_writable(partial.string());
+}
+
+std::uint64_t hash_of_files(const Scene& scene) {
+  std::set<std::string> files;
+  for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { files.insert(file.string()); });
+  std::uint64_t hash = hash_of(contents_of(scene.file));
+  for (const std::string& file : files) hash = hash_of(contents_of(file), hash);
+  return hash;
+}
+
+std::uint64_t hash_of_plugins(const Scene& scene, const std::vector<std::string>& plugins) {
+  std::set<std::string> files;
+  for (const std::vector<std::string>* names : {&plugins, &scene.plugins})
+    for (const std::string& name : *names) files.insert(find_plugin(name, {}));
+  std::uint64_t hash = hash_of("");
+  for (const std::string& file : files) hash = hash_of(contents_of(file), hash);
+  return hash;
 }
 
 void check_files(const Scene& scene) {

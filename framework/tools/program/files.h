@@ -1,6 +1,7 @@
 // The files of a run: its table and its picture.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,13 @@ std::string picture_base(const std::string& csv, const PictureRequest&);
 /// Throws UsageError if the results, or the pictures beside them, would replace a file that the scene is read from: its
 /// own, or one that it names.
 void check_overwrites(const std::string& csv, const Scene&, const std::vector<PictureRequest>& pictures = {});
+/// The same of a checkpoint, beside the CSV file of its run.
+void check_checkpoint(const std::string& checkpoint, const std::string& csv, const Scene&);
+
+/// A hash of all files that a scene is read from.
+std::uint64_t hash_of_files(const Scene&);
+/// A hash of the files of the plugins that a scene, or the command line, asks for.
+std::uint64_t hash_of_plugins(const Scene&, const std::vector<std::string>& plugins);
 
 /// The HTML file of a report: `report` if given, else beside the CSV, with its name. Makes its folder. Throws FileError,
 /// and UsageError where the name is that of another result, or of a file that the scene is read from.

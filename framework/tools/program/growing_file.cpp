@@ -11,9 +11,12 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <vector>
 
 #include <lockstep/error.h>
 #include "framework/tools/record/csv_lines.h"
+#include "framework/tools/simulation/checkpoint.h"
 
 namespace lockstep {
 
@@ -74,9 +77,48 @@ void GrowingFile::fail(const char* what) const {
 
 void GrowingFile::clear() {
   waiting_.clear();
-  length_ = 0;
+  hash_ = hash_of("");
+  cut(0);
+}
+
+void GrowingFile::cut(long length) {
+  length_ = length;
   if (in_place_) return;
-  if (::ftruncate(file_, 0) != 0 || ::lseek(file_, 0, SEEK_SET) != 0) fail("cannot be emptied");
+  if (::ftruncate(file_, length) != 0 || ::lseek(file_, length, SEEK_SET) != length) fail("cannot be emptied");
+}
+
+void GrowingFile::sync() {
+  write();
+  if (!in_place_ && ::fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
+}
+
+void GrowingFile::go_on(long length, std::uint64_t hash) {
+  constexpr long kBlock = 1 << 16;
+  std::vector<char> block(kBlock);
+  const auto begins_so = [&](const std::string& file, const auto& with) {
+    std::ifstream in(file, std::ios::binary);
+    std::uint64_t found = hash_of("");
+    for (long at = 0; in && at < length; at += kBlock) {
+      const long n = std::min(kBlock, length - at);
+      if (!in.read(block.data(), n)) return false;
+      found = hash_of({block.data(), static_cast<std::size_t>(n)}, found);
+      with(std::string_view(block.data(), static_cast<std::size_t>(n)));
+    }
+    return in && found == hash;
+  };
+  waiting_.clear();
+  if (begins_so(partial_, [](std::string_view) {})) {
+    cut(length), hash_ = hash;
+    return;
+  }
+  if (!begins_so(name_, [](std::string_view) {}))
+    throw FileError(
+        fmt::format("the rows that the checkpoint goes on from are neither in '{}' nor in '{}', or were changed; "
+                    "bring them back, or run anew",
+                    partial_, name_));
+  clear();
+  begins_so(name_, [&](std::string_view bytes) { append(bytes); });
+  write();
 }
 
 void GrowingFile::append(std::string_view text) {
@@ -100,6 +142,7 @@ void GrowingFile::write() {
     from += n, left -= static_cast<std::size_t>(n);
   }
   length_ += static_cast<long>(waiting_.size());
+  hash_ = hash_of(waiting_, hash_);
   waiting_.clear();
 }
 

@@ -1,6 +1,7 @@
 // GrowingFile: a file of results that loses nothing: neither the old one, nor what was written.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -28,12 +29,22 @@ class GrowingFile {
   void write();                        ///< Throws FileError.
   void commit();                       ///< The file is done, and safe on the disk. Throws FileError.
 
+  // -- to go on with a file later
+  void sync();                                  ///< write(), and to the disk. Throws FileError.
+  long length() const { return length_; }       ///< bytes that were written
+  std::uint64_t hash() const { return hash_; }  ///< of these bytes (hash_of, checkpoint.h)
+  /// In place of clear(): keeps the first `length` bytes of what NAME.partial holds, or of NAME where a run has ended.
+  /// Throws FileError where neither begins with bytes of that hash.
+  void go_on(long length, std::uint64_t hash);
+
  private:
   bool is_still_partial() const;
+  void cut(long length);
   [[noreturn]] void fail(const char* what) const;
   std::string name_, partial_, waiting_;
   bool in_place_ = false;
-  long length_ = 0;  // of what was written whole
+  long length_ = 0;  // of what was written whole,
+  std::uint64_t hash_ = 0;
   int file_ = -1;
 };
 
@@ -45,9 +56,11 @@ class GrowingCsv final : public Observer {
   void start(const Sample&) override;
   void output(const Sample&) override;
   void finish(const Sample&) override;
+  void append_rows();  ///< those that were not yet
+  /// The table begins anew: its rows were removed.
+  void table_emptied() { n_rows_ = 0; }
 
  private:
-  void append_rows();
   GrowingFile& file_;
   const Table& table_;
   bool units_;              // in the header

@@ -84,6 +84,9 @@ if set, messages have no colour
 .TP
 .I NAME.csv.partial
 rows of a run that has not ended, or that ended with an error
+.TP
+.I NAME.csv.sweep
+what a sweep that has not ended was begun by, for sweep \-\-resume
 )";
 
 }  // namespace

@@ -27,7 +27,9 @@
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/program/run_checkpoint.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -50,10 +52,11 @@ struct Ended {
   bool interrupted = false;
 };
 
-Ended go(StepLoop& sim, double until, bool quiet, double& seconds) {
+Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, double& seconds) {
   Ended ended;
   Interrupt interrupt;
   Progress progress(until, quiet);
+  if (checkpoints) sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked()); };
   sim.progress = [&](const State& s) {
     progress.at(s.t);
     return !interrupt.asked();
@@ -107,27 +110,29 @@ RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& 
 }
 
 // The rows that pictures need beside the table's; null where none is drawn.
-std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Table& table,
+std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const RunRows& rows,
                                           const Arguments& args) {
   std::error_code error;
   const bool draws = !args.no_picture && csv != "-" && m.run.record.size() > 0 && !find_gnuplot().empty() &&
                      (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
   if (!draws) return nullptr;
-  return std::make_unique<PictureRows>(make_recorder(m), table, picture_spacing(loop_options(m.run), m.run.until));
+  return std::make_unique<PictureRows>(make_recorder(m), rows, picture_spacing(loop_options(m.run), m.run.until));
 }
 
 // The table first: it is reported even if the picture fails.
-std::vector<std::string> print_files(const std::string& csv, const std::string& title, const Table& table,
-                                     const PictureRows* rows, const RunSettings& run, const RunOutputs& outputs,
+std::vector<std::string> print_files(const std::string& csv, const std::string& title, const RowEnvelope& rows,
+                                     const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
                                      const Arguments& args, const Words& words) {
-  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(table));
+  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(rows.n_rows()));
   if (args.no_picture || args.record == "-") return {csv};
-  const bool detailed = rows != nullptr && table.n_rows() > 1;
-  const Drawing drawing = draw_columns(csv, title, detailed ? rows->together() : table, run.draw, outputs.pictures);
+  const Table table = rows.table();
+  const bool detailed = details != nullptr && table.n_rows() > 1;
+  const Drawing drawing =
+      draw_columns(csv, title, detailed ? details->together(table) : table, run.draw, outputs.pictures);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
   if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
-  if (!drawing.files.empty() && detailed && rows->joins_steps())
+  if (!drawing.files.empty() && detailed && details->joins_steps())
     words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
   const std::size_t n = table.n_columns() - 1;
   if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
@@ -240,10 +245,14 @@ int report_command(const Arguments& args) {
   return run_command(with_report);
 }
 
-int run_command(const Arguments& args) {
+namespace {
+
+// `from`: the checkpoint that the run goes on from; null: it begins.
+int run_scene(const Arguments& args, const RunCheckpoint* from) {
   if (args.quiet) set_logger(nullptr);
   const Words words(args);
   Loaded loaded = load(args);
+  if (from != nullptr) from->check(args.checkpoint, args, loaded);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
@@ -254,18 +263,20 @@ int run_command(const Arguments& args) {
   const RunOutputs outputs = outputs_of(loaded, args, recorder->table());
   check_overwrites(csv, loaded.scene, outputs.pictures);
   GrowingFile file(csv);
+  Checkpoints checkpoints(args, loaded, file);
 
   std::vector<Event> events = make_events(m, *recorder);
   RunReport report(args, loaded, m, *recorder, csv);
-  const std::unique_ptr<PictureRows> details = picture_rows(m, csv, recorder->table(), args);
-  RowsAtJumps at_jumps(*recorder);
+  RunRows rows(file, *recorder, report || args.certify, outputs.units);  // both read the rows afterwards
+  const std::unique_ptr<PictureRows> details = picture_rows(m, csv, rows, args);
+  RowsAtJumps at_jumps(*recorder, rows);
   Summary summary;
   std::optional<EnergyAudit> audit;  // energies are integrated only if they are printed
   if (!args.quiet) audit.emplace(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = m.system.start();
   words.say("{}\n", loaded.title());
-  if (m.run.assemble) {
+  if (m.run.assemble && from == nullptr) {
     const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds, m.assembly);
     if (assembled.is_notable()) words.say("  assembled  {}\n", assembled.text());
     if (assembled.largest_move > 1e-6)
@@ -273,13 +284,12 @@ int run_command(const Arguments& args) {
         words.say("  taken      {}, as no place is given\n", text);
   }
 
-  if (!args.quiet)
+  if (!args.quiet && from == nullptr)
     if (const std::vector<std::string> columns = not_unique(dynamics, start, m.run); !columns.empty())
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
 
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
-  GrowingCsv rows(file, recorder->table(), outputs.units);
   sim.add_observer(*recorder);
   if (outputs.at_jumps) sim.add_observer(at_jumps);
   sim.add_observer(rows);
@@ -293,18 +303,23 @@ int run_command(const Arguments& args) {
   if (audit) sim.add_observer(summary), sim.add_observer(*audit);
   report.watch(sim);
   for (Event& event : events) sim.add_event(std::move(event));
-  sim.set_state(std::move(start));
-  warn(loaded.scene, m, args, sim);
-  if (judged) warn_of_branches(dynamics, sim);
+  if (from == nullptr) {
+    sim.set_state(std::move(start));
+    warn(loaded.scene, m, args, sim);
+    if (judged) warn_of_branches(dynamics, sim);
+  } else {
+    rows.go_on();
+    sim.load(from->run);
+    words.say("  resumed    at t = {:.6g} s, after {} steps\n", sim.state().t, sim.report().steps);
+  }
 
   double seconds = 0;
-  const Ended ended = go(sim, m.run.until, args.quiet, seconds);
+  const Ended ended = go(sim, m.run.until, args.quiet, checkpoints, seconds);
   const std::exception_ptr unwritten = write_rest(file);
   if (ended.error) {
-    const std::string written = unwritten
-                                    ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                    : rows_of(recorder->table()) + " up to there " +
-                                          (recorder->table().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
+    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
+                                          : rows_of(rows.rows().n_rows()) + " up to there " +
+                                                (rows.rows().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
     fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
     write_unfinished(report, sim, ended.error);
     if (args.json)
@@ -312,7 +327,7 @@ int run_command(const Arguments& args) {
                  {{"status", "failed"},
                   {"t", sim.state().t},
                   {"error", thrown_words(ended.error)},
-                  {"rows", recorder->table().n_rows()},
+                  {"rows", rows.rows().n_rows()},
                   {"files", {file.partial()}}});
     std::rethrow_exception(ended.error);
   }
@@ -322,8 +337,9 @@ int run_command(const Arguments& args) {
   words.say("{}", lines);
   if (unwritten) std::rethrow_exception(unwritten);
   file.commit();
+  if (!ended.interrupted) checkpoints.remove();
   std::vector<std::string> files =
-      print_files(csv, loaded.title(), recorder->table(), details.get(), m.run, outputs, args, words);
+      print_files(csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, args, words);
   if (report) {
     report.write(sim, lines, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
     words.say("             {}\n", report.file());
@@ -331,14 +347,15 @@ int run_command(const Arguments& args) {
     show(args, report);
   }
   if (args.json) {
-    nlohmann::ordered_json j = json_of(end, recorder->table());
+    nlohmann::ordered_json j = json_of(end, rows.rows());
     j["files"] = files;
     print_json(args, loaded, std::move(j));
   }
   if (args.certify && !ended.interrupted)
     fmt::print(args.record == "-" ? stderr : stdout, "{}", certificate_of(loaded, args, m.run, recorder->table()));
   if (ended.interrupted)
-    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written\n", sim.state().t);
+    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written{}\n", sim.state().t,
+               checkpoints ? "; go on with: lockstep resume " + in_quotes(checkpoints.file()) : "");
   if (ended.interrupted) return kExitInterrupted;
   if (args.strict)
     if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
@@ -346,6 +363,23 @@ int run_command(const Arguments& args) {
       return kExitDoubtful;
     }
   return is_wrong(found, sim.integrator().info()) ? kExitNotConserved : kExitOk;
+}
+
+}  // namespace
+
+int run_command(const Arguments& args) { return run_scene(args, nullptr); }
+
+int resume_command(const Arguments& args) {
+  const RunCheckpoint from = RunCheckpoint::read(args.checkpoint);
+  const std::string file = std::filesystem::absolute(args.checkpoint).string();
+  std::error_code error;
+  std::filesystem::current_path(from.folder, error);
+  if (error)
+    throw FileError(fmt::format("checkpoint '{}': the folder '{}', in which the run was begun, cannot be entered: {}",
+                                file, from.folder, error.message()));
+  Arguments begun = read_run_words(from.words);
+  begun.record = from.csv, begun.checkpoint = file;
+  return run_scene(begun, &from);
 }
 
 int assemble_command(const Arguments& args) {

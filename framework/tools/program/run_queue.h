@@ -30,7 +30,9 @@ struct FinishedRun {
 class RunQueue {
  public:
   /// Runs 0 .. n_runs - 1 in groups of `lanes`; a last group smaller than `fewest` is handed out one by one.
-  RunQueue(long n_runs, long lanes, long fewest) : n_runs_(n_runs), lanes_(lanes), fewest_(fewest) {}
+  /// The runs before `begin` were made before.
+  RunQueue(long n_runs, long lanes, long fewest, long begin = 0)
+      : n_runs_(n_runs), lanes_(lanes), fewest_(fewest), next_(begin), taken_(begin) {}
 
   // For those who compute: each takes a group, and finishes all its runs or splits it.
 
@@ -56,7 +58,7 @@ class RunQueue {
 
  private:
   const long n_runs_, lanes_, fewest_;
-  long next_ = 0, taken_ = 0, groups_out_ = 0;
+  long next_, taken_, groups_out_ = 0;
   std::deque<long> alone_;  // handed back, to go out one by one
   std::map<long, FinishedRun> waiting_;
   std::atomic<bool> stopped_ = false;  // set under the mutex, asked by every step

@@ -47,9 +47,10 @@ Json energy_of(const Audit& audit) {
           {"unbooked_forces", audit.unbooked_forces}};
 }
 
-Json columns_of(const Table& table) {
+Json columns_of(const RowEnvelope& rows) {
   Json all = Json::array();
-  const SweepRun ranges = recorded_run(table);
+  const SweepRun ranges = rows.ranges();
+  const Table table = rows.table();
   for (std::size_t k = 0; k < ranges.columns.size(); ++k) {
     const Column& column = table.columns()[k + 1];
     const ColumnRange& r = ranges.columns[k];
@@ -111,7 +112,7 @@ std::vector<std::string> doubts_of(const EndedRun& ended) {
   return all;
 }
 
-std::string rows_of(const Table& table) { return counted(static_cast<long>(table.n_rows()), "row", "rows"); }
+std::string rows_of(long n) { return counted(n, "row", "rows"); }
 
 std::string end_words(const EndedRun& ended, const Summary& summary) {
   StepLoop& sim = ended.sim;
@@ -156,7 +157,7 @@ bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
   return audit.drifted || (audit.energy == Audit::Energy::not_conserved && method.adaptive);
 }
 
-Json json_of(const EndedRun& ended, const Table& table) {
+Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
   StepLoop& sim = ended.sim;
   const RunSettings& run = ended.settings;
   const Audit& audit = ended.audit;
@@ -190,8 +191,8 @@ Json json_of(const EndedRun& ended, const Table& table) {
       {"warnings", r.warnings},
       {"doubts", doubts_of(ended)},
       {"singular_positions", std::move(singular)},
-      {"rows", table.n_rows()},
-      {"columns", columns_of(table)}};
+      {"rows", rows.n_rows()},
+      {"columns", columns_of(rows)}};
   return j;
 }
 

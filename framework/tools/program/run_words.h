@@ -8,12 +8,13 @@
 #include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/program/commands.h"
+#include "framework/tools/program/row_envelope.h"
 #include "framework/tools/program/summary.h"
 
 namespace lockstep {
 
 /// "1 row", "2 rows".
-std::string rows_of(const Table&);
+std::string rows_of(long n);
 
 /// A run that ended, whichever way.
 struct EndedRun {
@@ -38,6 +39,6 @@ bool is_wrong(const Audit&, const IntegratorInfo&);
 
 /// The same as an object: status, method, counts, energy, drift, and each recorded column's last, least and largest
 /// value.
-nlohmann::ordered_json json_of(const EndedRun&, const Table&);
+nlohmann::ordered_json json_of(const EndedRun&, const RowEnvelope&);
 
 }  // namespace lockstep

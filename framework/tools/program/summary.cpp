@@ -49,6 +49,22 @@ void Summary::step(const Sample& s) {
   }
 }
 
+void Summary::save(Snapshot& out) const {
+  for (const Mover& m : movers_) {
+    for (const Vec3* x : {&m.x0, &m.last_x}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
+    for (const double x : {m.last_q.w, m.last_q.x, m.last_q.y, m.last_q.z, m.away, m.path, m.turned}) out.put(x);
+  }
+}
+
+// start() has found the bodies.
+void Summary::load(const Snapshot& in) {
+  for (Mover& m : movers_) {
+    for (Vec3* x : {&m.x0, &m.last_x})
+      for (int k = 0; k < 3; ++k) (*x)[k] = in.get();
+    for (double* x : {&m.last_q.w, &m.last_q.x, &m.last_q.y, &m.last_q.z, &m.away, &m.path, &m.turned}) *x = in.get();
+  }
+}
+
 std::string Summary::text() const {
   constexpr std::size_t kMost = 8;
   std::vector<Mover> order = movers_;

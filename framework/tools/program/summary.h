@@ -13,6 +13,8 @@ class Summary final : public Observer {
  public:
   void start(const Sample&) override;
   void step(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
 
   /// Lines of text, the bodies that moved most first.
   std::string text() const;

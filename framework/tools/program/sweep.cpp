@@ -27,6 +27,7 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/sweep_rest.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
@@ -110,6 +111,8 @@ nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& vari
   j["steps"] = run.steps, j["cpu"] = run.cpu, j["columns"] = ordered_json::object();
   if (run.failed) return j;
   j["t"] = run.t;
+  j["energy"] = {{"verdict", run.energy}, {"imbalance", finite(run.imbalance)}};
+  j["drift"] = {{"violation", finite(run.violation)}, {"drifted", run.drifted}};
   for (std::size_t k = 0; k < run.columns.size(); ++k)
     j["columns"][columns.columns()[k + 1].name] = {{"final", finite(run.columns[k].last)},
                                                    {"min", finite(run.columns[k].least)},
@@ -192,7 +195,7 @@ void make_folder(const std::string& folder) {
 
 struct Tally {
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();  // with --json
-  long done = 0, failed = 0, histories = 0, in_lanes = 0;
+  long done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
   std::string alone{};  // why the mechanism does not run in lanes
 };
 
@@ -220,16 +223,15 @@ class Sweep {
       : plan_(plan),
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
+        mark_(plan.arguments, plan.loaded, rows),
+        kept_(begin_rows()),
         interrupt_(interrupt),
         progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
-        tally_{.alone = why_alone(plan)},
-        queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes),
+        tally_{.done = kept_.n, .failed = kept_.failed, .kept = kept_.n, .alone = why_alone(plan)},
+        queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes, kept_.n),
         under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {}
 
   Tally go() {
-    rows_.clear();
-    rows_.append(header());
-    rows_.write();
     {
       std::vector<std::jthread> threads;
       const Stopper stopper{queue_};  // before the threads are joined
@@ -244,6 +246,10 @@ class Sweep {
     queue_.rethrow();
     return tally_;
   }
+  /// The rows have their name.
+  void committed() const {
+    if (tally_.done == n_runs_) mark_.remove();
+  }
   long n_runs() const { return n_runs_; }
 
  private:
@@ -253,6 +259,28 @@ class Sweep {
     for (Variable& v : variables) v.unit.clear();
     return sweep_header(variables, without_units(plan_.columns));
   }
+
+  // The rows that are there, with --resume; else none.
+  KeptRows begin_rows() {
+    const std::string header = this->header();
+    if (plan_.arguments.resume) {
+      mark_.check();
+      const SweepRun failed{.failed = true};
+      return keep_rows(rows_, header, [&](long k) {
+        if (k >= n_runs_) return std::string("no such run");
+        const long n = number(k);
+        const std::string row = sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, failed);
+        const std::string bare = sweep_row(n, {}, {}, plan_.columns, failed);
+        return row.substr(0, row.size() - bare.size() + std::to_string(n).size()) + ",";
+      });
+    }
+    rows_.clear();
+    mark_.write();
+    rows_.append(header);
+    rows_.write();
+    return {};
+  }
+
   struct Stopper {
     RunQueue& queue;
     ~Stopper() { queue.stop(); }
@@ -335,6 +363,7 @@ class Sweep {
     if (done.kept) ++tally_.histories;
     ++tally_.done;
     if (done.run.failed) report(n, done.run.status);
+    if (!done.run.failed && done.run.wrong) ++tally_.wrong;
   }
 
   long number(long k) const { return Grid::run(plan_.shard, k); }
@@ -364,6 +393,8 @@ class Sweep {
   const Plan& plan_;
   const long n_runs_;
   GrowingFile& rows_;
+  const SweepMark mark_;
+  const KeptRows kept_;
   const Interrupt& interrupt_;
   Progress progress_;
   Tally tally_;
@@ -381,6 +412,9 @@ void print_heading(const Plan& plan, long n, const Words& words) {
 
 void print_end(const Plan& plan, const Tally& tally, const std::string& csv, const Words& words) {
   words.say("  done       {}, {} failed\n", tally.done, tally.failed);
+  if (tally.kept > 0) words.say("             {} of them before, when it was interrupted\n", tally.kept);
+  if (tally.wrong > 0)
+    words.say("  NOT CONSERVED  or drifted: {} of the runs; see the columns energy and violation\n", tally.wrong);
   if (tally.in_lanes > 0) words.say("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
   if (tally.in_lanes == 0 && !tally.alone.empty()) words.say("             one by one: {}\n", tally.alone);
   words.say("  files      {} ({} rows)\n", csv == "-" ? "the rows on standard output" : csv, tally.done);
@@ -402,6 +436,7 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
   try {
     const Tally tally = sweep.go();
     rows.commit();
+    sweep.committed();
     return tally;
   } catch (const std::exception&) {
     fmt::print(stderr, "lockstep: the rows so far are in {}\n", rows.partial());
@@ -445,10 +480,11 @@ int sweep_command(const Arguments& args) {
     print_end(plan, tally, csv, words);
   if (!report.empty()) write_report(plan, csv, report, words);
   if (interrupt.asked()) {
-    fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);
+    fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
+               csv, rows.in_place() ? "" : "; the same command with --resume goes on");
     return kExitInterrupted;
   }
-  return tally.failed > 0 ? kExitFailure : kExitOk;
+  return tally.failed > 0 ? kExitFailure : tally.wrong > 0 ? kExitNotConserved : kExitOk;
 }
 
 }  // namespace lockstep

@@ -15,6 +15,16 @@ void add_run(CLI::App& verb, Arguments& a) {
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
   add_run_outputs(verb, a);
   certify->excludes(verb.get_option("--json"));
+  CLI::Option* checkpoint = add(
+      verb, "--checkpoint", a.checkpoint, "FILE",
+      "write all that the run holds to this file now and then, and when it is interrupted; `lockstep resume` goes on "
+      "from there. It is removed when the run is done");
+  checkpoint->excludes(certify)->excludes(verb.get_option("--report"));
+  add(verb, "--every", a.every, "T", "how often, by the clock; default 60 s")->needs(checkpoint);
+}
+
+void add_resume(CLI::App& verb, Arguments& a) {
+  add(verb, "checkpoint", a.checkpoint, "FILE", "what `lockstep run --checkpoint` wrote")->required();
 }
 
 void add_report(CLI::App& verb, Arguments& a) {
@@ -33,8 +43,9 @@ constexpr const char* kSweepFooter =
     R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
 list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
 Several --vary make the full grid. Each run is one row: its number, the values, final, min and max of each recorded
-column, steps, CPU seconds, status. A run that fails is a row with its reason, and the exit code is 1. Ctrl-C keeps the
-rows so far.
+column, the verdict on its energy with the imbalance, its largest violation, steps, CPU seconds, status. A run that
+fails is a row with its reason, and the exit code is 1; 9 where a run did not conserve energy or drifted. Runs in lanes
+integrate no works, and their energy is not judged (--lanes off). Ctrl-C keeps the rows so far; --resume goes on.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
@@ -69,7 +80,10 @@ void add_sweep(CLI::App& verb, Arguments& a) {
   add(verb, "--histories", a.histories, "DIR", "folder for the columns of each run, <its number>.csv");
   add_headers(verb, a);
   CLI::Option* quiet = verb.add_flag("--quiet", a.quiet, "print errors only");
-  add_json(verb, a)->excludes(quiet);
+  CLI::Option* json = add_json(verb, a)->excludes(quiet);
+  verb.add_flag("--resume", a.resume,
+                "go on where the same sweep was interrupted or killed: the rows that are there stay")
+      ->excludes(json);
 }
 
 void add_benchmark(CLI::App& verb, Arguments& a) {
@@ -160,6 +174,13 @@ void add_atlas(CLI::App& verb, Arguments& a) {
 constexpr Verb kRunVerbs[] = {
     {"run", "Compute the motion of a scene, write CSV and a picture", add_run, run_command,
      "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},
+    {"resume", "Go on with a run from its checkpoint", add_resume, resume_command,
+     "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, to "
+     "the\n"
+     "last bit. Scene, plugins and version must be the same.\n\n"
+     "Example:\n  lockstep run samples/scenes/four_bar.json --until 10000 --checkpoint four_bar.checkpoint --every "
+     "10s\n"
+     "  lockstep resume four_bar.checkpoint"},
     {"report", "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
      add_report, report_command,
      "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"

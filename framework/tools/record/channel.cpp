@@ -39,6 +39,8 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<R
     };
     c.jumped = c.track;
     c.restart = [turns] { turns->restart(); };
+    c.save = [turns](Snapshot& to) { turns->save(to); };
+    c.load = [turns](const Snapshot& in) { turns->load(in); };
   };
   out.push_back({std::move(name), "rad", std::move(help), make});
 }

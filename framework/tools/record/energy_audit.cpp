@@ -132,6 +132,42 @@ void EnergyAudit::Books::look_at_forces(const Sample& s) {
   }
 }
 
+void EnergyAudit::save(Snapshot& out) const {
+  const Books& b = *books_;
+  for (const Books::Range* r : {&b.kinetic, &b.potential, &b.drives, &b.supplied, &b.dissipated})
+    out.put(r->least), out.put(r->most);
+  for (const double x :
+       {b.first_potential, b.first_balance, b.at_instants, b.before, b.largest_kinetic, b.largest_potential})
+    out.put(x);
+  out.put_all(b.gives_power), out.put_all(b.booked_forces);
+  const Audit& a = b.audit;
+  for (const double x : {a.imbalance, a.violation, a.start, a.end, a.drives, a.supplied, a.dissipated}) out.put(x);
+  out.put(static_cast<double>(a.instants.size()));
+  for (const Audit::Instant& i : a.instants) {
+    out.put_text(i.cause);
+    for (const double x : {static_cast<double>(i.count), i.first, i.last, i.energy}) out.put(x);
+  }
+}
+
+void EnergyAudit::load(const Snapshot& in) {
+  Books& b = *books_;
+  for (Books::Range* r : {&b.kinetic, &b.potential, &b.drives, &b.supplied, &b.dissipated})
+    r->least = in.get(), r->most = in.get();
+  for (double* x :
+       {&b.first_potential, &b.first_balance, &b.at_instants, &b.before, &b.largest_kinetic, &b.largest_potential})
+    *x = in.get();
+  in.get_all(b.gives_power), in.get_all(b.booked_forces);
+  Audit& a = b.audit;
+  for (double* x : {&a.imbalance, &a.violation, &a.start, &a.end, &a.drives, &a.supplied, &a.dissipated}) *x = in.get();
+  a.instants.clear();
+  for (long n = in.get_count(); n > 0; --n) {
+    Audit::Instant i;
+    i.cause = in.get_text(), i.count = in.get_count();
+    i.first = in.get(), i.last = in.get(), i.energy = in.get();
+    a.instants.push_back(std::move(i));
+  }
+}
+
 Audit EnergyAudit::result() const {
   const Books& b = *books_;
   Audit audit = b.audit;

@@ -4,6 +4,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/user_code.h"
+#include "framework/tools/record/saved_rows.h"
 
 namespace lockstep {
 
@@ -39,7 +40,7 @@ namespace {
 // Calls one hook of all channels that have it.
 template <class Hook, class... Args>
 void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::vector<Channel>& followed,
-          const Args&... args) {
+          Args&... args) {
   for (const auto* all : {&columns, &followed})
     for (const Channel& c : *all)
       if (c.*hook) (c.*hook)(args...);
@@ -60,6 +61,16 @@ void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k) row_[k + 1] = channels_[k].value(sample);
   table_.add_row(row_);
+}
+
+void Recorder::save(Snapshot& out) const {
+  save_rows(table_, out);
+  call(&Channel::save, channels_, followed_, out);
+}
+
+void Recorder::load(const Snapshot& in) {
+  load_rows(table_, in);
+  call(&Channel::load, channels_, followed_, in);
 }
 
 }  // namespace lockstep

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <lockstep/math.h>
+#include <lockstep/memory.h>
 
 namespace lockstep {
 
@@ -23,6 +24,8 @@ class TurnCounter {
     t_ = t, rate_ = rate, begun_ = true;
   }
   void restart() { begun_ = false; }
+  void save(Snapshot& out) const { out.put(begun_ ? 1 : 0), out.put(angle_), out.put(t_), out.put(rate_); }
+  void load(const Snapshot& in) { begun_ = in.get_flag(), angle_ = in.get(), t_ = in.get(), rate_ = in.get(); }
 
   static double principal(double raw) {
     const double a = raw - kTwoPi * std::round(raw / kTwoPi);

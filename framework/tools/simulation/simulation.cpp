@@ -1,8 +1,11 @@
 #include <lockstep/simulation.h>
 
-#include <lockstep/registry.h>
+#include <spdlog/fmt/fmt.h>
+
 #include <lockstep/error.h>
+#include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/tools/simulation/checkpoint.h"
 
 namespace lockstep {
 
@@ -75,6 +78,30 @@ StepLoop& Simulation::loop() {
 Dynamics& Simulation::dynamics() {
   begin();
   return *dynamics_;
+}
+
+// What a checkpoint of another simulation would differ in, beside what the loop compares itself.
+std::string Simulation::fingerprint() const {
+  return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", options_.integrator,
+                     options_.solver, tolerance_.relative, tolerance_.atol_x, options_.step, options_.output);
+}
+
+void Simulation::save(const std::string& file) {
+  Snapshot out;
+  out.put_text("simulation"), out.put_text(fingerprint());
+  loop().save(out);
+  write_checkpoint(file, out);
+}
+
+void Simulation::load(const std::string& file) {
+  const Snapshot in = read_checkpoint(file);
+  if (const std::string kind = in.get_text(); kind != "simulation")
+    throw ModelError(
+        fmt::format("checkpoint '{}' is one of the program's (lockstep resume), not of a simulation", file));
+  if (const std::string saved = in.get_text(), own = fingerprint(); saved != own)
+    throw ModelError(
+        fmt::format("checkpoint '{}' is of a simulation with other options ({}); this one has {}", file, saved, own));
+  loop().load(in);
 }
 
 }  // namespace lockstep

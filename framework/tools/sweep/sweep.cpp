@@ -23,13 +23,31 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
+const char* word_of(Audit::Energy energy) {
+  switch (energy) {
+    case Audit::Energy::conserved:
+      return "conserved";
+    case Audit::Energy::not_conserved:
+      return "not conserved";
+    default:
+      return "not judged";
+  }
+}
+
+void judge(const Audit& audit, bool adaptive, SweepRun& run) {
+  run.energy = word_of(audit.energy), run.imbalance = audit.imbalance_share();
+  run.drifted = audit.drifted, run.violation = audit.violation;
+  run.wrong = audit.drifted || (adaptive && audit.energy == Audit::Energy::not_conserved);
+}
+
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on) {
   std::vector<Event> events = make_events(m, recorder);
+  EnergyAudit audit(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
-  sim.add_observer(recorder);
+  sim.add_observer(recorder), sim.add_observer(audit);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   sim.progress = [&](const State& s) {
@@ -44,6 +62,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     throw;
   }
   result.steps = report.steps;
+  judge(audit.result(), sim.integrator().info().adaptive, result);
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
 
@@ -109,7 +128,7 @@ std::string sweep_header(const std::vector<Variable>& variables, const Table& co
   for (std::size_t k = 1; k < columns.n_columns(); ++k)
     for (const char* what : {" final", " min", " max"})
       line += "," + titled(columns.columns()[k].name + what, columns.columns()[k].unit);
-  return line + ",steps,cpu [s],status\n";
+  return line + ",energy,imbalance,violation [m],steps,cpu [s],status\n";
 }
 
 std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
@@ -124,6 +143,9 @@ std::string sweep_row(long run, const std::vector<Variable>& variables, const st
     for (const ColumnRange& c : result.columns)
       for (const double x : {c.last, c.least, c.most}) line += "," + text::number(x);
   }
+  const bool judged = !result.failed && !result.energy.empty();
+  line += "," + result.energy + "," + (judged ? text::number(result.imbalance) : "") + "," +
+          (result.failed ? "" : text::number(result.violation));
   const std::string status = result.failed ? "failed: " + result.status : result.status;
   return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + csv_cell(status) + "\n";
 }

@@ -18,6 +18,7 @@ struct Lane {
   std::unique_ptr<Recorder> recorder{};
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
+  double violation = 0;  // largest |C| at an output, m
 };
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
@@ -98,6 +99,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   return copies.run(starts, times, [&](int copy, std::size_t, const State& state) {
     Lane& lane = *lanes[copy];
     lane.recorder->output(Sample(*lane.dynamics, state, {}));
+    if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
     if (go_on && !go_on(state)) throw BrokenOff();
   });
 }
@@ -145,6 +147,9 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     }
     SweepRun run = recorded_run(lanes[i]->recorder->table());
     run.steps = reports[i].steps, run.cpu = cpu;
+    const Mechanism& m = lanes[i]->mechanism;
+    run.violation = lanes[i]->violation;
+    run.drifted = run.wrong = !(run.violation <= m.run.limits.of(m.system.length()).violation);
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }

@@ -1,0 +1,132 @@
+// What a step loop writes to a checkpoint, and reads.
+#include <spdlog/fmt/fmt.h>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/simulate/step_loop_parts.h"
+
+namespace lockstep {
+
+namespace {
+
+void save_report(const SimulationReport& r, Snapshot& out) {
+  for (const long n : {r.steps, r.rejected, r.impacts, r.manifold_steps}) out.put(static_cast<double>(n));
+  for (const double x : {r.largest_violation, r.stiff_since, r.largest_turn, r.stopped ? 1.0 : 0.0}) out.put(x);
+  out.put_text(r.turned_most), out.put_text(r.stopped_by);
+  out.put(static_cast<double>(r.warnings.size()));
+  for (const std::string& text : r.warnings) out.put_text(text);
+}
+
+SimulationReport load_report(const Snapshot& in) {
+  SimulationReport r;
+  for (long* n : {&r.steps, &r.rejected, &r.impacts, &r.manifold_steps}) *n = in.get_count();
+  for (double* x : {&r.largest_violation, &r.stiff_since, &r.largest_turn}) *x = in.get();
+  r.stopped = in.get_flag();
+  r.turned_most = in.get_text(), r.stopped_by = in.get_text();
+  for (long n = in.get_count(); n > 0; --n) r.warnings.push_back(in.get_text());
+  return r;
+}
+
+// What must be the same where a run goes on.
+std::string signature(const System& system, const Integrator& method, const Dynamics& dynamics) {
+  std::string text = fmt::format("integrator {}, solver {}, formulation {}; {} slots", method.info().name,
+                                 dynamics.solver().name(), to_string(dynamics.options().formulation), system.n_slots());
+  for (const Body& body : system.bodies()) text += fmt::format("; body {} {:a}", body.name, body.mass.mass);
+  for (const auto& link : system.links()) text += "; link " + link->name() + " " + std::string(link->type());
+  for (const auto& force : system.forces()) text += "; force " + force->name() + " " + std::string(force->type());
+  for (const auto& own : system.auxiliaries()) text += "; state " + own->name();
+  return text;
+}
+
+// The first item in which two signatures differ.
+std::string difference(const std::string& saved, const std::string& now) {
+  std::size_t k = 0, from = 0;
+  for (; k < saved.size() && k < now.size() && saved[k] == now[k]; ++k)
+    if (saved[k] == ';') from = k + 2;
+  const auto item = [&](const std::string& text) {
+    return from < text.size() ? text.substr(from, text.find(';', from) - from) : std::string("nothing");
+  };
+  return fmt::format("it has \"{}\" where the run has \"{}\"", item(saved), item(now));
+}
+
+}  // namespace
+
+void StepLoop::save(Snapshot& out) {
+  if (!begun_) throw ModelError("a run that has not begun cannot be saved; call run_until() or step() first");
+  if (phase_ != Phase::none)
+    throw ModelError(
+        "the run cannot be saved: what follows its last step is not done, after an error or in the midst of it; run on "
+        "first");
+  if (!method_->saves_all())
+    throw ModelError(fmt::format(
+        "integrator '{}' keeps a history that cannot be saved, so its runs have no checkpoints; take another "
+        "(--integrator)",
+        method_->info().name));
+  if (!dynamics_.has_current_coordinates(state_))
+    throw ModelError("the run cannot be saved: the system was changed since its last step; run on first");
+  const auto& parts = *parts_;
+  out.put_text(signature(system(), *method_, dynamics_));
+  dynamics_.save_state(state_, out);
+  const State& before = parts.before_change;
+  const bool counts_on = state_.coordinates && before.coordinates == state_.coordinates;
+  out.put(counts_on ? 1 : 0);
+  if (counts_on) dynamics_.save_state(before, out);
+  save_report(report_, out);
+  out.put(stale_ ? 1 : 0), out.put(warned_of_turns_ ? 1 : 0);
+  parts.clock.save(out), parts.events.save(out), parts.contacts.save(out), parts.interval.save(out);
+  Snapshot learned;
+  dynamics_.save(state_, learned);
+  out.put_part(learned);
+  out.put(static_cast<double>(observers_.size()));
+  for (const Observer* o : observers_) {
+    Snapshot own;
+    user_code("observer", "", state_.t, [&] { o->save(own); });
+    out.put_part(own);
+  }
+}
+
+void StepLoop::load(const Snapshot& in) {
+  exclusively("load", [&] {
+    try {
+      load_parts(in);
+    } catch (...) {
+      begun_ = false, phase_ = Phase::none;
+      throw;
+    }
+  });
+}
+
+void StepLoop::load_parts(const Snapshot& in) {
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
+      *parts_;
+  dynamics_.set_up();
+  const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_);
+  if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
+  dynamics_.load_state(state_, in);
+  before_change = {};
+  if (in.get_flag()) dynamics_.load_state(before_change, in);
+  report_ = load_report(in);
+  stale_ = in.get_flag(), warned_of_turns_ = in.get_flag();
+  const IntegratorInfo method = method_->info();
+  measures_turns_ = !method.adaptive || method.implicit;
+  interval.start(state_);
+  clock.load(in), events.load(in), contacts.load(in), interval.load(state_, in);
+  const Snapshot learned = in.get_part();
+  ended = {}, cause.clear(), phase_ = Phase::none;
+  started = told = 0;
+  if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
+    throw ModelError(fmt::format("the run was saved with {} observers and has {}; add the same, in the same order", n,
+                                 observers_.size()));
+  const Sample sample(dynamics_, state_, interval.report());
+  for (; started < observers_.size(); ++started) {
+    Observer& o = *observers_[started];
+    const Snapshot own = in.get_part();
+    user_code("observer", "", state_.t, [&] { o.start(sample), o.load(own); });
+    if (!own.at_end())
+      throw ModelError(fmt::format(
+          "observer {}: load() reads less than save() wrote; it must read all of it, in the same order", started + 1));
+  }
+  dynamics_.restore(state_, learned);  // after all that evaluates
+  begun_ = true;
+}
+
+}  // namespace lockstep

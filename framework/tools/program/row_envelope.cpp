@@ -1,0 +1,105 @@
+#include "framework/tools/program/row_envelope.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+
+namespace {
+
+void widen(ColumnRange& range, double x) {
+  range.last = x;
+  if (!(range.least <= x) && !std::isnan(range.least)) range.least = x;  // a NaN stays
+  if (!(range.most >= x) && !std::isnan(range.most)) range.most = x;
+}
+
+}  // namespace
+
+RowEnvelope::RowEnvelope(const Table& columns, std::size_t most) : width_(columns.n_columns()), most_(most) {
+  for (const Column& c : columns.columns()) columns_.add_column(c.name, c.unit);
+  kept_.reserve(most_ * width_);
+  for (std::vector<double>* v : {&least_, &most_of_, &last_}) v->resize(width_);
+  for (std::vector<long>* v : {&least_at_, &most_at_}) v->resize(width_);
+  clear();
+}
+
+void RowEnvelope::clear() {
+  kept_.clear();
+  per_pair_ = 1, n_rows_ = n_open_ = 0;
+  ranges_.assign(width_, {});
+}
+
+void RowEnvelope::add(const Table& table, std::size_t i) {
+  for (std::size_t k = 0; k < width_; ++k) {
+    const double x = last_[k] = table.columns()[k].values[i];
+    if (n_rows_ == 0) ranges_[k] = {x, x, x};
+    widen(ranges_[k], x);
+  }
+  ++n_rows_;
+  if (per_pair_ == 1) {
+    kept_.insert(kept_.end(), last_.begin(), last_.end());
+    if (n_kept() == most_) thin();
+    return;
+  }
+  for (std::size_t k = 0; k < width_; ++k) {
+    if (n_open_ == 0 || last_[k] < least_[k]) least_[k] = last_[k], least_at_[k] = n_open_;
+    if (n_open_ == 0 || last_[k] > most_of_[k]) most_of_[k] = last_[k], most_at_[k] = n_open_;
+  }
+  if (++n_open_ < per_pair_) return;
+  for (const bool second : {false, true})
+    for (std::size_t k = 0; k < width_; ++k)
+      kept_.push_back((least_at_[k] <= most_at_[k]) == second ? most_of_[k] : least_[k]);
+  n_open_ = 0;
+  if (n_kept() == most_) thin();
+}
+
+// Every four rows become two: the extremes of each column, the earlier one first.
+void RowEnvelope::thin() {
+  const std::size_t n = n_kept() / 4;
+  for (std::size_t group = 0; group < n; ++group)
+    for (std::size_t k = 0; k < width_; ++k) {
+      const double* from = &kept_[4 * group * width_ + k];
+      std::size_t least = 0, most = 0;
+      for (std::size_t j = 1; j < 4; ++j) {
+        if (from[j * width_] < from[least * width_]) least = j;
+        if (from[j * width_] > from[most * width_]) most = j;
+      }
+      const double first = from[std::min(least, most) * width_], second = from[std::max(least, most) * width_];
+      kept_[2 * group * width_ + k] = first, kept_[(2 * group + 1) * width_ + k] = second;
+    }
+  kept_.resize(2 * n * width_);
+  per_pair_ = per_pair_ == 1 ? 4 : 2 * per_pair_;
+}
+
+// Of a group that is not full the last row stands for it.
+Table RowEnvelope::table() const {
+  Table table = columns_;
+  for (std::size_t i = 0; i < n_kept(); ++i) table.add_row({&kept_[i * width_], width_});
+  if (n_open_ > 0) table.add_row(last_);
+  return table;
+}
+
+SweepRun RowEnvelope::ranges() const {
+  SweepRun run;
+  run.status = "ok";
+  if (n_rows_ == 0) return run;
+  run.t = ranges_.front().last;
+  run.columns.assign(ranges_.begin() + 1, ranges_.end());
+  return run;
+}
+
+void RowEnvelope::save(Snapshot& out) const {
+  for (const long n : {per_pair_, n_rows_, n_open_}) out.put(static_cast<double>(n));
+  for (const std::vector<double>* v : {&kept_, &least_, &most_of_, &last_}) out.put_all(*v);
+  for (const std::vector<long>* v : {&least_at_, &most_at_}) out.put_all(*v);
+  for (const ColumnRange& r : ranges_) out.put(r.last), out.put(r.least), out.put(r.most);
+}
+
+void RowEnvelope::load(const Snapshot& in) {
+  for (long* n : {&per_pair_, &n_rows_, &n_open_}) *n = in.get_count();
+  for (std::vector<double>* v : {&kept_, &least_, &most_of_, &last_}) in.get_all(*v);
+  for (std::vector<long>* v : {&least_at_, &most_at_}) in.get_all(*v);
+  for (ColumnRange& r : ranges_) r.last = in.get(), r.least = in.get(), r.most = in.get();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,48 @@
+// RowEnvelope: what is kept in memory of the rows of a long run: all of them, or what a picture shows of them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <lockstep/recorder.h>
+#include <lockstep/sweep.h>
+
+namespace lockstep {
+
+/// The rows of a table while they are few. Beyond kMost, each column's least and largest value over equal numbers of
+/// rows, in the order in which they came: a curve through them covers what a curve through all rows would. Memory does
+/// not grow with the run.
+class RowEnvelope {
+ public:
+  static constexpr std::size_t kMost = 1 << 14;  ///< rows that are kept at most
+
+  /// `columns`: a table with the same columns; `most`: a multiple of 4.
+  explicit RowEnvelope(const Table& columns, std::size_t most = kMost);
+  void clear();
+  /// Adds row i of a table.
+  void add(const Table&, std::size_t i);
+
+  long n_rows() const { return n_rows_; }  ///< that were added
+  Table table() const;                     ///< what is kept
+  /// The last instant, and last, least and largest value of each column after the time, over all rows.
+  SweepRun ranges() const;
+
+  void save(Snapshot&) const;
+  void load(const Snapshot&);
+
+ private:
+  void thin();
+  std::size_t n_kept() const { return kept_.size() / width_; }
+
+  Table columns_;
+  std::size_t width_, most_;
+  std::vector<double> kept_;  // row by row; in pairs once rows are grouped
+  long per_pair_ = 1, n_rows_ = 0;
+  // the group that is not full yet: its rows so far, and of each column both extremes and when they came
+  long n_open_ = 0;
+  std::vector<double> least_, most_of_, last_;
+  std::vector<long> least_at_, most_at_;
+  std::vector<ColumnRange> ranges_;  // of all columns
+};
+
+}  // namespace lockstep

@@ -1,0 +1,96 @@
+#include "framework/tools/program/run_checkpoint.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <filesystem>
+
+#include <lockstep/error.h>
+#include "framework/tools/program/files.h"
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/simulation/checkpoint.h"
+
+namespace lockstep {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void put_hash(std::uint64_t hash, Snapshot& out) {
+  for (const int shift : {0, 32}) out.put(static_cast<double>(hash >> shift & 0xffffffffu));
+}
+
+std::uint64_t get_hash(const Snapshot& in) {
+  std::uint64_t hash = 0;
+  for (const int shift : {0, 32}) hash |= static_cast<std::uint64_t>(in.get_count()) << shift;
+  return hash;
+}
+
+}  // namespace
+
+RunCheckpoint RunCheckpoint::read(const std::string& file) {
+  const Snapshot in = read_checkpoint(file);
+  if (const std::string kind = in.get_text(); kind != "run")
+    throw UsageError(fmt::format("checkpoint '{}' is of a simulation in C++: Simulation::load goes on with it", file));
+  RunCheckpoint c;
+  for (long n = in.get_count(); n > 0; --n) c.words.push_back(in.get_text());
+  c.folder = in.get_text(), c.csv = in.get_text();
+  c.scene = get_hash(in), c.plugins = get_hash(in);
+  c.run = in.get_part();
+  return c;
+}
+
+void RunCheckpoint::write(const std::string& file) const {
+  Snapshot out;
+  out.put_text("run"), out.put(static_cast<double>(words.size()));
+  for (const std::string& word : words) out.put_text(word);
+  out.put_text(folder), out.put_text(csv);
+  put_hash(scene, out), put_hash(plugins, out);
+  out.put_part(run);
+  write_checkpoint(file, out);
+}
+
+void RunCheckpoint::check(const std::string& file, const Arguments& args, const Loaded& loaded) const {
+  const auto changed = [&](const std::string& what) {
+    throw FileError(
+        fmt::format("checkpoint '{}': {} was changed since; bring back what it was, or run anew", file, what));
+  };
+  if (hash_of_files(loaded.scene) != scene) changed("scene '" + args.scene + "', or a file that it reads,");
+  if (hash_of_plugins(loaded.scene, args.plugins) != plugins) changed("a plugin of scene '" + args.scene + "'");
+}
+
+Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFile& rows)
+    : file_(args.checkpoint), rows_(rows) {
+  if (file_.empty()) return;
+  if (args.scene == "-")
+    throw UsageError(
+        "--checkpoint: a scene from standard input cannot be read again when the run goes on; give a file");
+  if (rows.in_place())
+    throw UsageError("--checkpoint: rows that go to '" + rows.name() +
+                     "' cannot be gone on with; record them to a file (--record)");
+  if (!args.every.empty()) every_ = positive_number("--every", args.every, Unit::time);
+  check_checkpoint(file_, rows.name(), loaded.scene);
+  file_ = fs::absolute(file_).string();
+  checkpoint_.words = args.words;
+  checkpoint_.folder = fs::current_path().string(), checkpoint_.csv = fs::absolute(rows.name()).string();
+  checkpoint_.scene = hash_of_files(loaded.scene), checkpoint_.plugins = hash_of_plugins(loaded.scene, args.plugins);
+}
+
+// The rows first: a checkpoint stands on rows that are on the disk.
+void Checkpoints::write_if_due(StepLoop& sim, bool now) {
+  if (file_.empty()) return;
+  const Clock::time_point time = Clock::now();
+  if (!now && std::chrono::duration<double>(time - last_).count() < every_) return;
+  rows_.sync();
+  checkpoint_.run.clear();
+  sim.save(checkpoint_.run);
+  checkpoint_.write(file_);
+  last_ = Clock::now();
+}
+
+void Checkpoints::remove() {
+  if (file_.empty()) return;
+  std::error_code none;
+  fs::remove(file_, none);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,51 @@
+#include "framework/tools/program/run_rows.h"
+
+namespace lockstep {
+
+void RunRows::start(const Sample& s) {
+  n_taken_ = 0, last_ = std::numeric_limits<double>::infinity();
+  rows_.clear();
+  if (!goes_on_) csv_.start(s);
+}
+
+void RunRows::output(const Sample& s) {
+  csv_.output(s);
+  take();
+}
+
+void RunRows::finish(const Sample& s) {
+  csv_.finish(s);
+  take();
+}
+
+double RunRows::last_instant() const {
+  const std::vector<double>& times = recorder_.table().columns().front().values;
+  return times.empty() ? last_ : times.back();
+}
+
+void RunRows::take() {
+  const Table& table = recorder_.table();
+  last_ = last_instant();
+  for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
+  if (keeps_) return;
+  recorder_.drop_rows();
+  csv_.table_emptied(), n_taken_ = 0;
+}
+
+void RunRows::save(Snapshot& out) const {
+  out.put(static_cast<double>(file_.length()));
+  for (const int shift : {0, 32}) out.put(static_cast<double>(file_.hash() >> shift & 0xffffffffu));
+  rows_.save(out);
+  out.put(last_);
+}
+
+void RunRows::load(const Snapshot& in) {
+  const long length = in.get_count();
+  std::uint64_t hash = 0;
+  for (const int shift : {0, 32}) hash |= static_cast<std::uint64_t>(in.get_count()) << shift;
+  rows_.load(in);
+  last_ = in.get();
+  file_.go_on(length, hash);
+}
+
+}  // namespace lockstep

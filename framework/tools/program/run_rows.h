@@ -1,0 +1,43 @@
+// RunRows: where the rows of a run go: to its file as they come, and to an envelope in memory.
+#pragma once
+
+#include <limits>
+
+#include "framework/tools/program/growing_file.h"
+#include "framework/tools/program/row_envelope.h"
+
+namespace lockstep {
+
+/// Add it to the run after the recorder.
+class RunRows final : public Observer {
+ public:
+  /// `keeps`: the recorder keeps all its rows, for who reads them afterwards; `units`: in the header.
+  RunRows(GrowingFile& file, Recorder& recorder, bool keeps, bool units)
+      : file_(file), recorder_(recorder), csv_(file, recorder.table(), units), rows_(recorder.table()), keeps_(keeps) {}
+
+  /// The run goes on from a checkpoint: the file is not begun anew.
+  void go_on() { goes_on_ = true; }
+  const RowEnvelope& rows() const { return rows_; }
+  /// The instant of the recorder's last row, s; before the first, infinity.
+  double last_instant() const;
+
+  void start(const Sample&) override;
+  void output(const Sample&) override;
+  void finish(const Sample&) override;
+  /// All rows must have been written (GrowingFile::sync).
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
+
+ private:
+  void take();
+  GrowingFile& file_;
+  Recorder& recorder_;
+  GrowingCsv csv_;
+  RowEnvelope rows_;
+  std::size_t n_taken_ = 0;  // of the recorder's rows
+  double last_ = std::numeric_limits<double>::infinity();  // instant of the last of them
+  const bool keeps_;
+  bool goes_on_ = false;
+};
+
+}  // namespace lockstep

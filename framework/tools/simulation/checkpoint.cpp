@@ -1,0 +1,115 @@
+#include "framework/tools/simulation/checkpoint.h"
+
+#include <fcntl.h>
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <lockstep/error.h>
+#include <lockstep/version.h>
+
+namespace lockstep {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "checkpoints are written as numbers are in memory");
+
+constexpr std::string_view kMagic = "lockstep checkpoint ";
+constexpr std::string_view kFormat = "1\n";
+constexpr std::size_t kHead = kMagic.size() + kFormat.size() + 8;  // bytes before the numbers
+
+std::uint64_t number_at(std::string_view bytes, std::size_t at) {
+  std::uint64_t n = 0;
+  std::memcpy(&n, bytes.data() + at, 8);
+  return n;
+}
+
+void append(std::string& bytes, std::uint64_t n) { bytes.append(reinterpret_cast<const char*>(&n), 8); }
+
+[[noreturn]] void refuse(const std::string& file, const std::string& why) {
+  throw FileError(fmt::format("checkpoint '{}' {}", file, why));
+}
+
+// Closes the file, and removes it unless it was finished.
+struct Partial {
+  std::string name;
+  int file = -1;
+  bool finished = false;
+  ~Partial() {
+    if (file >= 0) ::close(file);
+    if (file >= 0 && !finished) std::remove(name.c_str());
+  }
+};
+
+}  // namespace
+
+std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash) {
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
+  Snapshot all;
+  all.put_text(kVersion);
+  const std::vector<double>&head = all.numbers(), &rest = snapshot.numbers();
+  std::string bytes;
+  bytes.reserve(kHead + 8 * (head.size() + rest.size()) + 8);
+  bytes.append(kMagic).append(kFormat);
+  append(bytes, head.size() + rest.size());
+  for (const std::vector<double>* part : {&head, &rest})
+    bytes.append(reinterpret_cast<const char*>(part->data()), 8 * part->size());
+  append(bytes, hash_of(bytes));
+
+  Partial partial{file + ".partial"};
+  const auto fail = [&](const char* what) {
+    refuse(file,
+           fmt::format("{}: {}; check the folder and the space left, or name another", what, std::strerror(errno)));
+  };
+  partial.file = ::open(partial.name.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+  if (partial.file < 0) fail("cannot be written");
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t n = ::write(partial.file, bytes.data() + at, bytes.size() - at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("cannot be written");
+    at += static_cast<std::size_t>(n);
+  }
+  if (::fsync(partial.file) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
+  if (std::rename(partial.name.c_str(), file.c_str()) != 0) fail("cannot be renamed");
+  partial.finished = true;
+}
+
+Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
+  if (!bytes.starts_with(kMagic)) refuse(file, "is none: it was not written by lockstep (run --checkpoint)");
+  if (!bytes.substr(kMagic.size()).starts_with(kFormat))
+    refuse(file, "is of another format than this lockstep reads (1); run it by the version that wrote it");
+  const std::uint64_t n = bytes.size() < kHead + 8 ? 0 : number_at(bytes, kHead - 8);
+  if (bytes.size() < kHead + 8 || (bytes.size() - kHead - 8) / 8 != n || (bytes.size() - kHead) % 8 != 0)
+    refuse(file, fmt::format("is cut or damaged: {} bytes do not hold what its beginning says; take an older one",
+                             bytes.size()));
+  if (hash_of(bytes.substr(0, bytes.size() - 8)) != number_at(bytes, bytes.size() - 8))
+    refuse(file, "is damaged: its content does not fit its hash; take an older one");
+  std::vector<double> numbers(n);
+  if (n > 0) std::memcpy(numbers.data(), bytes.data() + kHead, 8 * n);
+  Snapshot snapshot;
+  snapshot.assign(std::move(numbers));
+  if (const std::string version = snapshot.get_text(); version != kVersion)
+    refuse(file, fmt::format("was written by lockstep {}; this is {}: go on with that version, or run anew", version,
+                             kVersion));
+  return snapshot;
+}
+
+Snapshot read_checkpoint(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in) text << in.rdbuf();
+  if (!in) refuse(file, "cannot be read; name one that `lockstep run --checkpoint` wrote");
+  return checkpoint_from(text.str(), file);
+}
+
+}  // namespace lockstep

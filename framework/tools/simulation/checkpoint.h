@@ -1,0 +1,28 @@
+// Checkpoints as files.
+//
+//   "lockstep checkpoint 1\n", the length n, n numbers as they are in memory, a hash of all of it
+//
+// The first numbers are the version of lockstep as a text. Numbers are little-endian IEEE doubles, lengths and the hash
+// unsigned 64-bit numbers. The hash (FNV-1a) tells any changed byte.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <lockstep/export.h>
+#include <lockstep/memory.h>
+
+namespace lockstep {
+
+/// FNV-1a, 64 bits, byte by byte; `hash`: of what came before.
+LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
+
+/// Writes a checkpoint to FILE.partial, which replaces FILE when it is whole and on the disk. Throws FileError.
+LOCKSTEP_API void write_checkpoint(const std::string& file, const Snapshot&);
+/// Reads a checkpoint. Throws FileError: there is none, it is cut or damaged, or of another version.
+LOCKSTEP_API Snapshot read_checkpoint(const std::string& file);
+/// The same of the bytes of a file. `file`: its name in messages.
+LOCKSTEP_API Snapshot checkpoint_from(std::string_view bytes, const std::string& file);
+
+}  // namespace lockstep

@@ -1,0 +1,243 @@
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
+#include <lockstep/simulation.h>
+#include "framework/tools/simulation/checkpoint.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+namespace checkpoint_file_test {
+
+using namespace lockstep;
+using lockstep::testing::message_of, lockstep::testing::says;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / "lockstep_checkpoint_test";
+  Folder() { fs::remove_all(path), fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+  std::string operator/(const char* name) const { return (path / name).string(); }
+};
+
+std::string bytes_of(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+void write_bytes(const std::string& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+SimulationOptions options_with(const std::string& integrator) {
+  return {.integrator = integrator, .tolerance = 1e-8, .step = integrator == "rk4" ? 0.01 : 0.0, .output = 0.01};
+}
+
+/// A rod on a hinge that turns round and round.
+struct Pendulum {
+  System system{System::Options{{0, -9.81, 0}}};
+  Body& rod = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  Revolute& hinge = system.add<Revolute>("hinge", rod, system.ground(), pose_at({0, 0, 0}));
+  explicit Pendulum(double speed = 9) { rod.start = {{0, 0.5 * speed, 0}, {0, 0, speed}}; }
+};
+
+/// Counts steps, and says so in a checkpoint or not.
+struct Counter final : Observer {
+  long steps = 0;
+  bool reads = true;
+  void step(const Sample&) override { ++steps; }
+  void save(Snapshot& out) const override { out.put(static_cast<double>(steps)); }
+  void load(const Snapshot& in) override {
+    if (reads) steps = in.get_count();
+  }
+};
+
+/// A method with a history of another library.
+struct Secretive final : Integrator {
+  IntegratorInfo info() const override { return {"secretive", 1, false, false, 1}; }
+  void begin(Dynamics&, const State&) override {}
+  StepReport step(Dynamics& dynamics, State& s, double h) override {
+    StateRate rate;
+    dynamics.rate(s, rate);
+    s.v += h * rate.v;
+    dynamics.advance(s, h, s.v);
+    dynamics.project(s);
+    s.t += h;
+    StepReport report;
+    report.h = h;
+    return report;
+  }
+  bool saves_all() const override { return false; }
+};
+
+}  // namespace
+
+TEST_CASE("a simulation goes on from a checkpoint to the last bit") {
+  const Folder folder;
+  for (const char* integrator : {"dopri5", "dop853", "radau5", "rk4"}) {
+    INFO(integrator);
+    Pendulum one, other;
+    Simulation whole(one.system, options_with(integrator));
+    const Table& all = whole.record({"rod.angle_z", "energy.balance", "hinge.force_on_p_world_y"});
+    Counter counted, counted_on;
+    whole.add_observer(counted);
+    whole.run_until(0.777);
+    whole.save(folder / "run");
+    whole.run_until(2);
+    CHECK_FALSE(fs::exists(folder / "run.partial"));
+
+    Simulation on(other.system, options_with(integrator));
+    const Table& rest = on.record({"rod.angle_z", "energy.balance", "hinge.force_on_p_world_y"});
+    on.add_observer(counted_on);
+    on.load(folder / "run");
+    CHECK(on.state().t == 0.777);
+    on.run_until(2);
+    CHECK(counted_on.steps == counted.steps);
+    CHECK(std::abs(rest.last("rod.angle_z")) > 7);  // turns are counted on
+    REQUIRE(rest.n_rows() == all.n_rows());
+    for (std::size_t k = 0; k < all.n_columns(); ++k) CHECK(rest.columns()[k].values == all.columns()[k].values);
+  }
+}
+
+TEST_CASE("a checkpoint that is damaged, cut or of another format is refused") {
+  const Folder folder;
+  Pendulum pendulum;
+  Simulation run(pendulum.system, options_with("dopri5"));
+  run.run_until(0.1);
+  run.save(folder / "run");
+  const std::string whole = bytes_of(folder / "run");
+  const auto refusal = [&](const std::string& bytes) {
+    write_bytes(folder / "other", bytes);
+    Pendulum fresh;
+    Simulation on(fresh.system, options_with("dopri5"));
+    return message_of<FileError>([&] { on.load(folder / "other"); });
+  };
+  CHECK(refusal(whole) == "no error");
+  std::mt19937 draw(7);
+  for (int k = 0; k < 300; ++k) {  // any bit of any byte
+    std::string bytes = whole;
+    bytes[draw() % bytes.size()] ^= static_cast<char>(1u << draw() % 8);
+    CHECK(says(refusal(bytes), {"checkpoint '", "other'"}));
+  }
+  for (const std::size_t n :
+       {std::size_t{0}, std::size_t{5}, std::size_t{25}, whole.size() / 2, whole.size() - 8, whole.size() - 1})
+    CHECK(refusal(whole.substr(0, n)) != "no error");
+  CHECK(says(refusal(whole.substr(0, whole.size() - 3)), {"is cut or damaged"}));
+  CHECK(says(refusal(whole + "x"), {"is cut or damaged"}));
+  CHECK(says(refusal("{\"lockstep\": 1}"), {"is none"}));
+  std::string later = whole;
+  later[20] = '2';
+  CHECK(says(refusal(later), {"of another format"}));
+  CHECK(says(message_of<FileError>([&] { run.load(folder / "nowhere"); }), {"cannot be read"}));
+}
+
+TEST_CASE("a checkpoint of another version, simulation or kind is refused by name") {
+  const Folder folder;
+  Pendulum pendulum;
+  Simulation run(pendulum.system, options_with("dopri5"));
+  run.run_until(0.1);
+  run.save(folder / "run");
+
+  std::string bytes = bytes_of(folder / "run");
+  const double other_digit = '7';  // the version's first letter, as a number after its length
+  std::memcpy(bytes.data() + 22 + 8 + 8, &other_digit, 8);
+  const std::uint64_t hash = hash_of(std::string_view(bytes).substr(0, bytes.size() - 8));
+  std::memcpy(bytes.data() + bytes.size() - 8, &hash, 8);
+  write_bytes(folder / "version", bytes);
+  CHECK(says(message_of<FileError>([&] { run.load(folder / "version"); }), {"was written by lockstep 7", "this is "}));
+
+  const auto refusal = [&](System& system, const SimulationOptions& options, bool column = false) {
+    Simulation on(system, options);
+    if (column) on.record({"rod.x"});
+    return message_of<ModelError>([&] { on.load(folder / "run"); });
+  };
+  Pendulum same;
+  CHECK(refusal(same.system, options_with("dopri5")) == "no error");
+  CHECK(
+      says(refusal(same.system, options_with("dop853")), {"other options", "integrator dopri5", "integrator dop853"}));
+  CHECK(says(refusal(same.system, options_with("dopri5"), true), {"1 columns and records 2"}));
+  System heavier{System::Options{{0, -9.81, 0}}};
+  Body& rod = heavier.add_body("rod", shapes::rod(2.0, {0, 0, 0}, {1, 0, 0}));
+  heavier.add<Revolute>("hinge", rod, heavier.ground(), pose_at({0, 0, 0}));
+  CHECK(says(refusal(heavier, options_with("dopri5")), {"of another run", "body rod"}));
+
+  write_checkpoint(folder / "kind", [] {
+    Snapshot s;
+    s.put_text("run");
+    return s;
+  }());
+  CHECK(says(message_of<ModelError>([&] { run.load(folder / "kind"); }), {"lockstep resume"}));
+}
+
+TEST_CASE("what cannot be saved or loaded is told, and who reads less than was saved") {
+  const Folder folder;
+  Pendulum pendulum;
+  Simulation run(pendulum.system, options_with("dopri5"));
+  CHECK(says(message_of<ModelError>([&] { run.save(folder / "early"); }), {"has not begun"}));
+  Counter counter;
+  run.add_observer(counter);
+  run.run_until(0.1);
+  run.save(folder / "run");
+  CHECK(says(message_of<FileError>([&] { run.save(folder / "no/such/folder"); }), {"cannot be written"}));
+
+  Pendulum fresh;
+  Simulation without(fresh.system, options_with("dopri5"));
+  CHECK(says(message_of<ModelError>([&] { without.load(folder / "run"); }), {"observers"}));
+  Simulation forgetful(fresh.system, options_with("dopri5"));
+  Counter deaf;
+  deaf.reads = false;
+  forgetful.add_observer(deaf);
+  CHECK(says(message_of<ModelError>([&] { forgetful.load(folder / "run"); }), {"reads less"}));
+  Simulation more(fresh.system, options_with("dopri5"));
+  Counter same;
+  more.add_observer(same);
+  more.add_event({.name = "late", .at = 5, .stop = true});
+  CHECK(says(message_of<ModelError>([&] { more.load(folder / "run"); }), {"0 events and has 1"}));
+
+  Dynamics dynamics(fresh.system, make_solver(MethodSpec{"schur"}, builtin_registry(), "test"));
+  StepLoop loop(dynamics, std::make_unique<Secretive>(), {.step = 0.01});
+  loop.run_until(0.05);
+  Snapshot out;
+  CHECK(says(message_of<ModelError>([&] { loop.save(out); }), {"'secretive'", "cannot be saved"}));
+}
+
+TEST_CASE("numbers of a checkpoint that fit its hash but no run are refused, whatever they are") {
+  Pendulum pendulum;
+  Simulation run(pendulum.system, options_with("dop853"));
+  run.run_until(0.1);
+  Snapshot good;
+  run.loop().save(good);
+  std::mt19937_64 draw(11);
+  long refused = 0;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<double> numbers = good.numbers();
+    const std::size_t at = draw() % numbers.size();
+    const double odd[] = {-1, 0, 1, 3, 1e9, 1e300, std::nan(""), -std::numeric_limits<double>::infinity(), 0.5};
+    if (k % 4 == 0)
+      numbers.resize(at);
+    else
+      numbers[at] = odd[draw() % std::size(odd)];
+    Snapshot bad;
+    bad.assign(std::move(numbers));
+    Pendulum fresh;
+    Simulation on(fresh.system, options_with("dop853"));
+    try {
+      on.loop().load(bad);
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  CHECK(refused > 500);  // all that were cut
+}
+
+}  // namespace checkpoint_file_test
