@@ -23,6 +23,16 @@ void Doubts::start(const Sample& sample) {
   uncertain_.clear();
 }
 
+void Doubts::save(Snapshot& out) const {
+  out.put(static_cast<double>(beyond_)), out.put(largest_), out.put(first_);
+  out.put_all(uncertain_);
+}
+
+void Doubts::load(const Snapshot& in) {
+  beyond_ = in.get_count(), largest_ = in.get(), first_ = in.get();
+  in.get_all(uncertain_);
+}
+
 void Doubts::step(const Sample& sample) {
   if (!(sample.report.error > kJust)) return;
   if (beyond_++ == 0) first_ = sample.state.t;

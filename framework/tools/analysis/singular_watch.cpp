@@ -80,6 +80,35 @@ void SingularWatch::start(const Sample& sample) {
 
 void SingularWatch::jumped(const Sample&) { forget(); }
 
+void SingularWatch::save(Snapshot& out) const {
+  for (const Look* l : {&before_, &last_, &regular_}) {
+    out.put(l->root), out.put(l->turn), out.put(l->state.t);
+    for (const VecX* x : {&l->state.q, &l->state.v, &l->state.s, &l->state.z}) out.put_all(*x);
+    out.put_all(l->state.modes), out.put_all(l->state.watched);
+  }
+  out.put(turned_);
+  out.put(static_cast<double>(passed_.size()));
+  for (const PassedPosition& p : passed_) {
+    out.put(p.t), out.put(p.indicator), out.put(static_cast<double>(p.links.size()));
+    for (const std::string& link : p.links) out.put_text(link);
+  }
+}
+
+void SingularWatch::load(const Snapshot& in) {
+  for (Look* l : {&before_, &last_, &regular_}) {
+    l->root = in.get(), l->turn = in.get(), l->state.t = in.get();
+    for (VecX* x : {&l->state.q, &l->state.v, &l->state.s, &l->state.z}) in.get_all(*x);
+    in.get_all(l->state.modes), in.get_all(l->state.watched);
+  }
+  turned_ = in.get();
+  passed_.assign(static_cast<std::size_t>(in.get_count()), {});
+  for (PassedPosition& p : passed_) {
+    p.t = in.get(), p.indicator = in.get();
+    p.links.resize(static_cast<std::size_t>(in.get_count()));
+    for (std::string& link : p.links) link = in.get_text();
+  }
+}
+
 // What was seen of other links in force, or before an impact, says nothing of what follows.
 void SingularWatch::forget() {
   before_.root = last_.root = regular_.root = -1;

@@ -35,6 +35,8 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   void start(const Sample&) override;
   void step(const Sample&) override;
   void jumped(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(const Snapshot&) override;
 
   const std::vector<PassedPosition>& passed() const { return passed_; }
 
