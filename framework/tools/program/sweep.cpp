@@ -412,6 +412,8 @@ void write_report(const Plan& plan, const std::string& csv, const std::string& r
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
   ReportText text = text_of(plan.arguments, plan.loaded);
   text.panels = plan.loaded.scene.run.draw;
+  for (const ChannelRequest& request : plan.loaded.scene.run.record)
+    if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
   const std::string left_out = motions == nullptr ? "" : motions->left_out();
   if (!left_out.empty()) text.facts.emplace_back("histories", left_out + " is kept in this file; the folder has all");
   write_runs_report(report, text, contents_of(csv), column_title({v.path, v.unit, {}}),

@@ -97,14 +97,30 @@ class Points {
     this.draw();
   }
 
-  // What the reader chose stays when he comes back from a run.
+  // What the reader chose stays when he comes back from a run, where the browser lets a page keep something.
   keep() {
     const { x, y, color, by, log, joined } = this;
-    history.replaceState({ x, y, color, by, log, joined }, '');
+    try {
+      sessionStorage.setItem(this.place, JSON.stringify({ x, y, color, by, log, joined }));
+    } catch {
+      return; // then the page opens as it did at first
+    }
   }
 
   restore() {
-    if (history.state && this.table.columns[history.state.x]) Object.assign(this, history.state);
+    let kept = null;
+    try {
+      kept = JSON.parse(sessionStorage.getItem(this.place));
+    } catch {
+      return;
+    }
+    const { columns } = this.table;
+    if (kept && [kept.x, kept.y].every((i) => columns[i]?.numbers) && this.data.histories) Object.assign(this, kept);
+  }
+
+  // Another file of the same name is another page.
+  get place() {
+    return `lockstep ${location.pathname} ${this.table.columns.map((c) => c.title)}`;
   }
 
   // The number of the run of a row, if the page keeps it; NaN.

@@ -16,7 +16,11 @@ function velocityOf(channel, { mechanism }) {
   return axis && AXES.indexOf(axis[1]) === mechanism.plane ? 13 * owner + 10 + mechanism.plane : -1;
 }
 
-// The recorded channel that is the rate of another: body.vx of body.x, body.ax of body.vx.
+// Channels that are the rate of another: body.vx of body.x, body.ax of body.vx, A.angle_z_d of A.angle_z.
+function ratesOf(channel) {
+  return [rateOf(channel), `${channel}_d`, channel.endsWith('_d') ? `${channel}d` : ''].filter((name) => name !== '');
+}
+
 function rateOf(channel) {
   const dot = channel.lastIndexOf('.'),
     [owner, what] = [channel.slice(0, dot + 1), channel.slice(dot + 1)];
@@ -36,8 +40,8 @@ export function slopesOf(data, index) {
   const channel = channelOf(columns[index]);
   const at = velocityOf(channel, data);
   if (at >= 0) return ofFrames(data, times, at);
-  const rate = rateOf(channel),
-    column = rate === '' ? undefined : columns.find((c) => channelOf(c) === rate);
+  const rates = ratesOf(channel),
+    column = columns.find((c) => rates.includes(channelOf(c)));
   if (!column) return null;
   // A row at which something acted has the rate after it.
   const acted = new Set(data.marks.map((m) => m.t));
