@@ -24,7 +24,7 @@ constexpr std::size_t kStlHead = 84, kStlTriangle = 50;  // bytes
 using Corner = std::array<float, 3>;
 
 std::string too_many_triangles() {
-  return "it has more than " + text::number(kMostTriangles) +
+  return "it has more than " + std::to_string(kMostTriangles) +
          " triangles; make it coarser (a tool that makes meshes "
          "simpler: MeshLab, Blender)";
 }
