@@ -289,6 +289,8 @@ int run_scene(const Arguments& args, const RunCheckpoint* from) {
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
 
+  report.mark(dynamics, start);
+
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
   sim.add_observer(*recorder);
   if (outputs.at_jumps) sim.add_observer(at_jumps);

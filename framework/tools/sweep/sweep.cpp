@@ -9,6 +9,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
@@ -41,13 +42,14 @@ void judge(const Audit& audit, bool adaptive, SweepRun& run) {
 }
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
-              const std::function<bool(const State&)>& go_on) {
+              const std::function<bool(const State&)>& go_on, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder), sim.add_observer(audit);
+  if (besides != nullptr) sim.add_observer(*besides);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   sim.progress = [&](const State& s) {
@@ -94,6 +96,11 @@ Table recorded_columns(const Scene& scene, const Registry& registry) {
 
 SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& like,
                    const std::function<bool(const State&)>& go_on, Table* history) {
+  return watched_run(scene, registry, like, go_on, history, {});
+}
+
+SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& like,
+                     const std::function<bool(const State&)>& go_on, Table* history, const RunWatch& watch) {
   SweepRun result;
   result.status = "ok";
   const double begin = thread_seconds();
@@ -101,17 +108,21 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    const auto end = [&] {
+      if (history != nullptr) *history = recorder->table();
+      if (watch.ended) watch.ended(m, recorder->table());
+    };
     try {
       refuse_other_columns(recorder->table(), like);
       if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on);
+      simulate(m, *recorder, registry, result, go_on, watch.observer);
     } catch (...) {
-      if (history != nullptr) *history = recorder->table();
+      end();
       throw;
     }
     SweepRun recorded = recorded_run(recorder->table());
     result.columns = std::move(recorded.columns), result.t = recorded.t;
-    if (history != nullptr) *history = recorder->table();
+    end();
   } catch (const std::exception& error) {
     result.failed = true;
     result.status = what_of(error);
