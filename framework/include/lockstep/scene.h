@@ -96,10 +96,10 @@ struct Mechanism {
   System system;                               ///< set up
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
-  AssemblyOptions assembly{};                  ///< coordinates that it is to have, weights of the bodies' poses
   std::vector<EventRequest> events{};          ///< of the scene
   std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
   std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
+  AssemblyOptions assembly{};                  ///< coordinates that the start is to have, weights of the bodies' poses
 };
 
 /// The same scene, computed in space unless it has a key "planar".

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/motion_words.h"
@@ -117,9 +118,7 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p, d
   return found;
 }
 
-}  // namespace
-
-BranchPoint branch_point(Dynamics& dynamics, const State& given) {
+BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   BranchPoint out;
   State state = given;
   dynamics.to_slots(state);
@@ -137,7 +136,7 @@ BranchPoint branch_point(Dynamics& dynamics, const State& given) {
     Jt = scaled_rows(e, unknowns, lengths);
   }
   out.known = true;
-  const Eigen::JacobiSVD<MatX> svd(Jt, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::BDCSVD<MatX> svd(Jt, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   while (rank < svd.singularValues().size() && svd.singularValues()[rank] > kIn) ++rank;
   if (rank > 0) out.nearness = svd.singularValues()[rank - 1];
@@ -161,6 +160,16 @@ BranchPoint branch_point(Dynamics& dynamics, const State& given) {
     out.tangents.push_back(std::move(motion));
   }
   return out;
+}
+
+}  // namespace
+
+BranchPoint branch_point(Dynamics& dynamics, const State& state) {
+  try {
+    return looked_at(dynamics, state);
+  } catch (const Error&) {  // what cannot be evaluated at other velocities is not known
+    return {};
+  }
 }
 
 std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {

@@ -28,8 +28,8 @@ std::vector<std::string> fading_links(System& system, const State& regular, cons
   for (const std::vector<int>& entries : loops_of(system, there.rows())) {
     const LoopRows rows(system, there.rows(), entries), usual(system, before.rows(), entries);
     if (rows.n() > kMostRows || rows.n() != usual.n()) continue;
-    const Eigen::JacobiSVD<MatX> svd(matrix_of(rows), Eigen::ComputeFullV);
-    const VecX was = matrix_of(usual).jacobiSvd().singularValues(), now = svd.singularValues();
+    const Eigen::BDCSVD<MatX> svd(matrix_of(rows), Eigen::ComputeFullV);
+    const VecX was = matrix_of(usual).bdcSvd().singularValues(), now = svd.singularValues();
     Eigen::Index rank = 0;
     while (rank < was.size() && was[rank] > kZero) ++rank;
     if (rank == 0 || !(now[rank - 1] < kFaded * was[rank - 1])) continue;

@@ -94,7 +94,9 @@ int run_words(int argc, const char* const* argv) {
       "Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n"
       "Exit codes: 0 done; 2 command line, 3 scene, 4 plugin or its code, 5 start off the constraints, 6 a step that "
       "cannot be made, 7 a number that is not finite, 8 file; 9 the run went through, but its energy balance or its "
-      "drift is beyond the limits (energy_limit, violation_limit); 10 out of memory; 130 interrupted; 1 any other "
+      "drift is beyond the limits (energy_limit, violation_limit); 10 out of memory; 11 a doubtful result (run "
+      "--strict), or a start "
+      "far from the one given (assemble); 130 interrupted; 1 any other "
       "failure");
   Arguments arguments;
   std::vector<std::pair<const CLI::App*, const Verb*>> verbs;
