@@ -147,8 +147,11 @@ class Mover {
   void places(Value& v, const std::string& owner) {
     for (const char* key : {"at", "at_p", "at_s"}) point(v, key, owner);
     if (!turns_) return;
-    if (const Value* axis = member_of(v, "axis"))
-      return put(v, "axis", Vec3(turn_ * read_axis(*axis, part_of(owner, "axis"))));
+    if (const Value* axis = member_of(v, "axis"); axis != nullptr && member_of(v, "orientation") == nullptr) {
+      const Quat at_home = pose_at(Vec3::Zero(), read_axis(*axis, part_of(owner, "axis"))).q;  // x and y turn along
+      v = v.without({"axis"});
+      return put(v, "orientation", by_.q * at_home);
+    }
     const std::string p = text_of(v, "p"), s = text_of(v, "s");
     const bool on_bodies = !p.empty() && !markers_.contains(p) && (s.empty() || !markers_.contains(s));
     if (on_bodies || member_of(v, "orientation") != nullptr) orientation(v, owner);

@@ -119,6 +119,9 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
     const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
+    if (near == path)
+      throw ModelError("\"" + path + "\" is a vector; name one of its numbers (" + path + ".x), or give all by a " +
+                       "formula: --set " + path + "=\"=[1, 2, 3]\"");
     if (near.empty()) throw;
     throw ModelError("\"" + path + "\" is no parameter of the scene; did you mean \"" + near + "\"?");
   }
@@ -131,9 +134,6 @@ class Reader {
   Reader(const ScenePlace& place, const Value& now, const Value* parameter, std::string path)
       : key_(place.key), path_(std::move(path)) {
     if (parameter != nullptr) {
-      if (parameter->list() != nullptr)
-        throw ModelError("\"" + path_ + "\" is a vector; name one of its numbers (" + path_ + ".x), or give all by a " +
-                         "formula: " + path_ + "=\"=[1, 2, 3]\"");
       numeric_ = true, key_.unit = Unit::any, symbol_ = symbol_of(*parameter);
       return;
     }
@@ -229,6 +229,18 @@ void refuse_columns(const std::string& path) {
       throw ModelError("\"" + path + "\" cannot vary: plugins and columns are the same in all runs");
 }
 
+// The whole of a vector parameter or point that is asked for by its name alone; nullptr for anything else.
+Value* vector_named(Value& root, const std::string& name, const Scene& scene) {
+  if (root.find(name) != nullptr) return nullptr;
+  for (const SceneParameter& p : scene.parameters)
+    if (p.name == name)
+      for (Value::Member& shelf : *root.object())
+        if (shelf.key == (p.is_point ? "points" : "parameters") && shelf.value.object() != nullptr)
+          for (Value::Member& m : *shelf.value.object())
+            if (m.key == name && m.value.list() != nullptr) return &m.value;
+  return nullptr;
+}
+
 // Sets the value that "NAME=VALUE" names.
 void set_value(Value& root, const std::string& text, const Scene& scene, const Registry& registry) {
   const std::size_t equals = text.find('=');
@@ -238,6 +250,13 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   if (path.empty() || word.empty())
     throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
   rename_old_keys(path);
+  if (word.starts_with('='))
+    if (Value* vector = vector_named(root, path, scene)) {
+      const Where where = vector->where;
+      *vector = Value(word);
+      vector->where = where;
+      return;
+    }
   const ScenePlace place = place_of(root, path, scene, registry);
   if (place.path.starts_with("requires"))
     throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
