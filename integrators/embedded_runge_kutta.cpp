@@ -193,7 +193,7 @@ void EmbeddedRungeKutta::save(Snapshot& out) const {
   passage_.save(out);
   if (fixed()) return;
   watch_.save(out);
-  out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v);
+  out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
 }
 
 void EmbeddedRungeKutta::restore(const Snapshot& in) {
@@ -203,6 +203,9 @@ void EmbeddedRungeKutta::restore(const Snapshot& in) {
   if (fixed()) return;
   watch_.restore(in);
   h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
+  StateRate late = stages_.k(scheme_.late_stage);
+  in.get_all(late.v);
+  stages_.put(scheme_.late_stage, late);
 }
 
 double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, double largest) {

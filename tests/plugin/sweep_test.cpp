@@ -126,7 +126,7 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
 }
 
 TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and the exit code tells", "[runner][sweep]") {
-  const Called r = call("sweep '" + kRod + "' --until 2 --vary run.tolerance=1e-9,0.5 --record verdicts.csv");
+  const Called r = call("sweep '" + kRod + "' --until 20 --vary run.tolerance=1e-9,0.5 --record verdicts.csv");
   INFO(r.text);
   CHECK(r.exit == 9);
   CHECK(contains(r.text, "NOT CONSERVED  or drifted: 1 of the runs"));

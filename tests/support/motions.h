@@ -120,7 +120,7 @@ double largest_error(Motion& motion, lockstep::Integrator& method, double T, int
   double worst = 0;
   for (int i = 0; i < n; ++i) {
     method.step(dynamics, s, T / n);
-    keep_worst(worst, motion.error(s));
+    lockstep::keep_worst(worst, motion.error(s));
   }
   return worst;
 }

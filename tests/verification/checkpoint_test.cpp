@@ -222,14 +222,18 @@ TEST_CASE(
   ways.push_back({.formulation = "joint"});
   ways.push_back({.formulation = "omega", .stabilization = Stabilization::Kind::baumgarte});
   ways.push_back({.integrator = "radau5", .formulation = "omega", .stabilization = Stabilization::Kind::none});
-  check_ways(sample_files(), ways, 0.02, 1, 150);
+  std::vector<std::string> files = sample_files();
+  std::erase_if(files, [](const std::string& file) {  // large ones, which dense matrices take long for
+    return file.find("chain") != std::string::npos || file.find("_40") != std::string::npos;
+  });
+  check_ways(files, ways, 0.02, 1, 150);
 }
 
 TEST_CASE("a run that goes on across events and impacts equals the one that was not interrupted") {
   std::vector<Way> ways;
   for (const char* integrator : {"dopri5", "dop853", "rk4", "radau5", "generalized_alpha"})
     ways.push_back({.integrator = integrator});
-  check_ways({scene_path("bouncing_pendulum"), "events"}, ways, 1, 6, 10);
+  check_ways({scene_path("bouncing_pendulum"), "events"}, ways, 1, 6, 8);
   const Scene scene = scene_of("events", {}, 1);
   Run run(scene);
   run.begin(), run.go();

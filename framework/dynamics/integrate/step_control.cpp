@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-
+#include <limits>
 
 namespace lockstep {
 
@@ -83,10 +83,7 @@ void ErrorNorm::Moving::at(const State& y) {
 
 void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
   if (y0.coordinates) {
-    if (now_.t == y0.t)
-      std::swap(before_, now_);  // the step follows the last one,
-    else if (before_.t != y0.t)  // or is attempted anew
-      before_.at(y0);
+    if (before_.t != y0.t) before_.at(y0);  // else the step is attempted anew
     now_.at(y1);
   }
   const Change c =
@@ -102,7 +99,7 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
 void ErrorNorm::scale(const State& y0, double length) {
   double v = 0, w = 0;
   if (y0.coordinates) {
-    before_.t = -1;
+    before_.t = std::numeric_limits<double>::quiet_NaN();
     now_.at(y0);
     for (const Motion& O : now_.motions) v = std::max(v, O.v.squaredNorm()), w = std::max(w, O.w.squaredNorm());
   } else {
