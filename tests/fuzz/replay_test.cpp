@@ -98,6 +98,7 @@ void replay(const std::string& name, long usual) {
 
 TEST_CASE("fuzzed formulas are read or refused", "[fuzz]") { replay("formula", 4000); }
 TEST_CASE("fuzzed tables are read or refused", "[fuzz]") { replay("table", 2000); }
+TEST_CASE("fuzzed meshes are read or refused", "[fuzz]") { replay("mesh", 4000); }
 TEST_CASE("fuzzed plugin files are refused before they are opened", "[fuzz]") { replay("plugin", 2000); }
 TEST_CASE("fuzzed names of channels, methods and variables are found or refused", "[fuzz]") { replay("channel", 500); }
 TEST_CASE("fuzzed scenes are built or refused", "[fuzz]") { replay("scene", 2000); }

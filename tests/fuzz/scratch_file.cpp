@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 namespace lockstep::fuzz {
 
@@ -28,8 +29,8 @@ class Scratch {
 }  // namespace
 
 std::string scratch_file(Bytes bytes, const std::string& ending) {
-  static const Scratch csv(".csv"), so(".so");
-  const Scratch& file = ending == ".csv" ? csv : so;
+  static std::map<std::string, Scratch> files;
+  const Scratch& file = files.try_emplace(ending, ending).first->second;
   std::ofstream(file.path(), std::ios::binary | std::ios::trunc)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return file.path();

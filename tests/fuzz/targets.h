@@ -18,6 +18,7 @@ struct Broken {
 
 void formula(Bytes);  ///< a formula, of quantities and of time and coordinates, and its switches
 void table(Bytes);    ///< a CSV table, and the same as the columns of a law
+void mesh(Bytes);     ///< a mesh for pictures, as STL and as OBJ
 void plugin(Bytes);   ///< the file of a plugin: its structure and its record, never opened
 void channel(Bytes);  ///< names of channels, of methods with keys, and of variables of a scene, one a line
 void scene(Bytes);    ///< the text of a scene: read and built
@@ -29,8 +30,8 @@ struct Target {
   const char* name;
   void (*run)(Bytes);
 };
-inline constexpr Target kTargets[] = {{"formula", formula}, {"table", table}, {"plugin", plugin}, {"channel", channel},
-                                      {"scene", scene},     {"run", run},     {"api", api}};
+inline constexpr Target kTargets[] = {{"formula", formula}, {"table", table}, {"mesh", mesh}, {"plugin", plugin},
+                                      {"channel", channel}, {"scene", scene}, {"run", run},   {"api", api}};
 
 inline std::string text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 

@@ -239,6 +239,20 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
   }
   CHECK(run("../outside.csv", "--allow-files").exit == 0);
 
+  // meshes likewise
+  std::ofstream(kFolder + "/outside.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto look = [&](const std::string& file, const std::string& options = {}) {
+    std::ofstream(kFolder + "/within/seen.json")
+        << R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "visual": {"shapes": [{"mesh": ")" << file
+        << R"("}]}}], "run": {"until": 1, "output": 0.5}})";
+    return call("check within/seen.json " + options);
+  };
+  CHECK(look("../outside.obj").exit == 2);
+  CHECK(contains(look("../outside.obj").text, "\"../outside.obj\" is outside of the scene's folder"));
+  CHECK(look("../outside.obj", "--allow-files").exit == 0);
+  fs::copy_file(kFolder + "/outside.obj", kFolder + "/within/inside.obj", fs::copy_options::overwrite_existing);
+  CHECK(look("inside.obj").exit == 0);
+
   // scenes that are included likewise; what they read is named from where they stand
   for (const char* folder : {"/within/below/", "/"})
     std::ofstream(kFolder + folder + "part.json")

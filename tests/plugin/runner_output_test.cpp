@@ -193,6 +193,28 @@ TEST_CASE("import writes a robot as a scene that runs", "[runner]") {
   CHECK(contains(run.text, "moved      arm"));
   CHECK(call("import bot.urdf --out bot.json").exit == 2);
   CHECK(call("import missing.urdf").exit == 8);
+
+  // The mesh is there: damaged, whole, and seen from a folder beside.
+  const auto import_to = [](const std::string& out) {
+    fs::remove(kRunnerFolder + "/" + out);
+    return call("import bot.urdf --out " + out);
+  };
+  std::ofstream(kRunnerFolder + "/a.stl") << "solid a\n facet\n";
+  CHECK(contains(import_to("bot.json").text, "a.stl:2: the file ends"));
+  fs::copy_file(std::string(paths::kSource) + "/tests/fuzz/corpus/mesh/cube_text.stl", kRunnerFolder + "/a.stl",
+                fs::copy_options::overwrite_existing);
+  const Called whole = import_to("bot.json");
+  CHECK_FALSE(contains(whole.text, "left out"));
+  CHECK_FALSE(contains(whole.text, "--allow-files"));
+  CHECK(call("run bot.json --no-picture --report bot.html").exit == 0);
+  std::stringstream page;
+  page << std::ifstream(kRunnerFolder + "/bot.html").rdbuf();
+  CHECK(contains(page.str(), "\"kind\":\"mesh\""));
+  fs::create_directories(kRunnerFolder + "/beside");
+  CHECK(contains(import_to("beside/bot.json").text, "--allow-files"));
+  CHECK(call("check beside/bot.json").exit == 2);
+  CHECK(call("check beside/bot.json --allow-files").exit == 0);
+  fs::remove(kRunnerFolder + "/a.stl");
 }
 
 TEST_CASE("completion knows verbs, options, choices, types and names of the scene", "[runner]") {

@@ -1,6 +1,11 @@
 // Robots in URDF become scenes: the same motion as the robot written by hand, and every mistake by name.
 #include "framework/tools/import/urdf.h"
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
@@ -11,6 +16,7 @@
 #include "framework/description/scene/write.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/paths.h"
 
 namespace urdf_test {
 
@@ -63,8 +69,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_CASE("a robot in URDF moves as the same robot in C++", "[unit][scene]") {
   const ImportedRobot robot = read_urdf(kArms, "arms.urdf", false);
-  CHECK(robot.left_out == std::vector<std::string>{"limits of effort: of 'elbow'", "limits of velocity: of 'elbow'",
-                                                   "visual shapes: of 'upper'"});
+  CHECK(robot.left_out == std::vector<std::string>{"limits of effort: of 'elbow'", "limits of velocity: of 'elbow'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), "arms.json"), builtin_registry());
   const std::vector<std::string> channels{"shoulder.angle_z", "elbow.angle_z", "shoulder.force_on_p_world_z"};
   const std::vector<double> imported = last_of(m.system, channels);
@@ -156,6 +161,73 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
   check_words(said("<robot name='r\xff'/>"), {"UTF-8"});
   CHECK_NOTHROW(
       read_urdf(replaced(kArms, "<child link=\"tip\"/>", "<child link=\"tip\"/><axis xyz=\"0 0 0\"/>"), "a", false));
+}
+
+TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scene]") {
+  // The tip has no mass: its sphere moves with the lower arm or the load, which are one. The world has a box.
+  std::string text =
+      replaced(kArms, "<link name=\"world\"/>",
+               "<link name=\"world\"><visual><geometry><box size=\"3 3 0.1\"/></geometry></visual></link>");
+  text = replaced(text, "<link name=\"tip\"/>",
+                  "<link name=\"tip\"><visual><origin xyz=\"0.2 0 0\"/><geometry><sphere radius=\"0.05\"/></geometry>"
+                  "</visual></link>");
+  text = replaced(
+      text, "<link name=\"load\">",
+      "<link name=\"load\"><visual><origin rpy=\"0 0 0.5\"/><geometry><mesh filename=\"package://arms/load.stl\" "
+      "scale=\"0.001 -0.001 0.001\"/></geometry></visual><visual><geometry><mesh filename=\"other.dae\"/>"
+      "</geometry></visual>");
+  std::vector<std::string> asked;
+  const ImportedRobot robot = read_urdf(text, "arms.urdf", false, [&](const std::string& name) {
+    asked.push_back(name);
+    return name.ends_with(".stl") ? "cube_text.stl" : "";
+  });
+  CHECK(asked == std::vector<std::string>{"package://arms/load.stl", "other.dae"});
+  CHECK(robot.left_out.back() == "meshes: of 'load'");
+  const std::string folder = std::string(paths::kSource) + "/tests/fuzz/corpus/mesh/";
+  Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), folder + "arms.json"), builtin_registry());
+  REQUIRE(m.solids.size() == 4);
+  const auto world_of = [&](const Solid& solid) { return m.system.body(solid.body).home * solid.at; };
+  const auto named = [&](Solid::Kind kind, const std::string& body) {
+    for (const Solid& solid : m.solids)
+      if (solid.kind == kind && (body.empty() || solid.body == body)) return solid;
+    FAIL("no such solid");
+    return Solid{};
+  };
+  CHECK(named(Solid::Kind::box, "upper").size == Vec3(1, 0.1, 0.1));
+  CHECK(named(Solid::Kind::box, "world").size == Vec3(3, 3, 0.1));
+  CHECK(m.system.body("world").fixed);
+  // Places in the world by hand: elbow at (1, 0, 2), turned by R; the tip 0.8 along its x, its sphere 0.2 further.
+  const Mat3 R = (Eigen::AngleAxisd(-0.7, Vec3::UnitZ()) * Eigen::AngleAxisd(0.2, Vec3::UnitY()) *
+                  Eigen::AngleAxisd(0.4, Vec3::UnitX()))
+                     .toRotationMatrix();
+  const Vec3 elbow(1, 0, 2);
+  CHECK((world_of(named(Solid::Kind::sphere, "")).x - (elbow + R * Vec3(1, 0, 0))).norm() < 1e-12);
+  // The mesh is mirrored along its y: its point (x, y, z) stands at scale (x, -y, z).
+  const Solid mesh = named(Solid::Kind::mesh, "load");
+  const Pose at = world_of(mesh);
+  const Mat3 turned = R * Eigen::AngleAxisd(1.5 + 0.5, Vec3::UnitZ()).toRotationMatrix();
+  const Vec3 p(1, 2, 3);
+  const Vec3 shown = at.x + rotation(at.q) * Vec3(mesh.size.cwiseProduct(p));
+  const Vec3 expected = elbow + R * Vec3(0.8, 0, 0.1) + turned * (0.001 * Vec3(1, -2, 3));
+  CHECK((shown - expected).norm() < 1e-12);
+}
+
+TEST_CASE("the mesh files of a robot are found beside it and in its package", "[unit][scene]") {
+  namespace fs = std::filesystem;
+  const fs::path root = fs::temp_directory_path() / ("lockstep_urdf_" + std::to_string(::getpid()));
+  for (const char* folder : {"arms/urdf", "arms/meshes", "other/meshes"}) fs::create_directories(root / folder);
+  for (const char* file : {"arms/urdf/beside.stl", "arms/meshes/a.stl", "other/meshes/b.stl"})
+    std::ofstream(root / file) << "solid\n";
+  const std::string folder = (root / "arms/urdf").string();
+  CHECK(find_robot_mesh("beside.stl", folder) == (root / "arms/urdf/beside.stl").string());
+  CHECK(find_robot_mesh("../meshes/a.stl", folder) == (root / "arms/meshes/a.stl").string());
+  CHECK(find_robot_mesh("package://arms/meshes/a.stl", folder) == (root / "arms/meshes/a.stl").string());
+  CHECK(find_robot_mesh("package://other/meshes/b.stl", folder) == (root / "other/meshes/b.stl").string());
+  CHECK(find_robot_mesh("file://" + (root / "other/meshes/b.stl").string(), folder) ==
+        (root / "other/meshes/b.stl").string());
+  for (const char* none : {"package://arms/meshes/b.stl", "package://none/a.stl", "package://", "none.stl", ""})
+    CHECK(find_robot_mesh(none, folder).empty());
+  fs::remove_all(root);
 }
 
 TEST_CASE("limits of a robot that its zero breaks are left out by name", "[unit][scene]") {

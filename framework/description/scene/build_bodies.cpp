@@ -1,5 +1,6 @@
 // Bodies and markers of a scene.
 #include <algorithm>
+#include <filesystem>
 
 #include <lockstep/body.h>
 #include "framework/description/scene/builder.h"
@@ -188,8 +189,61 @@ bool is_color(const std::string& text) {
   return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
-Look read_look(const Params& body, const std::string& name) {
-  const Params visual = params_of(body.value("visual"), "visual", part_of(body.owner(), "visual"), nullptr);
+using Meshes = std::map<std::string, std::shared_ptr<const TriangleMesh>>;  // of a scene, by file
+
+// The mesh of a file that the scene names, from the folder of the file in which it stands; each file is read once.
+Solid read_mesh_solid(const Params& shape, Meshes& meshes) {
+  std::filesystem::path file = shape.text("mesh");
+  const Value& written = shape.value("mesh");
+  if (file.is_relative() && written.where.file) file = std::filesystem::path(*written.where.file).parent_path() / file;
+  const double scale = shape.number("scale");
+  if (scale == 0) shape.refuse("scale", "it is 0; give a factor such as 0.001, for a mesh in millimetres");
+  std::shared_ptr<const TriangleMesh>& mesh = meshes[file.string()];
+  if (mesh == nullptr) {
+    try {
+      mesh = std::make_shared<TriangleMesh>(read_mesh(file.string()));
+    } catch (const FileError& error) {
+      shape.refuse("mesh", error.what());
+    }
+  }
+  return {{}, Solid::Kind::mesh, Vec3(scale, scale, scale), {}, mesh};
+}
+
+// A shape in the frame of its body.
+Solid read_visual_shape(const Value& v, const std::string& owner, Meshes& meshes) {
+  const Params shape = params_of(v, "visual_shape", owner, nullptr);
+  std::vector<std::string> kinds = kShapes;
+  kinds.push_back("mesh");
+  const std::vector<std::string> found = given(shape, kinds);
+  if (found.size() != 1)
+    refuse(v.where, owner,
+           (found.empty() ? "it is no shape" : "\"" + found[0] + "\" and \"" + found[1] + "\" are two shapes") +
+               std::string("; give one of \"rod\", \"box\", \"cylinder\", \"sphere\" and \"mesh\""));
+  const std::string& kind = found.front();
+  const Pose at{shape.vector3("at"), shape.orientation("orientation")};
+  Solid solid;
+  if (kind == "mesh") {
+    solid = read_mesh_solid(shape, meshes);
+  } else {
+    if (shape.has("scale")) shape.refuse("scale", "a " + kind + " has its own lengths; remove it");
+    const Params lengths = params_of(shape.value(kind), kind, part_of(owner, kind), nullptr);
+    refuse_beside(lengths, "what is only drawn weighs nothing", {"mass", "density", "axial_inertia"});
+    if (kind == "box" && !(lengths.vector3("size").minCoeff() > 0))
+      lengths.refuse("size", "all three edges must be greater than 0");
+    for (const char* length : {"radius", "length"})
+      if (lengths.has(length)) positive(lengths, length, length);
+    solid = solid_of(lengths, kind);
+    if (kind == "rod") {
+      const Vec3 from = lengths.vector3("from"), to = lengths.vector3("to");
+      if (!((to - from).norm() > 0)) lengths.refuse("to", "both ends are at the same point; a rod needs a length");
+      solid.at = shapes::rod(1, from, to, 0.5 * solid.size[0]).home * solid.at;
+    }
+  }
+  solid.at = at * solid.at;
+  return solid;
+}
+
+Look read_look(const Params& visual, const std::string& name) {
   Look look{name, visual.has("color") ? visual.text("color") : "", visual.number("opacity")};
   if (!look.color.empty() && !is_color(look.color))
     visual.refuse("color", "\"" + look.color + "\" is no color; write it like \"#0072b2\"");
@@ -211,14 +265,32 @@ void Builder::bodies(const Params& root) {
   for_each_object(root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); });
 }
 
+// What it looks like: colour, and shapes beside or in place of those that give its mass.
+void Builder::visual(const Params& body, const std::string& name) {
+  if (!body.has("visual")) return;
+  const Params visual = params_of(body.value("visual"), "visual", part_of(body.owner(), "visual"), nullptr);
+  out_.looks.push_back(read_look(visual, name));
+  if (!visual.boolean("own_shape")) std::erase_if(out_.solids, [&](const Solid& s) { return s.body == name; });
+  const Value::List& items = objects_of(visual, "shapes");
+  Solids solids;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    solids.push_back(
+        read_visual_shape(items[i], part_of(visual.owner(), "shapes") + "[" + std::to_string(i) + "]", meshes_));
+  keep(name, solids, out_);
+}
+
 void Builder::body(const Value& object, const std::string& owner) {
   const Params p = params_of(object, "body", owner, &registry_);
   const std::string name = claim(p, "body");
+  matter(object, p, name);
+  visual(p, name);
+}
+
+void Builder::matter(const Value& object, const Params& p, const std::string& name) {
   const Pose home{p.vector3("position"), p.orientation("orientation")};
   const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
   System& system = out_.system;
   Solids solids;
-  if (p.has("visual")) out_.looks.push_back(read_look(p, name));
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
     // Its mass may be given, and is checked; a rod still places the frame.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -74,6 +75,8 @@ class Builder {
  private:
   void bodies(const Params& root);
   void body(const Value& object, const std::string& owner);
+  void matter(const Value& object, const Params& body, const std::string& name);
+  void visual(const Params& body, const std::string& name);
   void markers(const Params& root);
   void marker(const Value& object, const std::string& owner);
   Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
@@ -107,7 +110,8 @@ class Builder {
   const Scene& scene_;
   const Registry& registry_;
   Mechanism& out_;
-  std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
+  std::map<std::string, std::map<std::string, Where>> taken_;          // kind -> name -> place
+  std::map<std::string, std::shared_ptr<const TriangleMesh>> meshes_;  // by file
 };
 
 }  // namespace lockstep

@@ -181,7 +181,28 @@ SceneTable visual() {
   return {{"visual",
            "what a body looks like in reports, beside its shape",
            {{"color", Form::text, Unit::none, kOptional, "\"#rrggbb\"; default: the next of a palette"},
-            {"opacity", Form::number, Unit::none, 1, "from 0, glass, to 1, solid"}}}};
+            {"opacity", Form::number, Unit::none, 1, "from 0, glass, to 1, solid"},
+            {"own_shape", Form::boolean, Unit::none, true, "whether the shape that gives its mass is drawn, too"},
+            any("shapes", "further shapes and meshes, without mass")}},
+          {{"shapes", Holds::objects, "visual_shape"}}};
+}
+
+SceneTable visual_shape() {
+  return {
+      {"visual_shape",
+       "a shape that is drawn and weighs nothing",
+       {any("rod", "a rod from one point to another, body frame"),
+        any("box", "a box about its frame's origin"),
+        any("cylinder", "a cylinder about its frame's origin, along z"),
+        any("sphere", "a sphere about its frame's origin"),
+        {"mesh", Form::text, Unit::none, kOptional, "file of a mesh, STL or OBJ; path from the scene's folder"},
+        {"scale", Form::number, Unit::none, 1, "factor on the mesh's points: 0.001 of one in mm; below 0: mirrored"},
+        {"at", Form::vector3, Unit::length, Value::List{0, 0, 0}, "origin of its frame, body frame"},
+        {"orientation", Form::orientation, Unit::none, Value::List{1, 0, 0, 0}, "its axes, in the body frame"}}},
+      {{"rod", Holds::object, "rod"},
+       {"box", Holds::object, "box"},
+       {"cylinder", Holds::object, "cylinder"},
+       {"sphere", Holds::object, "sphere"}}};
 }
 
 SceneTable marker() {
@@ -365,8 +386,8 @@ std::vector<SceneTable> runs() {
 }
 
 std::vector<SceneTable> all_tables() {
-  std::vector<SceneTable> all = {scene(),   include(), repeat(), body(), part(),
-                                 inertia(), visual(),  marker(), link(), pair(), force()};
+  std::vector<SceneTable> all = {scene(),  include(),      repeat(), body(), part(), inertia(),
+                                 visual(), visual_shape(), marker(), link(), pair(), force()};
   for (const auto& group : {shapes(), link_parts(), unilateral_parts(), events(), runs()})
     all.insert(all.end(), group.begin(), group.end());
   for (const SceneTable& table : all) check_type_info(table.info);

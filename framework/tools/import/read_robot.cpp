@@ -160,13 +160,37 @@ class Reader {
     for (const auto& [tag, visual] : tree) {
       if (tag == "collision") leave_out("collision shapes", part.name);
       if (tag != "visual") continue;
-      leave_out(visual.get_child_optional("geometry.mesh") ? "meshes" : "visual shapes", part.name);
+      read_picture(visual, of + ", visual", part);
       if (const auto material = visual.get_child_optional("material"); material && part.color.empty()) {
         part.color = color_of(*material);
         if (part.color.empty()) part.color = colors_[material->get<std::string>("<xmlattr>.name", "")];
       }
     }
     robot_.parts.push_back(std::move(part));
+  }
+
+  void read_picture(const Tree& visual, const std::string& of, Part& part) {
+    const Pose at = origin(visual, of);
+    const auto length = [&](const Tree& tree, const char* attribute) {
+      const double value = number(tree, attribute, of, 0);
+      if (!(value > 0)) fail(of + ", " + attribute + ": it is not above 0");
+      return value;
+    };
+    if (const auto box = visual.get_child_optional("geometry.box")) {
+      const Vec3 size = vector(*box, "size", of, Vec3::Zero());
+      if (!(size.minCoeff() > 0)) fail(of + ", size: an edge is not above 0");
+      part.pictures.push_back({Picture::Kind::box, size, at});
+    } else if (const auto cylinder = visual.get_child_optional("geometry.cylinder")) {
+      part.pictures.push_back(
+          {Picture::Kind::cylinder, {length(*cylinder, "radius"), length(*cylinder, "length"), 0}, at});
+    } else if (const auto sphere = visual.get_child_optional("geometry.sphere")) {
+      part.pictures.push_back({Picture::Kind::sphere, {length(*sphere, "radius"), 0, 0}, at});
+    } else if (const auto mesh = visual.get_child_optional("geometry.mesh")) {
+      part.pictures.push_back({Picture::Kind::mesh, vector(*mesh, "scale", of, Vec3::Ones()), at,
+                               attribute(*mesh, "filename", of + ", mesh")});
+    } else {
+      leave_out("visual shapes", part.name);
+    }
   }
 
   void read_inertial(const Tree& inertial, const std::string& of, Part& part) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,6 +16,14 @@ namespace lockstep::urdf {
 
 inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
+/// A shape that a link is drawn with.
+struct Picture {
+  enum class Kind { box, cylinder, sphere, mesh } kind;
+  Vec3 size = Vec3::Zero();  ///< edges; radius and length; radius; of a mesh the factors on its points
+  Pose at{};                 ///< its frame in the link's
+  std::string mesh{};        ///< the file as the robot names it: "package://arm/meshes/a.stl"
+};
+
 /// A link.
 struct Part {
   std::string name, color{};        ///< color: "#rrggbb" or ""
@@ -25,6 +34,7 @@ struct Part {
   std::size_t group = 0;            ///< the outermost of the links that fixed joints connect with it
   Pose place{};                     ///< in the world, all joints at zero
   std::string body{};               ///< of the scene, with which it moves
+  std::vector<Picture> pictures{};
 };
 
 struct Joint {
@@ -49,7 +59,10 @@ struct Robot {
 /// Reads a file of URDF. Throws SceneError.
 Robot read_robot(const std::string& text, const std::string& file);
 
+/// The file of a mesh as the scene names it, of the name that the robot gives; "" where there is none that is read.
+using FindMesh = std::function<std::string(const std::string&)>;
+
 /// The robot as a scene; what is left out is added to it. Throws SceneError.
-Value scene_of(Robot&, bool floating);
+Value scene_of(Robot&, bool floating, const FindMesh&);
 
 }  // namespace lockstep::urdf

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include <lockstep/error.h>
@@ -13,13 +15,18 @@ Value quat(const Quat& q) { return Value::list({q.w, q.x, q.y, q.z}); }
 /// Writes a robot as a scene.
 class Writer {
  public:
-  Writer(Robot& robot, bool floating) : robot_(robot), floating_(floating) {}
+  Writer(Robot& robot, bool floating, const FindMesh& find_mesh)
+      : robot_(robot), floating_(floating), find_mesh_(find_mesh) {}
 
   Value scene() {
     name_bodies();
     Value::List bodies, links, forces;
+    gather_pictures();
     for (const Part& part : robot_.parts)
-      if (part.mass > 0) bodies.push_back(body(part));
+      if (part.mass > 0)
+        bodies.push_back(body(part));
+      else if (part.body == "ground" && !shapes_[&part].empty())
+        bodies.push_back(scenery(part));
     bolt(links);
     for (const Joint& joint : robot_.joints) {
       if (joint.type == "fixed" || joint.type == "floating") continue;
@@ -86,8 +93,71 @@ class Writer {
         {"position", vec(part.place.x), {}},
         {"orientation", quat(part.place.q), {}}};
     if (is_held(part)) b.push_back({"fixed", Value(true), {}});
-    if (!part.color.empty()) b.push_back({"visual", Value::object({{"color", Value(part.color)}}), {}});
+    add_visual(part, b);
     return Value(std::move(b));
+  }
+
+  // A link of the ground, which is there to be seen.
+  Value scenery(const Part& part) {
+    Value::Object b{{"name", Value(unique(part.name)), {}},
+                    {"fixed", Value(true), {}},
+                    {"position", vec(part.place.x), {}},
+                    {"orientation", quat(part.place.q), {}}};
+    add_visual(part, b);
+    return Value(std::move(b));
+  }
+
+  void add_visual(const Part& part, Value::Object& body) const {
+    Value::Object visual;
+    if (!part.color.empty()) visual.push_back({"color", Value(part.color), {}});
+    const auto found = shapes_.find(&part);
+    if (found != shapes_.end() && !found->second.empty()) visual.push_back({"shapes", Value(found->second), {}});
+    if (!visual.empty()) body.push_back({"visual", Value(std::move(visual)), {}});
+  }
+
+  // The pictures of all links, by the link whose body shows them: of one without mass the link with which it moves.
+  void gather_pictures() {
+    for (const Part& part : robot_.parts) {
+      const Part* bearer = &part;
+      if (part.mass <= 0 && part.body != "ground")
+        for (const Part& other : robot_.parts)
+          if (other.mass > 0 && other.body == part.body) bearer = &other;
+      const Pose place = inverse(bearer->place) * part.place;
+      for (const Picture& picture : part.pictures) add_picture(picture, place * picture.at, part, shapes_[bearer]);
+    }
+  }
+
+  // A mesh with factors of different signs is one with the opposite factor, turned by half a turn.
+  void add_picture(const Picture& picture, Pose at, const Part& part, Value::List& shapes) {
+    Value::Object shape;
+    const Vec3& size = picture.size;
+    switch (picture.kind) {
+      case Picture::Kind::box:
+        shape = {{"box", Value::object({{"size", vec(size)}}), {}}};
+        break;
+      case Picture::Kind::cylinder:
+        shape = {{"cylinder", Value::object({{"radius", size[0]}, {"length", size[1]}}), {}}};
+        break;
+      case Picture::Kind::sphere:
+        shape = {{"sphere", Value::object({{"radius", size[0]}}), {}}};
+        break;
+      case Picture::Kind::mesh: {
+        const std::string file = find_mesh_ ? find_mesh_(picture.mesh) : "";
+        if (file.empty()) return robot_.left_out["meshes"].push_back(part.name);
+        const double factor = std::abs(size[0]), sign = size[0] * size[1] * size[2] < 0 ? -1 : 1;
+        if (!(factor > 0) || std::abs(std::abs(size[1]) - factor) > 1e-6 * factor ||
+            std::abs(std::abs(size[2]) - factor) > 1e-6 * factor)
+          return robot_.left_out["meshes whose scale differs by axis"].push_back(part.name);
+        shape = {{"mesh", Value(file), {}}};
+        if (sign * factor != 1) shape.push_back({"scale", Value(sign * factor), {}});
+        for (int k = 0; k < 3; ++k)  // the axis about which a half turn makes up for the other two
+          if (sign * size[k] > 0 && sign * size[(k + 1) % 3] < 0) at.q = at.q * axis_angle(Vec3::Unit(k), kPi);
+        break;
+      }
+    }
+    if (at.x.norm() > 0) shape.push_back({"at", vec(at.x), {}});
+    if (std::abs(at.q.w) < 1) shape.push_back({"orientation", quat(at.q), {}});
+    shapes.push_back(Value(std::move(shape)));
   }
 
   // Bodies of one group are bolted to the first of it.
@@ -135,11 +205,15 @@ class Writer {
 
   Robot& robot_;
   bool floating_;
+  const FindMesh& find_mesh_;
+  std::map<const Part*, Value::List> shapes_;  // by the link whose body shows them
   std::set<std::string> names_{"ground"};
 };
 
 }  // namespace
 
-Value scene_of(Robot& robot, bool floating) { return Writer(robot, floating).scene(); }
+Value scene_of(Robot& robot, bool floating, const FindMesh& find_mesh) {
+  return Writer(robot, floating, find_mesh).scene();
+}
 
 }  // namespace lockstep::urdf

@@ -89,7 +89,7 @@ void for_each_value(const Value& value, const std::string& key, const fs::path& 
 }
 
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
-// and what keys "file" name.
+// and what keys "file" and "mesh" name.
 template <class Visit>
 void for_each_file(const Scene& scene, Visit&& visit) {
   std::string last;
@@ -98,7 +98,7 @@ void for_each_file(const Scene& scene, Visit&& visit) {
                    if (value.where.file && *value.where.file != last && *value.where.file != scene.file)
                      visit(value, fs::path(*value.where.file), *value.where.file);
                    if (value.where.file) last = *value.where.file;
-                   if (const std::string* name = value.text(); name != nullptr && key == "file")
+                   if (const std::string* name = value.text(); name != nullptr && (key == "file" || key == "mesh"))
                      visit(value, folder / *name, *name);
                  });
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <lockstep/error.h>
+#include <lockstep/solid.h>
 #include "framework/description/scene/write.h"
 #include "framework/tools/import/urdf.h"
 #include "framework/tools/program/commands.h"
@@ -29,15 +30,62 @@ std::string text_of_robot(const std::string& file) {
   return text.str();
 }
 
+/// Meshes of a robot, by their paths from the folder of the scene that is written.
+class MeshFinder {
+ public:
+  explicit MeshFinder(const Arguments& args)
+      : robots_(folder_of(args.scene == "-" ? "" : args.scene)),
+        folder_(args.out.empty() ? robots_ : folder_of(args.out)) {}
+
+  std::string find(const std::string& name) {
+    const std::string file = find_robot_mesh(name, robots_);
+    if (file.empty()) return "";
+    try {
+      read_mesh(file);
+    } catch (const FileError& error) {
+      refused_.push_back(error.what());
+      return "";
+    }
+    std::error_code error;
+    const auto path = [&](const std::string& of) { return std::filesystem::weakly_canonical(of, error); };
+    const std::string shown = path(file).lexically_relative(path(folder_)).string();
+    outside_ = outside_ || shown.empty() || shown.starts_with("..");
+    return shown.empty() ? path(file).string() : shown;
+  }
+  const std::string& folder() const { return folder_; }
+  const std::vector<std::string>& refused() const { return refused_; }
+  bool outside() const { return outside_; }
+
+ private:
+  static std::string folder_of(const std::string& file) {
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    return folder.empty() ? "." : folder;
+  }
+
+  std::string robots_, folder_;
+  std::vector<std::string> refused_;
+  bool outside_ = false;
+};
+
 }  // namespace
 
 int import_command(const Arguments& args) {
   namespace fs = std::filesystem;
   const std::string file = args.scene == "-" ? "standard input" : args.scene;
-  const ImportedRobot robot = read_urdf(text_of_robot(args.scene), file, args.floating);
+  MeshFinder meshes(args);
+  const ImportedRobot robot = read_urdf(text_of_robot(args.scene), file, args.floating,
+                                        [&](const std::string& name) { return meshes.find(name); });
   const std::string text = write_json(robot.scene);
-  build_mechanism(scene_from_text(text, file + ", as a scene"), builtin_registry());
+  build_mechanism(
+      scene_from_text(text,
+                      (fs::path(meshes.folder()) / (fs::path(file).filename().string() + ", as a scene")).string()),
+      builtin_registry());
   for (const std::string& what : robot.left_out) fmt::print(stderr, "lockstep: left out: {}\n", what);
+  for (const std::string& why : meshes.refused()) fmt::print(stderr, "lockstep: left out: {}\n", why);
+  if (meshes.outside())
+    fmt::print(stderr,
+               "lockstep: meshes lie outside of the scene's folder: run it with --allow-files, or write it beside the "
+               "robot (--out)\n");
   if (args.out.empty()) {
     fmt::print("{}", text);
     return kExitOk;

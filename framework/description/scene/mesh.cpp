@@ -1,0 +1,232 @@
+// Meshes: STL, binary and as text, and OBJ.
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <unordered_map>
+
+#include <lockstep/error.h>
+#include <lockstep/solid.h>
+#include <lockstep/text.h>
+#include "framework/description/scene/mesh_words.h"
+
+namespace lockstep {
+namespace {
+
+constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
+constexpr std::size_t kMostTriangles = 1'000'000;
+constexpr std::size_t kStlHead = 84, kStlTriangle = 50;  // bytes
+
+using Corner = std::array<float, 3>;
+
+std::string too_many_triangles() {
+  return "it has more than " + std::to_string(kMostTriangles) +
+         " triangles; make it coarser (a tool that makes meshes "
+         "simpler: MeshLab, Blender)";
+}
+
+struct HashOfCorner {
+  std::size_t operator()(const Corner& c) const {
+    std::size_t h = 0;
+    for (const float x : c) h = (h ^ std::bit_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15ULL, h ^= h >> 29;
+    return h;
+  }
+};
+
+// Triangles by their corners, each of which is kept once.
+class Gatherer {
+ public:
+  std::uint32_t number(Corner c) {
+    for (float& x : c) x += 0.0F;  // no -0
+    const auto [at, added] = numbers_.try_emplace(c, static_cast<std::uint32_t>(mesh_.points.size()));
+    if (added) mesh_.points.push_back(c);
+    return at->second;
+  }
+  // One without an area is left out.
+  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (a != b && b != c && c != a) mesh_.triangles.push_back({a, b, c});
+  }
+  std::size_t n_triangles() const { return mesh_.triangles.size(); }
+  TriangleMesh take() { return std::move(mesh_); }
+
+ private:
+  TriangleMesh mesh_;
+  std::unordered_map<Corner, std::uint32_t, HashOfCorner> numbers_;
+};
+
+// Words as the formats have them: STL's in either case.
+bool same_word(std::string_view word, std::string_view expected) {
+  return std::ranges::equal(word, expected, [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  });
+}
+
+//   facet normal nx ny nz / outer loop / vertex x y z (three times) / endloop / endfacet
+TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
+  MeshWords in(file, text, 0);
+  Gatherer mesh;
+  bool in_solid = false;
+  const auto expect = [&](std::initializer_list<std::string_view> words) {
+    std::string all;
+    for (const std::string_view word : words) all += (all.empty() ? "" : " ") + std::string(word);
+    if (!in.next()) in.refuse("the file ends where \"" + all + "\" should stand");
+    std::size_t k = 0;
+    for (const std::string_view word : words)
+      if (k >= in.words().size() || !same_word(in.words()[k++], word)) in.refuse("\"" + all + "\" should stand here");
+  };
+  while (in.next()) {
+    const std::string_view word = in.words().front();
+    if (same_word(word, "solid") && !in_solid) {
+      in_solid = true;
+    } else if (same_word(word, "endsolid") && in_solid) {
+      in_solid = false;
+    } else if (same_word(word, "facet") && in_solid) {
+      if (mesh.n_triangles() == kMostTriangles) in.refuse(too_many_triangles());
+      expect({"outer", "loop"});
+      std::array<std::uint32_t, 3> corners{};
+      for (std::uint32_t& corner : corners) {
+        expect({"vertex"});
+        if (in.words().size() != 4) in.refuse("a vertex has three numbers");
+        corner = mesh.number({in.number(1), in.number(2), in.number(3)});
+      }
+      expect({"endloop"}), expect({"endfacet"});
+      mesh.add(corners[0], corners[1], corners[2]);
+    } else {
+      in.refuse("\"" + std::string(word.substr(0, 40)) + "\" should be " +
+                (in_solid ? "\"facet\" or \"endsolid\"" : "\"solid\""));
+    }
+  }
+  if (in_solid) in.refuse("the file ends before \"endsolid\": it was cut off");
+  return mesh.take();
+}
+
+// 80 bytes of any text, the number of triangles, and of each its normal, three corners and two bytes; little endian.
+TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes) {
+  static_assert(std::endian::native == std::endian::little);
+  if (bytes.size() < kStlHead)
+    throw FileError(file + ": it has " + std::to_string(bytes.size()) + " bytes; a binary STL has at least " +
+                    std::to_string(kStlHead) + ", and one as text begins with \"solid\"");
+  std::uint32_t n = 0;
+  std::memcpy(&n, bytes.data() + kStlHead - 4, 4);
+  const std::size_t needed = kStlHead + kStlTriangle * std::size_t{n};
+  if (needed != bytes.size())
+    throw FileError(file + ": it says that it has " + std::to_string(n) + " triangles, which are " +
+                    std::to_string(needed) + " bytes, and has " + std::to_string(bytes.size()) +
+                    "; it was cut off or is no STL");
+  if (n > kMostTriangles) throw FileError(file + ": " + too_many_triangles());
+  Gatherer mesh;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    std::array<Corner, 3> corners;
+    std::memcpy(corners.data(), bytes.data() + kStlHead + kStlTriangle * k + 12, sizeof corners);
+    std::array<std::uint32_t, 3> numbers{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!std::ranges::all_of(corners[c], [](float x) { return std::isfinite(x); }))
+        throw FileError(file + ": triangle " + std::to_string(k + 1) + " of " + std::to_string(n) +
+                        " has a corner that is no number");
+      numbers[c] = mesh.number(corners[c]);
+    }
+    mesh.add(numbers[0], numbers[1], numbers[2]);
+  }
+  return mesh.take();
+}
+
+// Some programs begin binary files with "solid", too: the size tells.
+TriangleMesh read_stl(const std::string& file, std::string_view bytes) {
+  std::uint32_t n = 0;
+  if (bytes.size() >= kStlHead) std::memcpy(&n, bytes.data() + kStlHead - 4, 4);
+  const bool sized = bytes.size() >= kStlHead && bytes.size() == kStlHead + kStlTriangle * std::size_t{n};
+  const std::string_view shown = text::trimmed(bytes.substr(0, 200), " \t\r\n");
+  const bool is_text = shown.size() >= 5 && same_word(shown.substr(0, 5), "solid") &&
+                       bytes.substr(0, 2000).find('\0') == std::string_view::npos;
+  return is_text && !sized ? read_stl_text(file, bytes) : read_stl_binary(file, bytes);
+}
+
+// Number of a corner "7", "7/2", "7//3" or "-1": from 1, or from the last point backwards.
+std::uint32_t corner_of(const MeshWords& in, std::string_view word, std::size_t n_points) {
+  long k = 0;
+  const std::string_view digits = word.substr(0, word.find('/'));
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), k);
+  const auto n = static_cast<long>(n_points);
+  if (error != std::errc{} || end != digits.data() + digits.size() || k == 0 || k > n || k < -n)
+    in.refuse("the corner \"" + std::string(word.substr(0, 40)) + "\" is none of the " + std::to_string(n) +
+              " points before it");
+  return static_cast<std::uint32_t>(k > 0 ? k - 1 : n + k);
+}
+
+// Points "v x y z" and polygons "f a b c ..."; normals, textures, groups and materials are read over.
+TriangleMesh read_obj(const std::string& file, std::string_view text) {
+  static constexpr std::array<std::string_view, 13> kReadOver{"vn", "vt", "vp",     "g",      "o",      "s",  "l",
+                                                              "p",  "mg", "usemtl", "mtllib", "usemap", "lod"};
+  MeshWords in(file, text, '#');
+  Gatherer mesh;
+  std::vector<std::uint32_t> points;  // of the file, as numbers of the mesh
+  while (in.next()) {
+    const std::vector<std::string_view>& words = in.words();
+    if (words[0] == "v") {
+      if (words.size() < 4) in.refuse("a point has three numbers");
+      points.push_back(mesh.number({in.number(1), in.number(2), in.number(3)}));
+    } else if (words[0] == "f") {
+      if (words.size() < 4) in.refuse("a polygon has at least three corners");
+      const std::uint32_t first = points[corner_of(in, words[1], points.size())];
+      std::uint32_t last = points[corner_of(in, words[2], points.size())];
+      for (std::size_t k = 3; k < words.size(); ++k) {
+        if (mesh.n_triangles() == kMostTriangles) in.refuse(too_many_triangles());
+        const std::uint32_t next = points[corner_of(in, words[k], points.size())];
+        mesh.add(first, last, next);
+        last = next;
+      }
+    } else if (std::ranges::find(kReadOver, words[0]) == kReadOver.end()) {
+      in.refuse("\"" + std::string(words[0].substr(0, 40)) +
+                "\" is no line of an OBJ of polygons: points \"v\" and polygons \"f\" are read");
+    }
+  }
+  return mesh.take();
+}
+
+std::string bytes_of_mesh(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw FileError(file + ": " + (std::filesystem::exists(file, error) ? "it is no file" : "there is no such file") +
+                    "; check the path, relative ones start at the scene's folder");
+  if (std::filesystem::file_size(file, error) > kMostMeshBytes && !error)
+    throw FileError(file + ": it is larger than 64 MB; make the mesh coarser (MeshLab, Blender)");
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (!in || in.bad()) throw FileError(file + ": it cannot be read; check its rights");
+  return bytes;
+}
+
+// Points that no triangle has make the picture larger than the body.
+TriangleMesh without_loose_points(TriangleMesh mesh) {
+  constexpr std::uint32_t kLoose = 0xffffffff;
+  std::vector<std::uint32_t> number(mesh.points.size(), kLoose);
+  std::vector<std::array<float, 3>> points;
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& corner : triangle) {
+      if (number[corner] == kLoose) {
+        number[corner] = static_cast<std::uint32_t>(points.size());
+        points.push_back(mesh.points[corner]);
+      }
+      corner = number[corner];
+    }
+  mesh.points = std::move(points);
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh read_mesh(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (!same_word(ending, ".stl") && !same_word(ending, ".obj"))
+    throw FileError(file + ": \"" + ending + "\" is no mesh that is read; save it as .stl or .obj");
+  const std::string bytes = bytes_of_mesh(file);
+  TriangleMesh mesh = same_word(ending, ".stl") ? read_stl(file, bytes) : read_obj(file, bytes);
+  if (mesh.triangles.empty()) throw FileError(file + ": it has no triangle with an area");
+  return without_loose_points(std::move(mesh));
+}
+
+}  // namespace lockstep
