@@ -201,6 +201,36 @@ async function checkHands(browser) {
   );
   for (const key of ['1', '2', '3', '4', 'f', 'n', 'n', 'l']) await page.key(key);
 
+  // The view by keys: from the front an eighth of a right angle about "up", then the same upwards; nearer; to the side.
+  const VIEW =
+    '(() => { const { views } = globalThis.lockstepReport.stage; return { arm: views.camera.position.clone().sub(views.controls.target).toArray(), target: views.controls.target.toArray(), scale: views.metresPerPixel(100) }; })()';
+  const angle = (a, b) =>
+    Math.acos(a.reduce((sum, c, k) => sum + c * b[k], 0) / (Math.hypot(...a) * Math.hypot(...b)));
+  await page.key('2');
+  const front = await page.evaluate(VIEW);
+  await page.key('d');
+  const turned = await page.evaluate(VIEW);
+  check(Math.abs(angle(front.arm, turned.arm) - Math.PI / 16) < 1e-6, `D turns by ${angle(front.arm, turned.arm)}`);
+  await page.key('w');
+  const raised = await page.evaluate(VIEW);
+  check(
+    Math.abs(angle(turned.arm, raised.arm) - Math.PI / 16) < 1e-6 && raised.arm[1] > turned.arm[1],
+    `W raises the view by ${angle(turned.arm, raised.arm)}`,
+  );
+  await page.key('s');
+  await page.key('a');
+  check(angle(front.arm, (await page.evaluate(VIEW)).arm) < 1e-6, 'S and A lead back');
+  await page.key('+');
+  const near = await page.evaluate(VIEW);
+  check(Math.abs(front.scale / near.scale - 1.2) < 1e-6, `plus makes things ${front.scale / near.scale} times larger`);
+  await page.key('-');
+  await page.key('D');
+  const aside = await page.evaluate(VIEW);
+  check(
+    Math.abs(aside.target[0] - front.target[0] - 0.1 * 100 * front.scale) < 1e-6,
+    `shift and D move the view by ${aside.target[0] - front.target[0]}`,
+  );
+
   // Every control is reached and pressed by keys alone.
   const names = await page.evaluate(
     "[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent !== null && !e.disabled && e.tabIndex >= 0).map((e) => [e.tagName, (e.getAttribute('aria-label') || e.textContent).trim()])",
@@ -213,6 +243,8 @@ async function checkHands(browser) {
     (await page.evaluate("document.querySelector('#scene').textContent")).includes('"crank"'),
     'the scene is shown as it was written',
   );
+  const made = await page.evaluate("document.querySelector('#run').textContent");
+  check(/lockstep[\d.]+on.*processor/.test(made), `the page names the machine: ${made.slice(-200)}`);
   checkQuiet(page, 'four_bar by hand');
   await page.close();
 }
@@ -356,6 +388,326 @@ async function checkSweep(browser) {
   await page.close();
 }
 
+// Corners of the triangles of a body's meshes, in the world.
+const MESHES = `(() => {
+  const { world } = globalThis.lockstepReport;
+  const found = [];
+  world.bodies.groups[1].traverse((o) => {
+    if (!o.isMesh || !o.geometry.index || o.geometry.type !== 'BufferGeometry') return;
+    const at = o.geometry.getAttribute('position'), e = o.matrixWorld.elements, points = [];
+    for (const i of o.geometry.index.array) {
+      const p = [at.getX(i), at.getY(i), at.getZ(i)];
+      points.push([0, 1, 2].map((k) => e[k] * p[0] + e[4 + k] * p[1] + e[8 + k] * p[2] + e[12 + k]));
+    }
+    found.push({ points, color: '#' + o.material.color.getHexString(), opacity: o.material.opacity });
+  });
+  return found;
+})()`;
+
+// Six times the volume that triangles enclose.
+function sixVolumes(points) {
+  let sum = 0;
+  for (let i = 0; i < points.length; i += 3) {
+    const [a, b, c] = points.slice(i, i + 3);
+    sum +=
+      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  return sum;
+}
+
+// Meshes and further shapes of bodies: a unit cube, scaled, placed and seen.
+async function checkVisual(browser) {
+  const cube = ['v 0 0 0', 'v 0 0 1', 'v 0 1 0', 'v 0 1 1', 'v 1 0 0', 'v 1 0 1', 'v 1 1 0', 'v 1 1 1'];
+  const faces = ['f 1 2 4 3', 'f 5 7 8 6', 'f 1 5 6 2', 'f 3 4 8 7', 'f 1 3 7 5', 'f 2 6 8 4'];
+  writeFileSync(join(folder, 'cube.obj'), [...cube, ...faces, ''].join('\n'));
+  const { url } = runScene('visual', {
+    lockstep: 1,
+    title: 'a cube as a mesh',
+    gravity: [0, 0, 0],
+    bodies: [
+      {
+        name: 'carrier',
+        sphere: { mass: 1, radius: 0.3 },
+        position: [1, 2, 3],
+        omega_body: [0, 0, 1],
+        visual: {
+          color: '#cc5500',
+          opacity: 0.5,
+          own_shape: false,
+          shapes: [
+            { mesh: 'cube.obj', scale: 0.5, at: [0.1, 0, 0], orientation: { axis: 'x', angle: '90 deg' } },
+            { cylinder: { radius: 0.1, length: 1 } },
+          ],
+        },
+      },
+    ],
+    run: { until: 1, output: 0.1 },
+  });
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  const found = await page.evaluate(MESHES);
+  check(found.length === 1, `a body with one mesh has ${found.length}`);
+  const { points, color, opacity } = found[0];
+  check(points.length === 36, `a cube of six quadrangles has ${points.length / 3} triangles`);
+  // Volume by the theorem of Gauss; the cube reaches from (1.1, 2 - 0.5, 3) on.
+  check(Math.abs(sixVolumes(points) / 6 - 0.125) < 1e-5, `the mesh has the volume ${sixVolumes(points) / 6}`);
+  const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k]))),
+    expected = [1.1, 1.5, 3];
+  check(
+    low.every((v, k) => Math.abs(v - expected[k]) < 1e-5),
+    `the mesh begins at ${low}`,
+  );
+  check(color === '#cc5500' && opacity === 0.5, `the mesh has the colour ${color} and the opacity ${opacity}`);
+  const spheres = await page.evaluate(
+    "(() => { let n = 0; globalThis.lockstepReport.world.bodies.groups[1].traverse((o) => { if (o.geometry?.type === 'SphereGeometry' && o.geometry.parameters.radius > 0.2 && o.material.color.getHexString() === 'cc5500') ++n; }); return n; })()",
+  );
+  check(spheres === 0, 'the own shape of the body is not drawn where the scene says so');
+  await checkPixels(page, 'a mesh');
+  checkQuiet(page, 'a mesh');
+  await page.close();
+}
+
+// Signs at links: which are seen at a time.
+const SIGNS = (t) => `(() => {
+  const r = globalThis.lockstepReport;
+  r.clock.pause();
+  r.clock.seek(${t});
+  const seen = (sprites) => sprites.some((s) => s.visible);
+  return Object.fromEntries(r.data.mechanism.links.map((link, i) => [link.name, { warning: seen(r.world.badges.links[i].warnings), cross: seen(r.world.badges.links[i].crosses) }]));
+})()`;
+
+// A joint that is cut at 0.1 s, of a loop whose rows in space are more than it needs.
+async function checkMarks(browser) {
+  const scene = JSON.parse(readFileSync(join(scenes, 'four_bar.json'), 'utf8'));
+  delete scene.run.record;
+  delete scene.run.draw;
+  scene.planar = 'off';
+  scene.run.until = 0.2;
+  const cut = scene.links.at(-1).name;
+  scene.events = [{ name: 'cut', at: 0.1, deactivate: [cut] }];
+  const { url } = runScene('marks', scene);
+  const said = JSON.parse(
+    execFileSync(lockstep, ['check', join(folder, 'marks.json'), '--json'], { cwd: folder, encoding: 'utf8' }),
+  );
+  const redundant = new Set(said.rows_not_unique.map((row) => row.split('.')[0]));
+  check(redundant.size > 1, 'a four-bar in space has reactions that are not unique');
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  const before = await page.evaluate(SIGNS(0.09)),
+    after = await page.evaluate(SIGNS(0.11));
+  for (const [name, signs] of Object.entries(before)) {
+    check(signs.warning === redundant.has(name), `link ${name}: the sign of redundant rows is ${signs.warning}`);
+    check(!signs.cross, `link ${name} is not broken before it is cut`);
+  }
+  for (const [name, signs] of Object.entries(after))
+    check(signs.cross === (name === cut), `link ${name}: the cross after the cut is ${signs.cross}`);
+  const words = await page.evaluate("document.querySelector('#run .remarks').textContent");
+  check(words.includes(`${cut}switched off at 0.1 s, by event 'cut'`), `the run tells of the cut: ${words}`);
+  for (const name of redundant) check(words.includes(`${name}not unique`), `the run tells of ${name}: ${words}`);
+  await page.evaluate("globalThis.lockstepReport.select(globalThis.lockstepReport.data.mechanism.bodies.findIndex((b) => b.name === 'rocker'))");
+  const panel = await page.evaluate("document.querySelector('#body').textContent");
+  check(panel.includes('switched off at 0.1 s') && panel.includes('not unique'), `the body tells of both: ${panel}`);
+  checkQuiet(page, 'marks');
+  await page.close();
+}
+
+// A run of a sweep, opened from its point: its columns and its motion, against its own CSV.
+async function checkHistories(browser) {
+  const csv = join(folder, 'kept.csv'),
+    html = join(folder, 'kept.html'),
+    kept = join(folder, 'kept');
+  execFileSync(
+    lockstep,
+    [
+      'sweep',
+      join(scenes, 'rod_pendulum.json'),
+      ...['--vary', 'bodies.rod.rod.to.0=0.5:1.5:3', '--until', '0.5', '--record', csv, '--report', html],
+      ...['--histories', kept, '--quiet'],
+    ],
+    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  );
+  const page = await browser.page();
+  await page.open(pathToFileURL(html).href);
+  await page.settle();
+  await page.evaluate(
+    "(() => { const e = document.getElementById('points-y'); e.value = '3'; e.dispatchEvent(new Event('change')); })()",
+  );
+  await page.settle();
+  const [x, y] = await page.evaluate(
+    '(() => { const p = globalThis.lockstepReport.points, b = p.scatter.plot.over.getBoundingClientRect(), [x, y] = p.scatter.placeOf(1); return [b.x + x, b.y + y]; })()',
+  );
+  const loaded = new Promise((done) => {
+    page.loaded = done;
+  });
+  await page.click(x, y).catch(() => {}); // the page is left meanwhile
+  await loaded;
+  await page.settle();
+  const heading = await page.evaluate("document.querySelector('h1').textContent");
+  check(heading.endsWith('run 2'), `a click on the second point opens ${heading}`);
+  const { names, rows } = readCsv(join(kept, '2.csv'));
+  const columns = await page.evaluate(
+    'globalThis.lockstepReport.data.table.columns.map((c) => [c.name, Array.from(c.values)])',
+  );
+  check(columns.length === names.length, `run 2 has ${columns.length} columns of ${names.length}`);
+  let worst = 0;
+  for (const [k, [name, values]] of columns.entries()) {
+    check(name === names[k] && values.length === rows.length, `column ${name} of run 2 has ${values.length} rows`);
+    rows.forEach((row, i) => {
+      worst = Math.max(worst, Math.abs(row[k] - values[i]) / Math.max(1, Math.abs(row[k])));
+    });
+  }
+  check(worst < TOLERANCE, `the columns of run 2 differ from its CSV by ${worst}`);
+  // The rod of this run is as long as its variable says: its middle keeps half of that from the hinge at the origin.
+  const length = Number(readFileSync(csv, 'utf8').trim().split('\n')[2].split(',')[1]);
+  for (const t of [0, 0.25, 0.5]) {
+    const places = await page.evaluate(PLACES(t));
+    const distance = Math.hypot(...places.rod);
+    check(Math.abs(distance - length / 2) < 1e-5, `the rod of run 2 swings at ${distance}, half of ${length}`);
+  }
+  check((await page.evaluate("document.querySelectorAll('.uplot').length")) > 0, 'the curves of the run are drawn');
+  const again = new Promise((done) => {
+    page.loaded = done;
+  });
+  await page.evaluate("document.querySelector('#back_to_runs').click()").catch(() => {});
+  await again;
+  await page.settle();
+  check(
+    (await page.evaluate("document.querySelector('#points-y').value")) === '3',
+    'coming back from a run, the axes are those that were chosen',
+  );
+  const links = await page.evaluate("[...document.querySelectorAll('.points-table a')].map((a) => a.getAttribute('href'))");
+  check(links.join() === '#run=1,#run=2,#run=3', `the table leads to the runs: ${links}`);
+  const poor = await page.evaluate(CONTRAST);
+  check(poor.length === 0, `the page of histories has too little contrast in ${poor.join('; ')}`);
+  checkQuiet(page, 'histories');
+  await page.close();
+}
+
+// Modes in the page against those that the program prints: places of bodies at phases of a mode, and its frequency.
+async function checkModes(browser) {
+  const masses = [1, 2, 3].map((i) => ({ name: `m${i}`, particle: i, position: [i, 0, 0] }));
+  const file = join(folder, 'masses.json'),
+    html = join(folder, 'modes.html');
+  writeFileSync(
+    file,
+    JSON.stringify({
+      lockstep: 1,
+      title: 'three masses on springs and one damper',
+      gravity: [0, 0, 0],
+      bodies: masses,
+      links: masses.map(({ name, position }, i) => ({
+        ...{ name: `guide_${i + 1}`, type: 'lock', mask: 'y z', p: name, s: 'ground', at: position },
+      })),
+      forces: [
+        { name: 'k1', type: 'spring_damper', p: 'm1', s: 'ground', at_p: [1, 0, 0], at_s: [0, 0, 0], stiffness: 100, free_length: 1 },
+        { name: 'k2', type: 'spring_damper', p: 'm2', s: 'm1', at_p: [2, 0, 0], at_s: [1, 0, 0], stiffness: 80, free_length: 1, damping: 3 },
+        { name: 'k3', type: 'spring_damper', p: 'm3', s: 'm2', at_p: [3, 0, 0], at_s: [2, 0, 0], stiffness: 60, free_length: 1 },
+      ],
+      run: { until: 1, output: 0.1 },
+    }),
+  );
+  const said = JSON.parse(
+    execFileSync(lockstep, ['modes', file, '--report', html, '--json'], { cwd: folder, encoding: 'utf8' }),
+  );
+  const page = await browser.page();
+  await page.open(pathToFileURL(html).href);
+  await page.settle();
+  check(said.modes.length === 3, `three masses on a line have ${said.modes.length} modes`);
+  const complex = said.modes.some((m) => m.shape.some((s) => Math.abs(s.move[0][1]) > 1e-3));
+  check(complex, 'one damper makes the modes complex');
+  for (const [k, mode] of said.modes.entries()) {
+    await page.evaluate(`(() => { const e = document.getElementById('mode'); e.value = '${k}'; e.dispatchEvent(new Event('change')); })()`);
+    const name = await page.evaluate("document.querySelector('#mode').selectedOptions[0].textContent");
+    check(Math.abs(Number(/: (.*) Hz/.exec(name)[1]) - mode.frequency) < 1e-3, `mode ${k + 1} is called ${name}`);
+    for (const eighth of [0, 1, 2, 3, 5]) {
+      const places = await page.evaluate(PLACES(eighth / 4));
+      const a = await page.evaluate('globalThis.lockstepReport.amplitude');
+      const phase = (eighth * Math.PI) / 4;
+      for (const { body, move } of mode.shape) {
+        const x = Number(body.slice(1)) + a * (move[0][0] * Math.cos(phase) - move[0][1] * Math.sin(phase));
+        check(
+          Math.abs(places[body][0] - x) < 1e-5,
+          `mode ${k + 1}, ${body} at ${eighth}/8 of a swing: ${places[body][0]}, not ${x}`,
+        );
+      }
+    }
+  }
+  const before = (await page.evaluate(PLACES(0))).m3[0];
+  await page.evaluate(
+    "(() => { const e = document.getElementById('amplitude'); e.value = '-1.3'; e.dispatchEvent(new Event('input')); })()",
+  );
+  const after = (await page.evaluate(PLACES(0))).m3[0];
+  const ratio = (after - 3) / (before - 3);
+  check(Math.abs(ratio - 10 ** -1.3 / 0.2) < 1e-3, `the slider changes the amplitude by ${ratio}`);
+  check(
+    (await page.evaluate("document.querySelectorAll('.modes-table tbody tr').length")) === 3,
+    'the table has a row a mode',
+  );
+  await page.evaluate("document.querySelectorAll('.modes-table button')[1].focus()");
+  await page.key('Enter');
+  check((await page.evaluate("document.querySelector('#mode').value")) === '1', 'a key in the table chooses a mode');
+  const poor = await page.evaluate(CONTRAST);
+  check(poor.length === 0, `the page of modes has too little contrast in ${poor.join('; ')}`);
+  checkQuiet(page, 'modes');
+  await page.close();
+}
+
+// Between coarse rows curves go by the rates: a point on a circle, sampled once a radian, stays on it.
+async function checkCurves(browser) {
+  const { url } = runScene('circle', {
+    lockstep: 1,
+    title: 'a crank that turns one radian a row',
+    bodies: [{ name: 'crank', rod: { mass: 1, from: [0, 0, 0], to: [2, 0, 0] } }],
+    links: [
+      {
+        ...{ name: 'A', type: 'revolute', p: 'crank', s: 'ground', at: [0, 0, 0] },
+        drive: { axis: 'rz', law: { type: 'ramp', slope: 10 } },
+      },
+    ],
+    run: { until: 1, output: 0.1, record: ['crank.x', 'crank.y'] },
+  });
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  await page.evaluate("document.querySelector('#against').parentElement.open = true");
+  await page.settle();
+  await page.settle();
+  for (const t of [0.05, 0.13, 0.47, 0.86]) {
+    const [x, y] = await page.evaluate(`(() => {
+      const { clock, against } = globalThis.lockstepReport;
+      clock.pause();
+      clock.seek(${t});
+      const [, x, y] = /translate\\((.*)px, (.*)px\\)/.exec(against.dot.style.transform).map(Number);
+      return [against.plot.posToVal(x, 'x'), against.plot.posToVal(y, 'y')];
+    })()`);
+    check(
+      Math.hypot(x - Math.cos(10 * t), y - Math.sin(10 * t)) < 0.004,
+      `at ${t} s the dot is at ${[x, y]}, not at ${[Math.cos(10 * t), Math.sin(10 * t)]}`,
+    );
+  }
+  // The curve itself has its points where the circle is: a dark pixel within a line's width of it, between two rows.
+  const drawn = await page.evaluate(`(() => {
+    const { plot } = globalThis.lockstepReport.against, hits = [];
+    const copy = document.createElement('canvas');
+    copy.width = plot.ctx.canvas.width; copy.height = plot.ctx.canvas.height;
+    const ctx = copy.getContext('2d', { willReadFrequently: true });
+    ctx.drawImage(plot.ctx.canvas, 0, 0);
+    for (const t of [0.05, 0.15, 0.25, 0.35, 0.45]) {
+      const x = Math.round(plot.valToPos(Math.cos(10 * t), 'x', true)), y = Math.round(plot.valToPos(Math.sin(10 * t), 'y', true));
+      const { data } = ctx.getImageData(x - 2, y - 2, 5, 5);
+      let found = false;
+      for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 128 && data[i + 2] > 100 && data[i] < 60) found = true;
+      hits.push(found);
+    }
+    return hits;
+  })()`);
+  check(drawn.every((hit) => hit), `between the rows the curve is drawn on the circle: ${drawn}`);
+  checkQuiet(page, 'curves');
+  await page.close();
+}
+
 const browser = new Chromium(chromium);
 try {
   for (const name of SCENES) {
@@ -372,6 +724,11 @@ try {
   await checkHostile(browser);
   await checkContrast(browser);
   await checkSweep(browser);
+  await checkCurves(browser);
+  await checkVisual(browser);
+  await checkMarks(browser);
+  await checkHistories(browser);
+  await checkModes(browser);
 } finally {
   await browser.close();
 }

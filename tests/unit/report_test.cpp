@@ -1,6 +1,7 @@
 // Reports: what the page holds, against the run itself.
 #include <lockstep/report.h>
 
+#include <complex>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,9 +15,12 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>
+#include "framework/tools/report/histories.h"
+#include "framework/tools/report/modes_page.h"
 #include "framework/tools/report/numbers.h"
 #include "framework/tools/report/page.h"
 #include "framework/tools/report/points.h"
+#include "framework/tools/sweep/watched_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -64,6 +68,8 @@ std::vector<double> array_of(const std::vector<unsigned char>& bytes, const Json
 }
 
 std::vector<double> read(const std::vector<unsigned char>& bytes, const Json& place) {
+  if (place.value("whole", false))
+    return place["bits"] == 16 ? array_of<std::uint16_t>(bytes, place) : array_of<std::uint32_t>(bytes, place);
   return place["bits"] == 64 ? array_of<double>(bytes, place) : array_of<float>(bytes, place);
 }
 
@@ -339,6 +345,148 @@ TEST_CASE("a scene says what its bodies look like", "[report]") {
                                                         {R"({"colour": "#000000"})", "color"}})
     check_words(message_of<SceneError>([&] { build_mechanism(scene_with(visual), registry); }),
                 {"body 'ball', visual", word});
+}
+
+// A wavy sheet of n x n points.
+std::shared_ptr<const TriangleMesh> sheet(std::uint32_t n) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t k = 0; k < n; ++k)
+      mesh->points.push_back({-3.0F + 0.01F * static_cast<float>(i), 0.02F * static_cast<float>(k),
+                              std::sin(0.1F * static_cast<float>(i + k))});
+  for (std::uint32_t i = 0; i + 1 < n; ++i)
+    for (std::uint32_t k = 0; k + 1 < n; ++k) mesh->triangles.push_back({i * n + k, (i + 1) * n + k, i * n + k + 1});
+  return mesh;
+}
+
+TEST_CASE("a mesh stands in the page once, with 16 bits a coordinate", "[report]") {
+  for (const std::uint32_t n : {40U, 300U}) {  // 1600 points, and more than 16 bits count
+    const std::shared_ptr<const TriangleMesh> mesh = sheet(n);
+    Pendulum p;
+    Simulation run(p.system, {.output = 0.1});
+    run.record({"rod.x"});
+    const Solid solid{"rod", Solid::Kind::mesh, {2, 2, 2}, {Vec3(0, 0, 1), Quat{}}, mesh};
+    Solid equal = solid;
+    equal.mesh = sheet(n), equal.size = {1, 1, 1};
+    Report report(run.recorder(), {solid, equal, {"rod", Solid::Kind::mesh, {1, 1, 1}}});  // the last has no mesh
+    run.add_observer(report);
+    run.run_until(0.1);
+    const Page page(report.page());
+    const Json& solids = page.data["mechanism"]["bodies"][1]["solids"];
+    REQUIRE(solids.size() == 2);
+    CHECK(solids[0]["kind"] == "mesh");
+    CHECK(solids[0]["mesh"] == 0);
+    CHECK(solids[1]["mesh"] == 0);
+    CHECK(solids[0]["size"] == Json::array({2, 2, 2}));
+    REQUIRE(page.data["meshes"].size() == 1);
+    const Json& kept = page.data["meshes"][0];
+    const std::vector<double> points = read(page.bytes, kept["points"]), corners = read(page.bytes, kept["triangles"]);
+    CHECK(kept["triangles"]["bits"] == (n == 40 ? 16 : 32));
+    REQUIRE(points.size() == 3 * mesh->points.size());
+    REQUIRE(corners.size() == 3 * mesh->triangles.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double low = kept["low"][i % 3], size = kept["size"][i % 3];
+      const double shown = low + size * points[i] / 65535, given = mesh->points[i / 3][i % 3];
+      if (std::abs(shown - given) > 0.51 * size / 65535) FAIL(i << ": " << shown << " for " << given);
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (corners[i] != mesh->triangles[i / 3][i % 3]) FAIL("corner " << i);
+  }
+}
+
+TEST_CASE("links of a report are marked by name", "[report]") {
+  Pendulum p;
+  Simulation run(p.system, {.output = 0.1});
+  run.record({"rod.x"});
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(0.1);
+  const Page page(report.page({.marked = {{"A", "it is </script> redundant"}}}));
+  CHECK(page.data["text"]["marked"] == Json::array({Json::array({"A", "it is </script> redundant"})}));
+}
+
+const char* const kSwinging = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+  "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+  "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
+  "run": {"until": 0.5, "output": 0.005, "integrator": "dop853", "tolerance": 1e-9, "record": ["rod.x", "rod.y"]}})";
+
+TEST_CASE("a page of many runs keeps their histories and their motion", "[report]") {
+  const Scene scene = scene_from_text(kSwinging, "swinging.json");
+  const Registry registry = builtin_registry();
+  const Table columns = recorded_columns(scene, registry);
+  report::Histories kept(3);
+  std::vector<Table> tables(3);
+  for (const long run : {3L, 1L}) {
+    CHECK(kept.keeps(run));
+    const std::unique_ptr<report::Watcher> seen = kept.watcher();
+    const SweepRun done =
+        watched_run(scene, registry, columns, {}, &tables[static_cast<std::size_t>(run - 1)],
+                    {seen.get(), [&](const Mechanism& m, const Table& table) { kept.add(run, table, *seen, m); }});
+    CHECK(!done.failed);
+  }
+  CHECK(kept.n_kept() == 2);
+  CHECK(kept.left_out().empty());
+  const std::string text =
+      report::points_page({.csv = "run,x\n1,2\n2,3\n3,4\n", .x = "run", .y = "x", .histories = &kept});
+  const Json data = Json::parse(element(text, "data"))["histories"];
+  const std::vector<unsigned char> bytes = bytes_of(element(text, "numbers"));
+  REQUIRE(data["runs"].size() == 2);
+  CHECK(data["runs"][0]["run"] == 1);
+  CHECK(data["runs"][1]["run"] == 3);
+  CHECK(data["mechanisms"].size() == 1);  // the same one twice
+  for (const Json& run : data["runs"]) {
+    const Table& table = tables[run["run"].get<std::size_t>() - 1];
+    const std::vector<double> x = read(bytes, run["table"]["columns"][1]["values"]);
+    REQUIRE(x.size() == table.n_rows());
+    for (std::size_t k = 0; k < x.size(); ++k) CHECK(x[k] == Approx(table["rod.x"][k]).margin(1e-7));
+    const std::vector<double> rows = read(bytes, run["frames"]["rows"]);
+    CHECK(rows[0] == Approx(table["rod.x"][0]).margin(1e-7));
+    CHECK(rows[rows.size() - run["frames"]["width"].get<std::size_t>() + 1] ==
+          Approx(table["rod.y"].back()).margin(1e-7));
+  }
+}
+
+TEST_CASE("of very many runs a page keeps some, and of these some rows", "[report]") {
+  const Scene scene = scene_from_text(kSwinging, "swinging.json");
+  const Registry registry = builtin_registry();
+  const Table columns = recorded_columns(scene, registry);
+  report::Histories kept(100'000);
+  long n = 0;
+  for (long run = 1; run <= 100'000; ++run) n += kept.keeps(run) ? 1 : 0;
+  CHECK(n == 2000);
+  Table table = columns;
+  const std::unique_ptr<report::Watcher> seen = kept.watcher();
+  Scene fine = scene;
+  fine.run.output = 0.5 / 4000;
+  watched_run(fine, registry, columns, {}, &table,
+              {seen.get(), [&](const Mechanism& m, const Table& t) { kept.add(1, t, *seen, m); }});
+  CHECK(table.n_rows() == 4001);
+  const Json data = kept.json();
+  const auto rows = data["runs"][0]["table"]["columns"][0]["values"]["n"].get<std::size_t>();
+  const auto frames = data["runs"][0]["frames"]["n"].get<std::size_t>();
+  CHECK(rows * 3 <= 2000 + 6);  // 4 million over 2000 runs; the last row stays
+  CHECK(rows >= 30);
+  CHECK(frames >= 30);
+  CHECK(frames * data["runs"][0]["frames"]["width"].get<std::size_t>() <= 2000);
+  CHECK(kept.left_out().find("1 run in 50, 1 row in ") == 0);
+}
+
+TEST_CASE("a page of modes holds the shapes by body, about the origins of their slots", "[report]") {
+  const Scene scene = scene_from_text(kSwinging, "swinging.json");
+  Mechanism m = build_mechanism(scene, builtin_registry());
+  Dynamics dynamics(m.system, make_solver(m.run, builtin_registry()));
+  const State rest = m.system.start();
+  using Z = std::complex<double>;
+  const std::vector<report::ShownMode> modes{
+      {"1: 2 Hz", "undamped", 2, 0, {{Z(1, 2), Z(3), Z(0), Z(0), Z(0), Z(0.5, -1)}}}};
+  const Page page(report::modes_page({.title = "</title>"}, Sample(dynamics, rest, StepReport{}), m, modes, 0.25));
+  CHECK(page.data["kind"] == "modes");
+  CHECK(page.data["length"] == 0.25);
+  CHECK(page.data["modes"][0]["name"] == "1: 2 Hz");
+  CHECK(page.data["modes"][0]["shape"] == Json::parse("[[1, 3, 0, 0, 0, 0.5, 2, 0, 0, 0, 0, -1]]"));
+  CHECK(page.data["pivots"] == Json::parse("[[0.5, 0, 0]]"));  // the mass centre of the rod
+  CHECK(page.data["frames"]["n"] == 1);
+  CHECK(page.data["table"]["columns"].empty());
 }
 
 TEST_CASE("solids stand where the mass says", "[report]") {

@@ -22,6 +22,7 @@ struct ReportText {
   std::vector<std::string> warnings{};                          ///< of the run, as SimulationReport::warnings
   std::vector<std::vector<std::string>> panels{};               ///< columns drawn together; empty: one panel per unit
   std::vector<std::pair<std::string, std::string>> channels{};  ///< columns with names of their own: name, channel
+  std::vector<std::pair<std::string, std::string>> marked{};    ///< links that are marked: name, why
 };
 
 /// Watches a run and writes it as a report: one HTML file that shows the mechanism in motion, beside the columns that a

@@ -13,7 +13,9 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/linear_words.h"
+#include "framework/tools/program/run_report.h"
 #include "framework/tools/program/state_at.h"
+#include "framework/tools/report/modes_page.h"
 
 namespace lockstep {
 namespace {
@@ -161,6 +163,42 @@ void print_modes(const Modes& found) {
   if (!found.complete) fmt::print("  these are the lowest, not all (--count)\n");
 }
 
+// What a line of the list says: "3: 12.5 Hz", "1: rigid".
+std::string title_of(const Mode& mode, std::size_t number) {
+  if (mode.kind == Mode::Kind::oscillation) return fmt::format("{}: {:.5g} Hz", number, mode.frequency());
+  return fmt::format("{}: {}", number, word(mode.kind));
+}
+
+std::string sentence_of(const Mode& mode) {
+  if (mode.kind == Mode::Kind::rigid) return "nothing pulls back: " + stability_of(mode);
+  if (mode.kind != Mode::Kind::oscillation)
+    return fmt::format("{}: does not swing, goes with exp({:.6g} 1/s t)", stability_of(mode), mode.value.real());
+  return fmt::format("{}, {:.6g} rad/s{}", stability_of(mode), mode.omega(),
+                     mode.is_marginal() ? "" : fmt::format(", damping ratio {:.4g}", mode.damping()));
+}
+
+report::ShownMode shown(const Mode& mode, std::size_t number) {
+  report::ShownMode out{title_of(mode, number), sentence_of(mode)};
+  if (mode.kind == Mode::Kind::oscillation) out.frequency = mode.frequency(), out.damping = mode.damping();
+  for (const BodyShape& of : mode.shape)
+    out.shape.push_back({of.move[0], of.move[1], of.move[2], of.turn[0], of.turn[1], of.turn[2]});
+  return out;
+}
+
+void write_modes_report(const std::string& file, const Arguments& args, const Loaded& loaded, const MechanismAt& at,
+                        const Modes& found) {
+  constexpr std::size_t kMost = 200;
+  ReportText text = text_of(args, loaded);
+  text.facts.emplace_back("state", fmt::format("t = {:.6g} s", at.state.t));
+  text.facts.emplace_back("freedoms", std::to_string(found.freedoms));
+  if (found.modes.size() > kMost)
+    text.facts.emplace_back("modes", fmt::format("the first {} of {}", kMost, found.modes.size()));
+  for (const std::string& note : found.notes) text.facts.emplace_back("", note);
+  std::vector<report::ShownMode> modes;
+  for (std::size_t k = 0; k < std::min(found.modes.size(), kMost); ++k) modes.push_back(shown(found.modes[k], k + 1));
+  report::write_modes(file, text, Sample(*at.dynamics, at.state, StepReport{}), *at.mechanism, modes, found.length);
+}
+
 }  // namespace
 
 int modes_command(const Arguments& args) {
@@ -169,9 +207,11 @@ int modes_command(const Arguments& args) {
   options.count = count_of(args);
   options.motion = motion_options(args);
   if (!args.csv.empty()) check_overwrites(args.csv, loaded.scene);
+  const std::string report = args.report.empty() ? "" : report_path(args.report, args.csv, loaded.scene);
   const MechanismAt at = state_at(loaded, instant_of(args));
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
   if (!args.csv.empty()) write_modes(args.csv, found);
+  if (!report.empty()) write_modes_report(report, args, loaded, at, found);
   if (args.json) {
     nlohmann::ordered_json j = {
         {"scene", loaded.scene.file},     {"t", at.state.t},
@@ -184,7 +224,8 @@ int modes_command(const Arguments& args) {
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, found.spin, found.unrest, found.notes));
   print_modes(found);
-  if (!args.csv.empty()) fmt::print("  written    {}\n", args.csv);
+  for (const std::string& file : {args.csv, report})
+    if (!file.empty()) fmt::print("  written    {}\n", file);
   return kExitOk;
 }
 

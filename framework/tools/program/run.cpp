@@ -208,6 +208,8 @@ int run_command(const Arguments& args) {
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
 
+  report.mark(dynamics, start);
+
   StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
   GrowingCsv rows(file, recorder->table());
   sim.add_observer(*recorder);

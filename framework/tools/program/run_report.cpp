@@ -53,8 +53,24 @@ ReportText text_of(const Arguments& args, const Loaded& loaded) {
 }
 
 void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
-                       const std::string& y, bool log) {
-  report::write_points(file, {.text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log});
+                       const std::string& y, bool log, const report::Histories* histories) {
+  report::write_points(file,
+                       {.text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log, .histories = histories});
+}
+
+std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport& reactions) {
+  std::vector<std::pair<std::string, std::string>> links;
+  for (const std::string& row : reactions.rows) {  // "A.z": names of links have no dots
+    const std::size_t dot = row.find('.');
+    const std::string link = row.substr(0, dot), own = dot == std::string::npos ? "" : row.substr(dot + 1);
+    if (links.empty() || links.back().first != link)
+      links.emplace_back(link, "not unique: the reaction of row " + own);
+    else
+      links.back().second += ", " + own;
+  }
+  for (auto& [link, why] : links)
+    why += "; how redundant rows share it out is the solver's choice (lockstep check says which depend on which)";
+  return links;
 }
 
 RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanism& m, const Recorder& recorder,
@@ -70,6 +86,12 @@ RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanis
 
 void RunReport::watch(StepLoop& sim) {
   if (report_) sim.add_observer(*report_);
+}
+
+void RunReport::mark(Dynamics& dynamics, const State& start) {
+  constexpr std::size_t kMostLinks = 1000;  // of more the search takes longer than many runs
+  if (report_ && dynamics.system().links().size() <= kMostLinks)
+    text_.marked = marked_links(uniqueness(dynamics, start));
 }
 
 void RunReport::write(const StepLoop& sim, const std::string& lines, const std::string& failure) const {

@@ -5,7 +5,9 @@
 #include <string>
 
 #include <lockstep/report.h>
+#include <lockstep/uniqueness.h>
 #include "framework/tools/program/commands.h"
+#include "framework/tools/report/histories.h"
 
 namespace lockstep {
 
@@ -20,9 +22,13 @@ ReportText text_of(const Arguments&, const Loaded&);
 std::string contents_of(const std::string& file);
 
 /// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
-/// FileError.
+/// FileError. `histories`: of the runs, or null.
 void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
-                       const std::string& y, bool log);
+                       const std::string& y, bool log, const report::Histories* histories = nullptr);
+
+/// Links that are marked in a report, with the words why: those of whose rows some are redundant, so that their reactions
+/// are not unique.
+std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport&);
 
 /// The report of a run, where one is asked for. Without one it costs nothing.
 class RunReport {
@@ -32,6 +38,7 @@ class RunReport {
   explicit operator bool() const { return report_ != nullptr; }
   const std::string& file() const { return file_; }
   void watch(StepLoop&);  ///< adds the observer
+  void mark(Dynamics&, const State& start);  ///< marks links whose reactions are not unique, of up to 1000
   /// Writes the file: `lines` are what the program prints of the run. Throws FileError.
   void write(const StepLoop&, const std::string& lines, const std::string& failure = {}) const;
 

@@ -28,6 +28,7 @@
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
+#include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
@@ -185,9 +186,13 @@ int jobs_of(const Arguments& args) {
   return args.shard.empty() ? available_processors() : 1;  // whoever shares out runs has a process for each processor
 }
 
+// Whether the report shows each run by itself.
+bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !args.report.empty(); }
+
 // Why runs go one by one, by the first run of the grid; "" if groups of them are tried in lanes.
 std::string why_alone(const Plan& plan) {
   if (plan.arguments.lanes == "off") return "as asked for";
+  if (keeps_motion(plan.arguments)) return "the report keeps their motion";
   if (plan.grid.n_runs(plan.shard) == 0) return {};
   try {
     return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
@@ -208,7 +213,9 @@ class Sweep {
         progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
         tally_{.alone = why_alone(plan)},
         queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes),
-        under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {}
+        under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {
+    if (keeps_motion(plan.arguments)) motions_.emplace(plan.grid.n_runs());
+  }
 
   Tally go() {
     rows_.clear();
@@ -229,6 +236,8 @@ class Sweep {
     return tally_;
   }
   long n_runs() const { return n_runs_; }
+  /// Of the runs, for the report; null without one.
+  const report::Histories* motions() const { return motions_ ? &*motions_ : nullptr; }
 
  private:
   struct Stopper {
@@ -300,7 +309,14 @@ class Sweep {
       failed.failed = true, failed.status = what_of(error);
       return failed;
     }
-    return sweep_run(scene, plan_.loaded.registry, plan_.columns, watch(share, scene.run.until, 1), &history);
+    const auto go_on = watch(share, scene.run.until, 1);
+    if (!motions_ || !motions_->keeps(number))
+      return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, &history);
+    const std::unique_ptr<report::Watcher> seen = motions_->watcher();
+    return watched_run(scene, plan_.loaded.registry, plan_.columns, go_on, &history,
+                       {seen.get(), [&](const Mechanism& m, const Table& table) {
+                          if (table.n_rows() > 0) motions_->add(number, table, *seen, m);
+                        }});
   }
 
   void take(const FinishedRun& done) {
@@ -346,6 +362,7 @@ class Sweep {
   Progress progress_;
   Tally tally_;
   RunQueue queue_;
+  std::optional<report::Histories> motions_;
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
 };
 
@@ -388,13 +405,20 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
 }
 
 // The first variable of numbers against the first result.
-void write_report(const Plan& plan, const std::string& csv, const std::string& report, const Words& words) {
+void write_report(const Plan& plan, const std::string& csv, const std::string& report, const report::Histories* motions,
+                  const Words& words) {
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
-  write_runs_report(report, text_of(plan.arguments, plan.loaded), contents_of(csv), column_title({v.path, v.unit, {}}),
-                    column_title({result.name + " final", result.unit, {}}), false);
-  words.say("             {}\n", report);
+  ReportText text = text_of(plan.arguments, plan.loaded);
+  text.panels = plan.loaded.scene.run.draw;
+  for (const ChannelRequest& request : plan.loaded.scene.run.record)
+    if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
+  const std::string left_out = motions == nullptr ? "" : motions->left_out();
+  if (!left_out.empty()) text.facts.emplace_back("histories", left_out + " is kept in this file; the folder has all");
+  write_runs_report(report, text, contents_of(csv), column_title({v.path, v.unit, {}}),
+                    column_title({result.name + " final", result.unit, {}}), false, motions);
+  words.say("             {}{}\n", report, left_out.empty() ? "" : " (of the histories " + left_out + ")");
 }
 
 }  // namespace
@@ -421,7 +445,7 @@ int sweep_command(const Arguments& args) {
     print_json(plan, tally, csv);
   else
     print_end(plan, tally, csv, words);
-  if (!report.empty()) write_report(plan, csv, report, words);
+  if (!report.empty()) write_report(plan, csv, report, sweep.motions(), words);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}\n", tally.done, sweep.n_runs(), csv);
     return kExitInterrupted;

@@ -70,6 +70,7 @@ void add_modes(CLI::App& verb, Arguments& a) {
   add(verb, "--count", a.count, "N",
       "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more");
   add(verb, "--csv", a.csv, "FILE.csv", "one row per mode, with its shape");
+  add(verb, "--report", a.report, "FILE.html", "one HTML file in which the mechanism swings in each mode");
 }
 
 constexpr const char* kModesFooter =

@@ -58,7 +58,9 @@ void add_sweep(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; -: standard "
       "output, and words to standard error");
-  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows each run as a point, by any two columns");
+  add(verb, "--report", a.report, "FILE.html",
+      "one HTML file that shows each run as a point, by any two columns; with --histories a click shows its curves and "
+      "its motion");
   add(verb, "--lanes", a.lanes, "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one",
       {"auto", "off"});
   verb.add_option("--jobs", a.jobs,

@@ -9,7 +9,6 @@
 namespace lockstep::report {
 namespace {
 
-constexpr std::size_t kMostNumbers = 16'000'000;  // of all frames: 85 MB of page
 constexpr std::size_t kMostMarks = 2000;
 constexpr double kFarMove = 0.05, kFarTurn = 0.2;  // of the system's length; rad
 
@@ -40,7 +39,7 @@ const Marker* moving_one(const std::vector<const Marker*>& markers) {
 
 }  // namespace
 
-Frames::Frames(const System& system) : system_(&system) {
+Frames::Frames(const System& system, std::size_t most_numbers, std::size_t fewest) : system_(&system) {
   for (const Body& body : system.bodies())
     if (!body.fixed) bodies_.push_back(&body);
   for (const Marker& marker : system.markers())
@@ -54,7 +53,7 @@ Frames::Frames(const System& system) : system_(&system) {
   for (const auto& force : system.forces())
     if (const Marker* at = moving_one(force->markers())) loads_.push_back({nullptr, force.get(), at});
   width_ = 13 * bodies_.size() + 7 * markers_.size() + 6 * loads_.size();
-  most_ = std::max<std::size_t>(100, kMostNumbers / std::max<std::size_t>(1, width_));
+  most_ = std::max(fewest, most_numbers / std::max<std::size_t>(1, width_));
   paths_.resize(system.links().size());
   path_seen_.resize(system.links().size());
 }

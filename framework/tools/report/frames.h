@@ -38,7 +38,8 @@ struct Load {
 /// A load that cannot be solved for is NaN.
 class Frames {
  public:
-  explicit Frames(const System&);
+  /// Keeps about so many numbers at most, and at least `fewest` frames.
+  explicit Frames(const System&, std::size_t most_numbers = 16'000'000, std::size_t fewest = 100);
 
   void output(const Sample&);  ///< adds a frame
   void step(const Sample&);    ///< adds one where bodies moved far since the last

@@ -48,6 +48,18 @@ nlohmann::ordered_json Numbers::add(std::span<const double> values) {
   return append(values.data(), values.size(), sizeof(double));
 }
 
+nlohmann::ordered_json Numbers::add(std::span<const std::uint16_t> values) {
+  nlohmann::ordered_json place = append(values.data(), values.size(), sizeof(std::uint16_t));
+  place["whole"] = true;
+  return place;
+}
+
+nlohmann::ordered_json Numbers::add(std::span<const std::uint32_t> values) {
+  nlohmann::ordered_json place = append(values.data(), values.size(), sizeof(std::uint32_t));
+  place["whole"] = true;
+  return place;
+}
+
 nlohmann::ordered_json Numbers::add_column(std::span<const double> values) {
   const Extent e = extent_of(values);
   if (!e.fits) return add(values);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -17,6 +18,9 @@ class LOCKSTEP_API Numbers {
   /// Adds an array; returns where it is: {"at": first byte, "n": count, "bits": 32 or 64}.
   nlohmann::ordered_json add(std::span<const float> values);
   nlohmann::ordered_json add(std::span<const double> values);
+  /// Whole numbers: {..., "bits": 16 or 32, "whole": true}.
+  nlohmann::ordered_json add(std::span<const std::uint16_t> values);
+  nlohmann::ordered_json add(std::span<const std::uint32_t> values);
   /// Adds a column with single precision, as differences from "base" where they are small against the values: what
   /// changes in the last digits of an energy stays visible. With double precision where single has no such numbers.
   nlohmann::ordered_json add_column(std::span<const double> values);

@@ -29,16 +29,30 @@ class Numbering {
 };
 
 const char* word(Solid::Kind kind) {
-  return kind == Solid::Kind::box ? "box" : kind == Solid::Kind::sphere ? "sphere" : "cylinder";
+  switch (kind) {
+    case Solid::Kind::box:
+      return "box";
+    case Solid::Kind::sphere:
+      return "sphere";
+    case Solid::Kind::mesh:
+      return "mesh";
+    case Solid::Kind::cylinder:
+      return "cylinder";
+  }
+  return "";
 }
 
 /// Solids and looks by the names of their bodies.
 struct Shown {
   std::unordered_map<std::string, Json> solids, looks;
-  Shown(const std::vector<Solid>& all, const std::vector<Look>& seen) {
-    for (const Solid& s : all)
-      solids.try_emplace(s.body, Json::array())
-          .first->second.push_back({{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}});
+  Shown(const std::vector<Solid>& all, const std::vector<Look>& seen, Meshes& meshes) {
+    for (const Solid& s : all) {
+      const bool has_mesh = s.mesh != nullptr && !s.mesh->triangles.empty() && !s.mesh->points.empty();
+      if (s.kind == Solid::Kind::mesh && !has_mesh) continue;
+      Json json{{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}};
+      if (s.kind == Solid::Kind::mesh) json["mesh"] = meshes.number(s.mesh);
+      solids.try_emplace(s.body, Json::array()).first->second.push_back(std::move(json));
+    }
     for (const Look& look : seen) looks[look.body] = {{"color", look.color}, {"opacity", look.opacity}};
   }
 };
@@ -89,14 +103,15 @@ Json load_of(const Load& load, const Numbering<Marker>& marker) {
 
 }  // namespace
 
-Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks) {
+Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks,
+                Meshes& meshes) {
   const System& system = frames.system();
   const Numbering<Body> body(system.bodies());
   const Numbering<Marker> marker(system.markers());
   Json json{{"gravity", of(system.gravity())}, {"plane", system.plane().n}, {"length", system.length()}};
   for (const char* list : {"bodies", "markers", "links", "forces", "loads", "moving", "moved_markers"})
     json[list] = Json::array();
-  const Shown shown(solids, looks);
+  const Shown shown(solids, looks, meshes);
   for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, shown));
   for (const Marker& m : system.markers())
     json["markers"].push_back({{"name", m.name}, {"body", body(m.body)}, {"at", of(m.local)}});

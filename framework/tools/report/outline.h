@@ -6,12 +6,13 @@
 
 #include <lockstep/solid.h>
 #include "framework/tools/report/frames.h"
+#include "framework/tools/report/meshes.h"
 
 namespace lockstep::report {
 
 /// Bodies with their solids, markers, links with what is drawn of them, forces. Bodies and markers are referred to by
-/// their numbers in System::bodies() and System::markers().
-nlohmann::ordered_json outline_of(const Frames&, const std::vector<Solid>&, const std::vector<Look>&);
+/// their numbers in System::bodies() and System::markers(), meshes by those in the page's list.
+nlohmann::ordered_json outline_of(const Frames&, const std::vector<Solid>&, const std::vector<Look>&, Meshes&);
 
 /// What of a link is drawn beside the symbol of its mask: {"curves": [{"pair":, "side": "p" or "s", "points": [x, y, z,
 /// ...], "closed":}], ...}, in the axes of a marker; an empty object for most.

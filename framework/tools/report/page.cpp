@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/version.h>
+#include "framework/tools/report/machine.h"
 
 namespace lockstep::report {
 namespace {
@@ -59,11 +60,12 @@ std::string page_with(const std::string& title, const std::string& json, const s
 }
 
 nlohmann::ordered_json json_of(const ReportText& text) {
-  return {{"title", text.title},         {"description", text.description},
-          {"scene", text.scene},         {"command", text.command},
-          {"facts", text.facts},         {"warnings", text.warnings},
-          {"panels", text.panels},       {"channels", text.channels},
-          {"version", library_version()}};
+  return {{"title", text.title},       {"description", text.description},
+          {"scene", text.scene},       {"command", text.command},
+          {"facts", text.facts},       {"warnings", text.warnings},
+          {"panels", text.panels},     {"channels", text.channels},
+          {"marked", text.marked},     {"version", library_version()},
+          {"machine", machine_words()}};
 }
 
 // The file appears when it is whole.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <lockstep/report.h>
+#include "framework/tools/report/histories.h"
 
 namespace lockstep::report {
 
@@ -15,6 +16,7 @@ struct Points {
       color{};         ///< title of the column that gives the colour; "": the words that tell the runs apart
   bool log = false,    ///< logarithmic axes
       joined = false;  ///< lines between the points of a group
+  const Histories* histories = nullptr;  ///< of the runs, told apart by the column "run"; null: none are shown
 };
 
 /// Writes the page. Throws FileError.

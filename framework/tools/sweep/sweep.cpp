@@ -8,6 +8,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
@@ -23,12 +24,13 @@ ColumnRange range_of(const std::vector<double>& values) {
 }
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
-              const std::function<bool(const State&)>& go_on) {
+              const std::function<bool(const State&)>& go_on, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder);
+  if (besides != nullptr) sim.add_observer(*besides);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
   sim.progress = [&](const State& s) {
@@ -87,6 +89,11 @@ Table recorded_columns(const Scene& scene, const Registry& registry) {
 
 SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& like,
                    const std::function<bool(const State&)>& go_on, Table* history) {
+  return watched_run(scene, registry, like, go_on, history, {});
+}
+
+SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& like,
+                     const std::function<bool(const State&)>& go_on, Table* history, const RunWatch& watch) {
   SweepRun result;
   result.status = "ok";
   const double begin = thread_seconds();
@@ -94,17 +101,21 @@ SweepRun sweep_run(const Scene& scene, const Registry& registry, const Table& li
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    const auto end = [&] {
+      if (history != nullptr) *history = recorder->table();
+      if (watch.ended) watch.ended(m, recorder->table());
+    };
     try {
       refuse_other_columns(recorder->table(), like);
       if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on);
+      simulate(m, *recorder, registry, result, go_on, watch.observer);
     } catch (...) {
-      if (history != nullptr) *history = recorder->table();
+      end();
       throw;
     }
     SweepRun recorded = recorded_run(recorder->table());
     result.columns = std::move(recorded.columns), result.t = recorded.t;
-    if (history != nullptr) *history = recorder->table();
+    end();
   } catch (const std::exception& error) {
     result.failed = true;
     result.status = what_of(error);

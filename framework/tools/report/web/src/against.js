@@ -1,8 +1,8 @@
 // One column against another: a coupler curve, a phase portrait.
 import uPlot from 'uplot';
 import { pngOf } from './export.js';
-import { indexAt } from './motion.js';
 import { axisStyle, button } from './plots.js';
+import { isCubic, slopesOf, valueAt } from './slopes.js';
 import { theme } from './theme.js';
 
 const title = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
@@ -50,6 +50,7 @@ export class Against {
     const width = this.body.clientWidth;
     if (width === 0 || this.data.table.columns[0].values.length < 2) return;
     this.plot?.destroy();
+    this.slopes = [this.x, this.y].map((i) => slopesOf(this.data, i));
     const [cx, cy] = [this.data.table.columns[this.x], this.data.table.columns[this.y]];
     const facet = (scale) => ({ scale, auto: true });
     const axis = (column, size) => ({ ...axisStyle(), label: title(column).slice(0, 60), labelSize: 16, size });
@@ -70,7 +71,7 @@ export class Against {
             stroke: theme.color(0),
             width: 1.6,
             facets: [facet('x'), facet('y')],
-            paths: way,
+            paths: (u, k) => this.way(u, k),
           },
         ],
       },
@@ -85,50 +86,62 @@ export class Against {
 
   showTime() {
     if (!this.plot) return;
-    const { columns } = this.data.table,
-      times = columns[0].values,
-      { t } = this.clock;
-    const k = indexAt(times, t),
-      next = Math.min(k + 1, times.length - 1),
-      h = times[next] - times[k];
-    const u = h > 0 ? Math.min(1, Math.max(0, (t - times[k]) / h)) : 0;
-    const at = (column) => (1 - u) * column.values[k] + u * column.values[next];
-    const x = this.plot.valToPos(at(columns[this.x]), 'x'),
-      y = this.plot.valToPos(at(columns[this.y]), 'y');
+    const at = (k) => valueAt(this.data, this.slopes[k], [this.x, this.y][k], this.clock.t);
+    const x = this.plot.valToPos(at(0), 'x'),
+      y = this.plot.valToPos(at(1), 'y');
     this.dot.style.transform = `translate(${x}px, ${y}px)`;
     this.dot.hidden = !(Number.isFinite(x) && Number.isFinite(y));
+  }
+
+  // The points joined in the order of time. Of very long columns every k-th is drawn.
+  way(u, seriesIdx) {
+    uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
+      const [xs, ys] = u.data[seriesIdx],
+        every = Math.max(1, Math.floor(xs.length / 20000)),
+        points = [];
+      const place = (x, y) => [toX(x, scaleX, wide, left), toY(y, scaleY, high, top)];
+      for (let i = 0; i < xs.length; i += every)
+        points.push(Number.isFinite(xs[i]) && Number.isFinite(ys[i]) ? place(xs[i], ys[i]) : null);
+      const smooth = xs.length < 1500;
+      const path =
+        smooth && this.slopes.every((s) => s) ? this.cubics(xs, ys, points, place) : curve(points, smooth);
+      u.ctx.save();
+      u.ctx.beginPath();
+      u.ctx.rect(left, top, wide, high);
+      u.ctx.clip();
+      u.ctx.strokeStyle = series.stroke();
+      u.ctx.lineWidth = series.width * devicePixelRatio;
+      u.ctx.lineJoin = 'round';
+      u.ctx.stroke(path);
+      u.ctx.restore();
+    });
+    return null;
+  }
+
+  // By the rates of both columns.
+  cubics(xs, ys, points, place) {
+    const path = new Path2D(),
+      times = this.data.table.columns[0].values,
+      [sx, sy] = this.slopes;
+    points.forEach((p, i) => {
+      if (!p) return;
+      if (!points[i - 1]) path.moveTo(...p);
+      else if (this.slopes.every((s) => isCubic(s, this.data.marks, times, i))) {
+        const h = (times[i] - times[i - 1]) / 3;
+        path.bezierCurveTo(
+          ...place(xs[i - 1] + h * sx.after[i - 1], ys[i - 1] + h * sy.after[i - 1]),
+          ...place(xs[i] - h * sx.before[i], ys[i] - h * sy.before[i]),
+          ...p,
+        );
+      } else path.lineTo(...p);
+    });
+    return path;
   }
 }
 
 function padded(u, low, high) {
   const more = 0.05 * (high - low) || 0.05 * Math.abs(low) || 1;
   return [low - more, high + more];
-}
-
-// The points joined in the order of time. Of very long columns every k-th is drawn.
-function way(u, seriesIdx) {
-  uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
-    const [xs, ys] = u.data[seriesIdx],
-      every = Math.max(1, Math.floor(xs.length / 20000)),
-      points = [];
-    for (let i = 0; i < xs.length; i += every)
-      points.push(
-        Number.isFinite(xs[i]) && Number.isFinite(ys[i])
-          ? [toX(xs[i], scaleX, wide, left), toY(ys[i], scaleY, high, top)]
-          : null,
-      );
-    const path = curve(points, xs.length < 1500);
-    u.ctx.save();
-    u.ctx.beginPath();
-    u.ctx.rect(left, top, wide, high);
-    u.ctx.clip();
-    u.ctx.strokeStyle = series.stroke();
-    u.ctx.lineWidth = series.width * devicePixelRatio;
-    u.ctx.lineJoin = 'round';
-    u.ctx.stroke(path);
-    u.ctx.restore();
-  });
-  return null;
 }
 
 // A path through points, where null is a gap; `smooth`: by cubic pieces, whose slopes are those from neighbour to neighbour.

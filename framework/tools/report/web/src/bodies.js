@@ -1,7 +1,7 @@
 // Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
 import { Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
 import { freedoms } from './freedoms.js';
-
+import { cornersOf, Meshes } from './meshes.js';
 import { bar, box, centerMark, cylinder, lineGeometry, material, plate, sphere } from './shapes.js';
 import { theme } from './theme.js';
 
@@ -23,8 +23,14 @@ export function attachments(index, data, size) {
   return points;
 }
 
-function addSolids(group, body, mats, unit) {
+function addSolids(group, body, mats, unit, meshes) {
   for (const solid of body.solids) {
+    if (solid.kind === 'mesh') {
+      const object = meshes.object(solid.mesh, solid.size, mats.mesh, mats.edge);
+      setPose(object, solid.at);
+      group.add(object);
+      continue;
+    }
     const [x, y, z] = solid.size.map((v) => Math.max(v, 1e-9));
     let mesh;
     if (solid.kind === 'box') mesh = box([x, y, z], mats.solid, mats.edge);
@@ -208,6 +214,7 @@ function shaftAlong(axis, center, mats, unit) {
 export class Bodies {
   constructor(data, root) {
     this.data = data;
+    this.meshes = new Meshes(data.meshes ?? []);
     this.groups = data.mechanism.bodies.map((body, index) => {
       const group = new Group();
       group.name = body.name;
@@ -247,7 +254,8 @@ export class Bodies {
 
   // Points that a picture should hold, in the world: of every body its corners and its mass centre.
   *keyPoints() {
-    const { bodies, markers, links, forces } = this.data.mechanism;
+    const { data } = this,
+      { bodies, markers, links, forces } = data.mechanism;
     const p = new Vector3();
     for (let i = 0; i < bodies.length; ++i) {
       const group = this.groups[i],
@@ -266,10 +274,11 @@ export class Bodies {
         const holder = new Object3D();
         setPose(holder, solid.at);
         holder.updateMatrix();
-        for (let c = 0; c < 8; ++c) {
-          p.set(...solid.size.map((s, k) => ((c >> k) & 1 ? s / 2 : -s / 2)));
-          yield p.applyMatrix4(holder.matrix).applyMatrix4(group.matrixWorld);
-        }
+        const box =
+          solid.kind === 'mesh'
+            ? cornersOf(data.meshes[solid.mesh], solid.size)
+            : cornersOf({ low: [-0.5, -0.5, -0.5], size: [1, 1, 1] }, solid.size);
+        for (const corner of box) yield p.set(...corner).applyMatrix4(holder.matrix).applyMatrix4(group.matrixWorld);
       }
     }
     for (const link of links)
@@ -300,7 +309,7 @@ export class Bodies {
       const color = body.fixed ? null : number++;
       const look = { color, own: body.look?.color ?? '', opacity: body.look?.opacity ?? 1, mats: null, center: null };
       look.mats = this.materials(look);
-      if (body.solids.length > 0) addSolids(group, body, look.mats, unit);
+      if (body.solids.length > 0) addSolids(group, body, look.mats, unit, this.meshes);
       else if (!body.fixed)
         addNeutral(group, body, attachments(index, this.data, frame.size), look.mats, {
           unit,
@@ -327,6 +336,7 @@ export class Bodies {
       glass = look.opacity < 1 ? { transparent: true, opacity: look.opacity, depthWrite: false } : {};
     return {
       solid: material(tint, glass),
+      mesh: material(tint, { ...glass, flatShading: true, side: 2 }),
       sheet: material(tint, { transparent: true, opacity: 0.28 * look.opacity, side: 2, depthWrite: false }),
       edge: theme.is.dark ? '#000000' : '#1c2530',
     };
@@ -335,6 +345,7 @@ export class Bodies {
   recolor() {
     for (const look of this.looks) {
       look.mats.solid.color.set(this.tintOf(look));
+      look.mats.mesh.color.set(this.tintOf(look));
       look.mats.sheet.color.set(this.tintOf(look));
     }
   }
@@ -342,7 +353,7 @@ export class Bodies {
   // Marks one body; -1: none.
   select(index) {
     this.looks.forEach((look, i) => {
-      for (const mat of [look.mats.solid, look.mats.sheet]) {
+      for (const mat of [look.mats.solid, look.mats.mesh, look.mats.sheet]) {
         mat.emissive.set(i === index ? look.mats.solid.color : '#000000');
         mat.emissiveIntensity = i === index ? 0.35 : 0;
       }

@@ -126,6 +126,44 @@ export class Views {
     o.updateProjectionMatrix();
   }
 
+  // Turns the view about its target: angles to the right and upwards, rad.
+  turn(right, up) {
+    const { camera, controls, frame } = this;
+    const arm = camera.position.clone().sub(controls.target);
+    const side = new Vector3().crossVectors(frame.up, arm);
+    arm.applyAxisAngle(frame.up, right);
+    side.applyAxisAngle(frame.up, right);
+    // A positive angle about this side leads the arm away from "up"; never straight from above.
+    const slope = frame.up.angleTo(arm),
+      least = 0.02,
+      wanted = Math.min(Math.PI - least, Math.max(least, slope - up));
+    if (side.length() > 0) arm.applyAxisAngle(side.normalize(), wanted - slope);
+    camera.position.copy(controls.target).add(arm);
+    controls.update();
+    this.onChange();
+  }
+
+  // Moves the view by parts of its height, to the right and upwards.
+  pan(right, up) {
+    const { camera, controls } = this;
+    const height = 2 * this.metresPerPixel(2);
+    const step = new Vector3(right * height, up * height, 0).applyQuaternion(camera.quaternion);
+    camera.position.add(step);
+    controls.target.add(step);
+    controls.update();
+    this.onChange();
+  }
+
+  zoom(factor) {
+    const { camera, controls } = this;
+    if (this.isOrthographic) {
+      camera.zoom *= factor;
+      camera.updateProjectionMatrix();
+    } else camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
+    controls.update();
+    this.onChange();
+  }
+
   // Keeps an object where it is in the picture; null: none.
   follow(object) {
     this.followed = object;

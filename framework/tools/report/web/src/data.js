@@ -10,21 +10,50 @@ function bytesOf(text) {
 
 // An array of the block; a column with a base holds differences from it.
 function arrayAt(buffer, place) {
+  if (place.whole) {
+    const Kind = place.bits === 16 ? Uint16Array : Uint32Array;
+    return new Kind(buffer, place.at, place.n);
+  }
   const values =
     place.bits === 64 ? new Float64Array(buffer, place.at, place.n) : new Float32Array(buffer, place.at, place.n);
   if (!place.base) return values;
   return Float64Array.from(values, (v) => v + place.base);
 }
 
+function readFrames(buffer, frames) {
+  frames.times = arrayAt(buffer, frames.times);
+  frames.rows = arrayAt(buffer, frames.rows);
+}
+
+function readTable(buffer, table) {
+  for (const column of table.columns) column.values = arrayAt(buffer, column.values);
+}
+
+function readMeshes(buffer, meshes) {
+  for (const mesh of meshes) {
+    mesh.points = arrayAt(buffer, mesh.points);
+    mesh.triangles = arrayAt(buffer, mesh.triangles);
+  }
+}
+
 const element = (id) => document.getElementById(id);
 
 export function readData() {
   const data = JSON.parse(element('data').textContent);
-  if (data.kind === 'points') return data;
-  const buffer = bytesOf(element('numbers').textContent.trim()).buffer;
+  const text = element('numbers').textContent.trim();
   element('numbers').textContent = '';
-  data.frames.times = arrayAt(buffer, data.frames.times);
-  data.frames.rows = arrayAt(buffer, data.frames.rows);
-  for (const column of data.table.columns) column.values = arrayAt(buffer, column.values);
+  const buffer = bytesOf(text).buffer;
+  if (data.kind === 'points') {
+    if (!data.histories) return data;
+    readMeshes(buffer, data.histories.meshes);
+    for (const run of data.histories.runs) {
+      readTable(buffer, run.table);
+      if (run.frames) readFrames(buffer, run.frames);
+    }
+    return data;
+  }
+  readFrames(buffer, data.frames);
+  readTable(buffer, data.table);
+  readMeshes(buffer, data.meshes);
   return data;
 }

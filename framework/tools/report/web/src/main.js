@@ -1,8 +1,16 @@
-// The page: a run, or many runs as points.
+// The page: a run, many runs as points, or modes.
 import { readData } from './data.js';
+import { askedRun, keptRun, showHistory } from './histories.js';
+import { showModes } from './modes.js';
 import { showPoints } from './points.js';
 import { showRun } from './run.js';
 
 const data = readData();
-if (data.kind === 'points') showPoints(data);
+if (data.kind === 'points') {
+  const run = keptRun(data, askedRun());
+  if (run) showHistory(data, run);
+  else showPoints(data);
+  // Another run is another page.
+  addEventListener('hashchange', () => location.reload());
+} else if (data.kind === 'modes') showModes(data);
 else showRun(data);

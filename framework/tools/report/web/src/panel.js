@@ -85,12 +85,13 @@ export class Panel {
     const on = (m) => markers[m].body === index;
     const names = (list) =>
       [...new Set(list.filter((m) => !on(m)).map((m) => bodies[markers[m].body].name))].join(', ');
+    const why = new Map(this.data.text.marked ?? []);
     const rows = [
       ...links
         .filter((l) => l.pairs.flat().some(on))
         .map((l) => [
           l.name,
-          `${l.type} with ${names(l.pairs.flat()) || 'itself'}${l.drives?.length ? ', driven' : ''}`,
+          `${l.type} with ${names(l.pairs.flat()) || 'itself'}${l.drives?.length ? ', driven' : ''}${why.has(l.name) ? `; ${why.get(l.name)}` : ''}`,
         ]),
       ...forces
         .filter((f) => f.markers.some(on))
@@ -122,19 +123,42 @@ export class Panel {
         ['velocity', vector(velocities.subarray(6 * i, 6 * i + 3), 'm/s')],
         ['angular velocity', vector(velocities.subarray(6 * i + 3, 6 * i + 6), 'rad/s')],
       );
-    const idle = this.idleLinks();
-    if (idle.length > 0) rows.push(['not in force', idle.join(', ')]);
+    rows.push(...this.idleLinks());
     this.live.replaceChildren(table(rows));
   }
 
-  // Links of the picked body that were released, or do not hold yet.
+  // Links of the picked body that were switched off, or do not hold yet.
   idleLinks() {
-    const { links, markers } = this.data.mechanism;
-    const active = this.world.activeAt(this.world.motion.t);
-    const holds = (link) => link.pairs.flat().some((m) => markers[m].body === this.selected);
-    return links
-      .filter((link, k) => !active[k] && !link.merged && !link.one_sided && holds(link))
-      .map((link) => link.name);
+    const { links, markers } = this.data.mechanism,
+      { t } = this.world.motion;
+    const states = this.world.switches.statesAt(t);
+    const rows = [];
+    links.forEach((link, k) => {
+      if (states[k] === 'holds' || !link.pairs.flat().some((m) => markers[m].body === this.selected)) return;
+      rows.push([link.name, this.offWords(k, t) || 'not in force yet']);
+    });
+    return rows;
+  }
+
+  // "switched off at 0.33 s, by event 'cut'"; "": it was not until t.
+  offWords(link, t) {
+    const off = this.world.switches.offAt(link, t);
+    return off ? `switched off at ${number(off.t)} s${off.what ? `, by ${off.what}` : ''}` : '';
+  }
+
+  // What stands out of the links during the whole run.
+  remarks() {
+    const { links } = this.data.mechanism;
+    const rows = [...(this.data.text.marked ?? [])];
+    links.forEach((link, k) => {
+      if (link.merged || link.one_sided) return;
+      const off = this.data.switches.later.filter((s) => s.link === k && !s.active);
+      for (const s of off.slice(0, 5)) rows.push([link.name, this.offWords(k, s.t)]);
+    });
+    if (rows.length === 0) return [];
+    const t = table(rows.slice(0, 200));
+    t.className = 'remarks';
+    return [element('h3', 'Links that are marked'), t];
   }
 
   addRun() {
@@ -146,6 +170,7 @@ export class Panel {
     holder.append(
       element('h3', 'Run'),
       this.facts(text.facts),
+      ...this.remarks(),
       element('h3', 'Mechanism'),
       table([
         ['bodies', `${mechanism.moving.length} that move`],
@@ -159,7 +184,10 @@ export class Panel {
         ['instants drawn', String(frames.n)],
       ]),
       element('h3', 'Made by'),
-      table([['lockstep', text.version]]),
+      table([
+        ['lockstep', text.version],
+        ['on', text.machine],
+      ]),
     );
     if (text.command) holder.append(element('pre', text.command));
   }

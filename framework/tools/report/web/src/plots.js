@@ -3,10 +3,12 @@ import uPlot from 'uplot';
 import { envelope } from './envelope.js';
 import { download, pngOf } from './export.js';
 import { indexAt } from './motion.js';
+import { hermite, slopesOf } from './slopes.js';
 import { theme } from './theme.js';
 
 const MOST_CURVES = 8; // of a panel
 const MOST_MARKS = 60; // more would be a hatching
+const SMOOTH = 1500; // rows, from which on they are joined straight
 const LONG = 6000; // rows, beyond which an envelope is drawn
 const HEIGHT = 190; // pixels
 
@@ -168,9 +170,15 @@ export class Plots {
     return [x, ...ys.map(drawable)];
   }
 
+  // Few rows are joined without corners: by their rates where these are known, else by a guess.
+  pathsOf(group, i) {
+    if (this.x.length >= SMOOTH) return uPlot.paths.linear();
+    const slopes = group.log ? null : slopesOf(this.data, group.members[i]);
+    return slopes ? hermite(slopes, this.data.marks) : uPlot.paths.spline();
+  }
+
   makePlot(group, body) {
-    const columns = this.columnsOf(group),
-      smooth = this.x.length < 1500; // few rows are joined without corners
+    const columns = this.columnsOf(group);
     const options = {
       width: Math.max(200, body.clientWidth || this.holder.clientWidth - 24),
       height: HEIGHT,
@@ -194,7 +202,7 @@ export class Plots {
           stroke: theme.color(i),
           width: 1.6,
           pxAlign: 0,
-          paths: smooth ? uPlot.paths.spline() : uPlot.paths.linear(),
+          paths: this.pathsOf(group, i),
           show: !group.hidden.has(i),
           points: { show: false },
           value: (u, v) => number(v),

@@ -1,6 +1,7 @@
 // The page of many runs: each is a point of a plot whose axes and colour are columns of their table.
 import { readTable } from './csv.js';
 import { download, pngOf } from './export.js';
+import { keptRun } from './histories.js';
 import { shade } from './marks.js';
 import { number } from './plots.js';
 import { Scatter } from './scatter.js';
@@ -50,7 +51,12 @@ class Points {
     this.log = { x: data.log, y: data.log };
     this.joined = data.joined;
     this.picked = -1;
-    this.scatter = new Scatter($('points-plot'), (i) => this.pick(i));
+    this.scatter = new Scatter(
+      $('points-plot'),
+      (i) => this.pick(i),
+      (i) => this.open(i),
+    );
+    this.restore();
     this.addChoices();
     this.addToggles();
     this.addGroups();
@@ -87,7 +93,50 @@ class Points {
       this.hidden.clear();
       this.addGroups();
     } else this[key] = Number(value);
+    this.keep();
     this.draw();
+  }
+
+  // What the reader chose stays when he comes back from a run, where the browser lets a page keep something.
+  keep() {
+    const { x, y, color, by, log, joined } = this;
+    try {
+      sessionStorage.setItem(this.place, JSON.stringify({ x, y, color, by, log, joined }));
+    } catch {
+      return; // then the page opens as it did at first
+    }
+  }
+
+  restore() {
+    let kept = null;
+    try {
+      kept = JSON.parse(sessionStorage.getItem(this.place));
+    } catch {
+      return;
+    }
+    const { columns } = this.table;
+    if (kept && [kept.x, kept.y].every((i) => columns[i]?.numbers) && this.data.histories) Object.assign(this, kept);
+  }
+
+  // Another file of the same name is another page.
+  get place() {
+    return `lockstep ${location.pathname} ${this.table.columns.map((c) => c.title)}`;
+  }
+
+  // The number of the run of a row, if the page keeps it; NaN.
+  runOf(i) {
+    const { columns } = this.table;
+    const run = columns[0].title === 'run' ? Number(columns[0].texts[i]) : NaN;
+    return keptRun(this.data, run) ? run : NaN;
+  }
+
+  open(i) {
+    const run = this.runOf(i);
+    if (run >= 0) location.hash = `run=${run}`;
+  }
+
+  linkTo(i, words) {
+    return Object.assign(make('a', words), { href: `#run=${this.runOf(i)}` });
   }
 
   addToggles() {
@@ -96,6 +145,7 @@ class Points {
       $(id).addEventListener('click', () => {
         object[key] = !object[key];
         $(id).setAttribute('aria-pressed', String(object[key]));
+        this.keep();
         this.draw();
       });
     };
@@ -139,6 +189,7 @@ class Points {
     this.table.rows.slice(0, MOST_ROWS).forEach((cells, i) => {
       const row = body.insertRow();
       for (const cell of cells) row.insertCell().textContent = cell;
+      if (this.runOf(i) >= 0) row.cells[0].replaceChildren(this.linkTo(i, cells[0]));
       row.addEventListener('click', () => this.pick(i));
     });
     $('points-table').append(t);
@@ -149,7 +200,7 @@ class Points {
   addAbout() {
     const { text } = this.data;
     const about = [make('p', text.description), ...text.facts.map((fact) => make('p', fact.join(' ')))];
-    about.push(make('p', `lockstep ${text.version}`), make('pre', text.command), make('pre', text.scene));
+    about.push(make('p', `lockstep ${text.version}, on ${text.machine}`), make('pre', text.command), make('pre', text.scene));
     $('points-about').append(...about.filter((e) => e.textContent !== ''));
   }
 
@@ -194,7 +245,9 @@ class Points {
     this.scatter.mark(i);
     const holder = $('points-row');
     if (i < 0) {
-      holder.textContent = 'Move over a point, or click a row of the table, to see its run.';
+      holder.textContent = this.data.histories
+        ? 'Move over a point to see its numbers; click it to see its curves and its motion.'
+        : 'Move over a point, or click a row of the table, to see its run.';
       return;
     }
     const t = document.createElement('table');
@@ -204,6 +257,8 @@ class Points {
       row.append(Object.assign(make('th', c.title), { scope: 'row' }), make('td', c.texts[i]));
     }
     holder.replaceChildren(t);
+    const run = this.runOf(i);
+    if (run >= 0) holder.prepend(this.linkTo(i, `Show run ${run}: its curves and its motion`));
   }
 }
 

@@ -12,7 +12,7 @@ import { Timebar } from './timebar.js';
 import { Tools } from './tools.js';
 import { World } from './world.js';
 
-class RunPage {
+export class RunPage {
   constructor(data) {
     this.data = data;
     this.elements = Object.fromEntries([...document.querySelectorAll('[id]')].map((e) => [e.id, e]));
@@ -73,7 +73,7 @@ class RunPage {
 
   // "#t=0.5" opens at an instant; otherwise the run is played, unless the reader wants no motion.
   begin() {
-    const asked = /^#t=([-+.e\d]+)$/i.exec(location.hash);
+    const asked = /(?:^#|&)t=([-+.e\d]+)$/i.exec(location.hash);
     if (asked && Number.isFinite(Number(asked[1]))) this.clock.seek(Number(asked[1]));
     else if (!matchMedia('(prefers-reduced-motion: reduce)').matches) this.clock.play();
   }
@@ -96,6 +96,17 @@ class RunPage {
   }
   look(view) {
     this.stage?.views.look(view);
+  }
+
+  // By an eighth of a right angle; by a tenth of the picture.
+  turn(right, up) {
+    this.stage?.views.turn((right * Math.PI) / 16, (up * Math.PI) / 16);
+  }
+  pan(right, up) {
+    this.stage?.views.pan(0.1 * right, 0.1 * up);
+  }
+  zoom(factor) {
+    this.stage?.views.zoom(factor);
   }
 
   loop() {

@@ -25,10 +25,11 @@ function limitOf({ numbers, log }) {
 }
 
 export class Scatter {
-  // `onPoint` is told the number of the point under the mouse.
-  constructor(holder, onPoint) {
+  // `onPoint` is told the number of the point under the mouse, `onClick` that of one that is clicked.
+  constructor(holder, onPoint, onClick) {
     this.holder = holder;
     this.onPoint = onPoint;
+    this.onClick = onClick;
     this.seen = [];
   }
 
@@ -80,7 +81,18 @@ export class Scatter {
     this.ring.className = 'ring';
     this.ring.hidden = true;
     plot.over.append(this.ring);
-    plot.over.addEventListener('mousemove', (e) => this.hover(e));
+    plot.over.addEventListener('mousemove', (e) => {
+      const i = this.nearest(e);
+      if (i >= 0) this.onPoint(i);
+    });
+    let down = null;
+    plot.over.addEventListener('mousedown', (e) => {
+      down = [e.clientX, e.clientY];
+    });
+    plot.over.addEventListener('click', (e) => {
+      const i = this.nearest(e);
+      if (i >= 0 && down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) < 4) this.onClick(i);
+    });
     return plot;
   }
 
@@ -105,7 +117,8 @@ export class Scatter {
     return [this.plot.valToPos(x.numbers[i], 'x'), this.plot.valToPos(y.numbers[i], 'y')];
   }
 
-  hover(e) {
+  // The point under the mouse; -1: none.
+  nearest(e) {
     const box = this.plot.over.getBoundingClientRect();
     let best = -1;
     let least = NEAR;
@@ -114,7 +127,7 @@ export class Scatter {
       const d = Math.hypot(x - (e.clientX - box.left), y - (e.clientY - box.top));
       if (d < least) [best, least] = [i, d];
     }
-    if (best >= 0) this.onPoint(best);
+    return best;
   }
 
   // A ring about a point; -1: none.

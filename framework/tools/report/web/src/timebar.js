@@ -59,6 +59,12 @@ export class Timebar {
     const { clock, elements } = this,
       length = clock.end - clock.start;
     elements.slider.value = length > 0 ? (TICKS * (clock.t - clock.start)) / length : 0;
+    if (this.data.clockWords) {
+      const words = this.data.clockWords(clock.t);
+      elements.slider.setAttribute('aria-valuetext', words);
+      elements.time.textContent = words;
+      return;
+    }
     const digits = Math.max(0, Math.min(9, 3 - Math.floor(Math.log10(length || 1))));
     elements.slider.setAttribute('aria-valuetext', `${clock.t.toFixed(digits)} seconds`);
     elements.time.textContent = `${clock.t.toFixed(digits)} s`;

@@ -28,18 +28,8 @@ export class Trails {
   // `object`: what is followed; `point`: in its axes.
   add(key, object, point, color) {
     if (this.lines.has(key)) return;
-    const times = trailTimes(this.motion),
-      numbers = [];
-    const p = new Vector3(),
-      now = this.motion.t;
-    for (const t of times) {
-      this.world.pose(t);
-      object.updateWorldMatrix(true, false);
-      p.copy(point).applyMatrix4(object.matrixWorld);
-      numbers.push(p.x, p.y, p.z);
-    }
-    this.world.pose(now);
-    const geometry = lineGeometry(numbers);
+    const times = trailTimes(this.motion);
+    const geometry = lineGeometry(this.way(object, point, times));
     const whole = new Line(geometry, new LineBasicMaterial({ transparent: true, opacity: 0.28, depthWrite: false }));
     const past = new Line(geometry.clone(), new LineBasicMaterial({}));
     for (const line of [whole, past]) {
@@ -53,8 +43,35 @@ export class Trails {
     dot.raycast = () => {};
     dot.visible = this.shown;
     object.add(dot);
-    this.lines.set(key, { times, whole, past, dot, color });
+    this.lines.set(key, { times, whole, past, dot, color, object, point });
     this.recolor();
+  }
+
+  // Where the point is at each of the times.
+  way(object, point, times) {
+    const numbers = [];
+    const p = new Vector3(),
+      now = this.motion.t;
+    for (const t of times) {
+      this.world.pose(t);
+      object.updateWorldMatrix(true, false);
+      p.copy(point).applyMatrix4(object.matrixWorld);
+      numbers.push(p.x, p.y, p.z);
+    }
+    if (Number.isFinite(now)) this.world.pose(now);
+    return numbers;
+  }
+
+  // After the motion has become another one.
+  redo() {
+    for (const { times, whole, past, object, point } of this.lines.values()) {
+      const numbers = this.way(object, point, times);
+      for (const line of [whole, past]) {
+        const position = line.geometry.getAttribute('position');
+        position.array.set(numbers);
+        position.needsUpdate = true;
+      }
+    }
   }
 
   remove(key) {

@@ -1,10 +1,12 @@
 // World: everything that is drawn in space, at one instant.
 import { Group, Vector3 } from 'three';
 import { Arrows } from './arrows.js';
+import { Badges } from './badges.js';
 import { Bodies, attachments } from './bodies.js';
 import { frameOf, instants } from './frame.js';
 import { Joints } from './joints.js';
 import { Stretched } from './stretched.js';
+import { Switches } from './switches.js';
 import { Trails } from './trails.js';
 
 function setPose(object, at) {
@@ -45,6 +47,8 @@ export class World {
     this.bodies.dress(this.frame, this.unit);
     this.joints = new Joints(data, this, this.frame, this.unit, instants(motion, 60));
     this.stretched = new Stretched(data, this, this.unit);
+    this.badges = new Badges(data, this, this.unit);
+    this.switches = new Switches(data);
     this.arrows = new Arrows(data, motion, this, this.frame, this.unit);
     this.trails = new Trails(data, motion, this);
     this.addTrails();
@@ -101,22 +105,18 @@ export class World {
     this.showActive(t);
   }
 
-  // Which links are in force at t.
-  activeAt(t) {
-    const active = [...this.data.switches.at_start];
-    for (const s of this.data.switches.later) if (s.t <= t) active[s.link] = s.active;
-    return active;
-  }
-
+  // Links that are not in force are not shown; those that were switched off leave a cross.
   showActive(t) {
-    const active = this.activeAt(t),
-      key = active.join();
+    const states = this.switches.statesAt(t),
+      key = states.join();
     if (key === this.active) return;
     this.active = key;
-    this.data.mechanism.links.forEach((link, i) => {
-      if (link.merged || link.one_sided) return;
-      this.joints.show(i, active[i]);
-      this.stretched.show(i, active[i]);
+    states.forEach((state, i) => {
+      const { merged, one_sided: oneSided } = this.data.mechanism.links[i];
+      this.badges.show(i, state);
+      if (merged || oneSided) return;
+      this.joints.show(i, state === 'holds');
+      this.stretched.show(i, state === 'holds');
     });
   }
 

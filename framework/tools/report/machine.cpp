@@ -1,0 +1,36 @@
+#include "framework/tools/report/machine.h"
+
+#include <sys/utsname.h>
+
+#include <fstream>
+#include <string_view>
+#include <thread>
+
+#include <lockstep/text.h>
+
+namespace lockstep::report {
+namespace {
+
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);) {
+    constexpr std::string_view kKey = "model name";
+    const std::size_t colon = line.find(':');
+    if (line.starts_with(kKey) && colon != std::string::npos)
+      return std::string(text::trimmed(std::string_view(line).substr(colon + 1)));
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string machine_words() {
+  utsname system{};
+  std::string words = uname(&system) == 0 ? std::string(system.sysname) + " " + system.machine : "unknown system";
+  if (const std::string name = processor_name(); !name.empty()) words += ", " + name;
+  if (const unsigned n = std::thread::hardware_concurrency(); n > 0)
+    words += ", " + std::to_string(n) + (n == 1 ? " processor" : " processors");
+  return words;
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,59 @@
+#include "framework/tools/report/meshes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep::report {
+namespace {
+
+constexpr float kMost = 65535;
+
+struct Extents {
+  std::array<float, 3> low, size;
+};
+
+Extents extents_of(const TriangleMesh& mesh) {
+  Extents e{mesh.points.front(), mesh.points.front()};
+  for (const auto& p : mesh.points)
+    for (std::size_t k = 0; k < 3; ++k) e.low[k] = std::min(e.low[k], p[k]), e.size[k] = std::max(e.size[k], p[k]);
+  for (std::size_t k = 0; k < 3; ++k) e.size[k] -= e.low[k];
+  return e;
+}
+
+nlohmann::ordered_json json_of(const TriangleMesh& mesh, Numbers& numbers) {
+  const Extents e = extents_of(mesh);
+  std::vector<std::uint16_t> points;
+  points.reserve(3 * mesh.points.size());
+  for (const auto& p : mesh.points)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float part = e.size[k] > 0 ? (p[k] - e.low[k]) / e.size[k] : 0;
+      points.push_back(static_cast<std::uint16_t>(std::lround(kMost * std::clamp(part, 0.0F, 1.0F))));
+    }
+  nlohmann::ordered_json json{{"low", e.low}, {"size", e.size}};
+  json["points"] = numbers.add(std::span<const std::uint16_t>(points));
+  const auto corners = [&]<class Number>(Number) {
+    std::vector<Number> all;
+    all.reserve(3 * mesh.triangles.size());
+    for (const auto& triangle : mesh.triangles)
+      for (const std::uint32_t corner : triangle) all.push_back(static_cast<Number>(corner));
+    return numbers.add(std::span<const Number>(all));
+  };
+  const bool few = mesh.points.size() <= 65536;
+  json["triangles"] = few ? corners(std::uint16_t{}) : corners(std::uint32_t{});
+  return json;
+}
+
+bool equal(const TriangleMesh& a, const TriangleMesh& b) { return a.points == b.points && a.triangles == b.triangles; }
+
+}  // namespace
+
+std::size_t Meshes::number(const std::shared_ptr<const TriangleMesh>& mesh) {
+  const auto same = [&](const auto& kept) { return kept == mesh || equal(*kept, *mesh); };
+  const auto found = std::ranges::find_if(kept_, same);
+  if (found != kept_.end()) return static_cast<std::size_t>(found - kept_.begin());
+  list_.push_back(json_of(*mesh, *numbers_));
+  kept_.push_back(mesh);
+  return kept_.size() - 1;
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,67 @@
+#include "framework/tools/report/modes_page.h"
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/system.h>
+#include "framework/tools/report/outline.h"
+#include "framework/tools/report/page.h"
+#include "framework/tools/report/run_data.h"
+
+namespace lockstep::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Of each body that moves the real and the imaginary parts of its slot's twelve amplitudes.
+Json shape_json(const std::vector<const Body*>& bodies, const ShownMode& mode) {
+  Json all = Json::array();
+  for (const Body* body : bodies) {
+    Json numbers = Json::array();
+    for (const std::complex<double>& z : mode.shape[static_cast<std::size_t>(body->slot)]) numbers.push_back(z.real());
+    for (const std::complex<double>& z : mode.shape[static_cast<std::size_t>(body->slot)]) numbers.push_back(z.imag());
+    all.push_back(std::move(numbers));
+  }
+  return all;
+}
+
+// The points about which the bodies turn: the origins of their slots.
+Json pivots_json(const std::vector<const Body*>& bodies, const Inputs& in) {
+  Json all = Json::array();
+  for (const Body* body : bodies) {
+    const Vec3& x = in.slot(body->slot).x;
+    all.push_back({x[0], x[1], x[2]});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string modes_page(const ReportText& text, const Sample& rest, const Mechanism& m,
+                       const std::vector<ShownMode>& modes, double length) {
+  Frames frames(rest.system());
+  frames.output(rest);
+  Numbers numbers;
+  Meshes meshes(numbers);
+  Json json{{"kind", "modes"}, {"text", json_of(text)}, {"mechanism", outline_of(frames, m.solids, m.looks, meshes)}};
+  json["meshes"] = meshes.list();
+  json.update(frames_json(frames, numbers));
+  json["table"] = {{"rows", 0}, {"stride", 1}, {"columns", Json::array()}};
+  json["length"] = length;
+  json["pivots"] = pivots_json(frames.bodies(), rest.inputs());
+  json["modes"] = Json::array();
+  for (const ShownMode& mode : modes)
+    json["modes"].push_back({{"name", mode.name},
+                             {"words", mode.words},
+                             {"frequency", mode.frequency},
+                             {"damping", mode.damping},
+                             {"shape", shape_json(frames.bodies(), mode)}});
+  const std::string title = text.title.empty() ? "lockstep modes" : text.title;
+  return page_with(title, json.dump(-1, ' ', false, Json::error_handler_t::replace), numbers.base64());
+}
+
+void write_modes(const std::string& file, const ReportText& text, const Sample& rest, const Mechanism& m,
+                 const std::vector<ShownMode>& modes, double length) {
+  write_whole(file, modes_page(text, rest, m, modes, length));
+}
+
+}  // namespace lockstep::report

@@ -1,0 +1,38 @@
+// The report of modes: the mechanism at rest, and how it swings in each of its modes.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/report.h>
+#include <lockstep/scene.h>
+#include <lockstep/step_loop.h>
+
+namespace lockstep::report {
+
+/// How the bodies of one slot move in a mode: amplitudes of the translation of the slot's origin, m, and of the rotation,
+/// rad, in world axes.
+using SlotShape = std::array<std::complex<double>, 6>;
+
+/// One mode.
+struct ShownMode {
+  std::string name,                ///< "1: 3.56 Hz"
+      words;                       ///< what else is known of it, in a sentence
+  double frequency = 0;            ///< Hz; 0 of one that does not swing
+  double damping = 0;              ///< damping ratio
+  std::vector<SlotShape> shape{};  ///< by slot
+};
+
+/// The page as text: `rest` is the state about which the modes are. Translations of shapes are compared with rotations by
+/// `length`, m.
+LOCKSTEP_API std::string modes_page(const ReportText&, const Sample& rest, const Mechanism&,
+                                    const std::vector<ShownMode>&, double length);
+/// Writes it. Throws FileError.
+LOCKSTEP_API void write_modes(const std::string& file, const ReportText&, const Sample& rest, const Mechanism&,
+                              const std::vector<ShownMode>&, double length);
+
+}  // namespace lockstep::report

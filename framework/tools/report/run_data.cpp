@@ -1,0 +1,73 @@
+#include "framework/tools/report/run_data.h"
+
+#include <nlohmann/json.hpp>
+
+namespace lockstep::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Every k-th value, the last one too.
+std::vector<double> thinned(const std::vector<double>& values, std::size_t k) {
+  if (k == 1) return values;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < values.size(); i += k) some.push_back(values[i]);
+  if ((values.size() - 1) % k != 0) some.push_back(values.back());
+  return some;
+}
+
+Json frames_of(const Frames& frames, Numbers& numbers) {
+  Json json{{"n", frames.times().size()},
+            {"width", frames.width()},
+            {"times", numbers.add(std::span<const double>(frames.times()))},
+            {"rows", numbers.add(std::span<const float>(frames.rows()))},
+            {"jumps", Json::array()}};
+  for (std::size_t k = 0; k < frames.times().size(); ++k)
+    if (frames.after_jump()[k]) json["jumps"].push_back(k);
+  return json;
+}
+
+Json marks_of(const Frames& frames) {
+  Json json = Json::array();
+  for (const Mark& mark : frames.marks()) json.push_back({{"t", mark.t}, {"what", mark.what}});
+  return json;
+}
+
+Json switches_of(const Frames& frames) {
+  Json json{{"at_start", frames.modes_at_start()}, {"later", Json::array()}};
+  for (const Switch& s : frames.switches())
+    json["later"].push_back({{"t", s.t}, {"link", s.link}, {"active", s.active}});
+  return json;
+}
+
+}  // namespace
+
+Watcher::~Watcher() = default;
+void Watcher::start(const Sample& sample) { frames_.emplace(sample.system(), most_numbers_, fewest_); }
+void Watcher::step(const Sample& sample) { frames_->step(sample); }
+void Watcher::jumped(const Sample& sample) { frames_->jumped(sample); }
+void Watcher::output(const Sample& sample) { frames_->output(sample); }
+void Watcher::finish(const Sample& sample) {
+  if (frames_) frames_->finish(sample);
+}
+
+Json table_json(const Table& table, std::size_t most_cells, std::size_t fewest, Numbers& numbers) {
+  const std::size_t least = std::max<std::size_t>(1, table.n_rows() / std::max<std::size_t>(1, fewest));
+  const std::size_t stride = std::min(least, 1 + table.n_rows() * table.n_columns() / most_cells);
+  Json json{{"rows", table.n_rows()}, {"stride", stride}, {"columns", Json::array()}};
+  for (const Column& column : table.columns()) {
+    const std::vector<double> values = thinned(column.values, stride);
+    const bool is_time = &column == &table.columns().front();
+    json["columns"].push_back(
+        {{"name", column.name},
+         {"unit", column.unit},
+         {"values", is_time ? numbers.add(std::span<const double>(values)) : numbers.add_column(values)}});
+  }
+  return json;
+}
+
+Json frames_json(const Frames& frames, Numbers& numbers) {
+  return {{"frames", frames_of(frames, numbers)}, {"marks", marks_of(frames)}, {"switches", switches_of(frames)}};
+}
+
+}  // namespace lockstep::report

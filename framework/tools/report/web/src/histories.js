@@ -1,0 +1,47 @@
+// Runs of a sweep that the page keeps: one of them is shown as a run, after "#run=7".
+import { readTable } from './csv.js';
+import { RunPage } from './run.js';
+
+// The number that the address asks for; NaN: none.
+export function askedRun() {
+  const asked = /(?:^#|&)run=(\d+)/.exec(location.hash);
+  return asked ? Number(asked[1]) : NaN;
+}
+
+export function keptRun(data, number) {
+  return data.histories?.runs.find((run) => run.run === number);
+}
+
+const nothing = { bodies: [], markers: [], links: [], forces: [], loads: [], moving: [], moved_markers: [] };
+
+// The data of a page that shows this run alone.
+function pageOf(data, run) {
+  const { columns, rows } = readTable(data.csv);
+  const own = rows.find((_, i) => columns[0].texts[i] === String(run.run)) ?? [];
+  const facts = columns.map((c, k) => [c.title, own[k] ?? '']).filter(([, text]) => text !== '');
+  const text = { ...data.text, title: `${data.text.title}, run ${run.run}`, facts, warnings: [] };
+  const status = facts.find(([title]) => title === 'status');
+  if (status && status[1].startsWith('failed')) text.warnings = [status[1]];
+  return {
+    text,
+    mechanism:
+      run.mechanism === undefined
+        ? { ...nothing, gravity: [0, 0, 0], plane: -1, length: 1 }
+        : data.histories.mechanisms[run.mechanism],
+    meshes: data.histories.meshes,
+    frames: run.frames ?? { n: 0, width: 0, times: run.table.columns[0].values, rows: new Float32Array(0), jumps: [] },
+    table: run.table,
+    marks: run.marks ?? [],
+    switches: run.switches ?? { at_start: [], later: [] },
+  };
+}
+
+export function showHistory(data, run) {
+  const page = new RunPage(pageOf(data, run));
+  page.elements.back_to_runs.hidden = false;
+  if (run.mechanism === undefined) {
+    page.elements.failure.hidden = false;
+    page.elements.failure.textContent = 'Of this run only its columns were kept.';
+  }
+  globalThis.lockstepReport = page;
+}

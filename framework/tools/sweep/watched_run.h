@@ -1,0 +1,21 @@
+// One run of a sweep that is watched by more than its recorder.
+#pragma once
+
+#include <functional>
+
+#include <lockstep/sweep.h>
+
+namespace lockstep {
+
+/// Who watches besides: an observer, and what is called at the end of the run, also of one that failed, with the
+/// mechanism and the recorded columns. Both may be empty.
+struct RunWatch {
+  Observer* observer = nullptr;
+  std::function<void(const Mechanism&, const Table&)> ended{};
+};
+
+/// As sweep_run.
+LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
+                                  const std::function<bool(const State&)>& go_on, Table* history, const RunWatch&);
+
+}  // namespace lockstep
