@@ -1,4 +1,4 @@
-// The verbs run and assemble.
+// The verbs run, report and resume.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include <lockstep/assembly.h>
 #include <lockstep/log.h>
@@ -15,7 +14,6 @@
 #include "framework/description/scene/run_outputs.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/certify.h"
 #include "framework/tools/program/check_dependencies.h"
@@ -30,6 +28,7 @@
 #include "framework/tools/program/run_checkpoint.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/run_rows.h"
+#include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -148,75 +147,6 @@ void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_j
   print_document(j);
 }
 
-// Springs that push away from where they should hold.
-std::vector<std::string> negative_stiffness(const Scene& scene) {
-  std::vector<std::string> all;
-  const Value* forces = scene.root.find("forces");
-  if (forces == nullptr || forces->list() == nullptr) return all;
-  for (const Value& force : *forces->list()) {
-    const Value *name = force.find("name"), *k = force.find("stiffness");
-    if (k == nullptr || name == nullptr || name->text() == nullptr) continue;
-    const std::string* text = k->text();
-    if (text != nullptr ? text->starts_with('-') : k->number() != nullptr && *k->number() < 0)
-      all.push_back(fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
-                                *name->text(), plain_text(*k)));
-  }
-  return all;
-}
-
-// One line for each setting that has no effect, or hardly the one that was meant.
-void warn(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
-  const RunSettings& run = m.run;
-  const auto say = [&](const std::string& text) { sim.warn(text); };
-  if (!run.times.empty() && run.times.back() > run.until)
-    say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
-                    run.until));
-  if (run.output > run.until)
-    say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
-                    run.output, run.until));
-  for (const std::string& words : negative_stiffness(scene)) say(words);
-  for (const EventRequest& e : m.events)
-    if (e.event.at > run.until)
-      say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
-                      e.event.at, run.until));
-  const Value* settings = scene.root.find("run");
-  const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
-  if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
-    say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
-}
-
-bool records_reactions(const RunSettings& run) {
-  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
-    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
-           r.channel.find(".lambda_") != std::string::npos;
-  });
-}
-
-// A start in a singular position, where the rows alone do not say how the motion continues.
-void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
-  const State& start = sim.state();
-  const BranchPoint at = branch_point(dynamics, start);
-  if (!at.singular) return;
-  constexpr double kOff = 1e-3;  // of the velocity
-  const bool moves = start.v.size() > 0 && !start.v.isZero(0);
-  const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
-  sim.warn(fmt::format(
-      "the start lies in a singular position: {}{}", at.text(dynamics, start),
-      !moves ? ". It is at rest there: which of them it takes is not determined; choose one by a small start velocity "
-               "along it, or start beside the position"
-      : off > kOff
-          ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not): give it "
-                        "along one",
-                        off)
-          : ". It goes on along its velocity"));
-}
-
-// The recorded columns that hold reactions which are not unique at the start.
-std::vector<std::string> not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
-  if (!records_reactions(run)) return {};
-  return columns_not_unique(run, uniqueness(dynamics, start));
-}
-
 // What a run showed until it failed; the error itself matters more than one of this file.
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
   if (!report) return;
@@ -247,129 +177,198 @@ int report_command(const Arguments& args) {
 
 namespace {
 
-// `from`: the checkpoint that the run goes on from; null: it begins.
-int run_scene(const Arguments& args, const RunCheckpoint* from) {
+Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
   if (args.quiet) set_logger(nullptr);
-  const Words words(args);
   Loaded loaded = load(args);
   if (from != nullptr) from->check(args.checkpoint, args, loaded);
-  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+  return loaded;
+}
+
+// The name of the table, of a mechanism that can be run.
+std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) {
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
   record_places(m);
-  const std::string csv = csv_path(args.record, args.scene);
-  const std::unique_ptr<Recorder> recorder = make_recorder(m);
-  const RunOutputs outputs = outputs_of(loaded, args, recorder->table());
-  check_overwrites(csv, loaded.scene, outputs.pictures);
-  GrowingFile file(csv);
-  Checkpoints checkpoints(args, loaded, file);
+  return csv_path(args.record, args.scene);
+}
 
-  std::vector<Event> events = make_events(m, *recorder);
-  RunReport report(args, loaded, m, *recorder, csv);
-  RunRows rows(file, *recorder, report || args.certify, outputs.units);  // both read the rows afterwards
-  const std::unique_ptr<PictureRows> details = picture_rows(m, csv, rows, args);
-  RowsAtJumps at_jumps(*recorder, rows);
-  Summary summary;
-  std::optional<EnergyAudit> audit;  // energies are integrated only if they are printed
-  if (!args.quiet) audit.emplace(m.system, m.run.limits);
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
-  State start = m.system.start();
-  words.say("{}\n", loaded.title());
-  if (m.run.assemble && from == nullptr) {
-    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds, m.assembly);
-    if (assembled.is_notable()) words.say("  assembled  {}\n", assembled.text());
-    if (assembled.largest_move > 1e-6)
-      for (const std::string& text : frames_taken(loaded.scene))
-        words.say("  taken      {}, as no place is given\n", text);
+RunOutputs checked_outputs(const Loaded& loaded, const Arguments& args, const Table& columns, const std::string& csv) {
+  RunOutputs outputs = outputs_of(loaded, args, columns);
+  check_overwrites(csv, loaded.scene, outputs.pictures);
+  return outputs;
+}
+
+// One run of a scene, with all that watches it and all that it leaves.
+class ProgramRun {
+ public:
+  /// `from`: the checkpoint that it goes on from; null: it begins.
+  ProgramRun(const Arguments& args, const RunCheckpoint* from)
+      : args_(args),
+        from_(from),
+        words_(args),
+        loaded_(load_for(args, from)),
+        m_(build_mechanism(loaded_.scene, loaded_.registry)),
+        csv_(table_of(m_, loaded_, args)),
+        recorder_(make_recorder(m_)),
+        outputs_(checked_outputs(loaded_, args, recorder_->table(), csv_)),
+        file_(csv_),
+        checkpoints_(args, loaded_, file_),
+        events_(make_events(m_, *recorder_)),
+        report_(args, loaded_, m_, *recorder_, csv_),
+        rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
+        details_(picture_rows(m_, csv_, rows_, args)),
+        at_jumps_(*recorder_, rows_),
+        singular_(m_.system),
+        audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(m_.system, m_.run.limits)),
+        dynamics_(make_dynamics(m_, loaded_.registry)),
+        sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
+        doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
+
+  /// The exit code.
+  int go() {
+    words_.say("{}\n", loaded_.title());
+    State start = assembled_start();
+    add_observers(start);
+    begin(std::move(start));
+    double seconds = 0;
+    const Ended ended = lockstep::go(sim_, m_.run.until, args_.quiet, checkpoints_, seconds);
+    const std::exception_ptr unwritten = write_rest(file_);
+    if (ended.error) fail(ended.error, unwritten);
+    const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
+    const EndedRun end{sim_, m_.run, found, seconds, ended.interrupted, doubts_, singular_.passed()};
+    conclude(end, unwritten);
+    return exit_code(end);
   }
 
-  if (!args.quiet && from == nullptr)
-    if (const std::vector<std::string> columns = not_unique(dynamics, start, m.run); !columns.empty())
+ private:
+  State assembled_start() {
+    State start = m_.system.start();
+    if (from_ != nullptr) return start;
+    if (m_.run.assemble) {
+      const AssemblyReport assembled = assemble(dynamics_, start, m_.start_speeds, m_.assembly);
+      if (assembled.is_notable()) words_.say("  assembled  {}\n", assembled.text());
+      if (assembled.largest_move > 1e-6)
+        for (const std::string& text : frames_taken(loaded_.scene))
+          words_.say("  taken      {}, as no place is given\n", text);
+    }
+    if (args_.quiet) return start;
+    if (const std::vector<std::string> columns = columns_not_unique(dynamics_, start, m_.run); !columns.empty())
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
-
-  report.mark(dynamics, start);
-
-  StepLoop sim(dynamics, make_integrator(m.run, loaded.registry), loop_options(m.run));
-  sim.add_observer(*recorder);
-  if (outputs.at_jumps) sim.add_observer(at_jumps);
-  sim.add_observer(rows);
-  const bool judged = !args.quiet || args.strict;
-  const IntegratorInfo method = sim.integrator().info();
-  Doubts doubts(records_reactions(m.run), method.adaptive ? m.run.tolerance.relative : 0.0);
-  SingularWatch singular(m.system);
-  if (judged) sim.add_observer(doubts);
-  if (judged && SingularWatch::is_needed(dynamics, start, method)) sim.add_observer(singular);
-  if (details) sim.add_observer(*details);
-  if (audit) sim.add_observer(summary), sim.add_observer(*audit);
-  report.watch(sim);
-  for (Event& event : events) sim.add_event(std::move(event));
-  if (from == nullptr) {
-    sim.set_state(std::move(start));
-    warn(loaded.scene, m, args, sim);
-    if (judged) warn_of_branches(dynamics, sim);
-  } else {
-    rows.go_on();
-    sim.load(from->run);
-    words.say("  resumed    at t = {:.6g} s, after {} steps\n", sim.state().t, sim.report().steps);
+    return start;
   }
 
-  double seconds = 0;
-  const Ended ended = go(sim, m.run.until, args.quiet, checkpoints, seconds);
-  const std::exception_ptr unwritten = write_rest(file);
-  if (ended.error) {
-    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                          : rows_of(rows.rows().n_rows()) + " up to there " +
-                                                (rows.rows().n_rows() == 1 ? "is" : "are") + " in " + file.partial();
-    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim.state().t, written);
-    write_unfinished(report, sim, ended.error);
-    if (args.json)
-      print_json(args, loaded,
-                 {{"status", "failed"},
-                  {"t", sim.state().t},
-                  {"error", thrown_words(ended.error)},
-                  {"rows", rows.rows().n_rows()},
-                  {"files", {file.partial()}}});
-    std::rethrow_exception(ended.error);
+  bool judged() const { return !args_.quiet || args_.strict; }
+
+  void add_observers(const State& start) {
+    sim_.add_observer(*recorder_);
+    if (outputs_.at_jumps) sim_.add_observer(at_jumps_);
+    sim_.add_observer(rows_);
+    if (judged()) sim_.add_observer(doubts_);
+    if (judged() && SingularWatch::is_needed(dynamics_, start, sim_.integrator().info())) sim_.add_observer(singular_);
+    if (details_) sim_.add_observer(*details_);
+    if (audit_) sim_.add_observer(summary_), sim_.add_observer(*audit_);
+    report_.watch(sim_);
+    for (Event& event : events_) sim_.add_event(std::move(event));
   }
-  const Audit found = audit ? audit->result() : drift_alone(sim, m.run.limits);
-  const EndedRun end{sim, m.run, found, seconds, ended.interrupted, doubts, singular.passed()};
-  const std::string lines = audit ? end_words(end, summary) : "";
-  words.say("{}", lines);
-  if (unwritten) std::rethrow_exception(unwritten);
-  file.commit();
-  if (!ended.interrupted) checkpoints.remove();
-  std::vector<std::string> files =
-      print_files(csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, args, words);
-  if (report) {
-    report.write(sim, lines, ended.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim.state().t) : "");
-    words.say("             {}\n", report.file());
-    files.push_back(report.file());
-    show(args, report);
-  }
-  if (args.json) {
-    nlohmann::ordered_json j = json_of(end, rows.rows());
-    j["files"] = files;
-    print_json(args, loaded, std::move(j));
-  }
-  if (args.certify && !ended.interrupted)
-    fmt::print(args.record == "-" ? stderr : stdout, "{}", certificate_of(loaded, args, m.run, recorder->table()));
-  if (ended.interrupted)
-    fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written{}\n", sim.state().t,
-               checkpoints ? "; go on with: lockstep resume " + in_quotes(checkpoints.file()) : "");
-  if (ended.interrupted) return kExitInterrupted;
-  if (args.strict)
-    if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
-      for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
-      return kExitDoubtful;
+
+  void begin(State start) {
+    if (from_ != nullptr) {
+      rows_.go_on();
+      sim_.load(from_->run);
+      words_.say("  resumed    at t = {:.6g} s, after {} steps\n", sim_.state().t, sim_.report().steps);
+      return;
     }
-  return is_wrong(found, sim.integrator().info()) ? kExitNotConserved : kExitOk;
-}
+    sim_.set_state(std::move(start));
+    warn_of_settings(loaded_.scene, m_, args_, sim_);
+    if (judged()) warn_of_branches(dynamics_, sim_);
+  }
+
+  [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
+    const long n = rows_.rows().n_rows();
+    const std::string written = unwritten
+                                    ? "the rows up to there could not be written: " + thrown_words(unwritten)
+                                    : rows_of(n) + " up to there " + (n == 1 ? "is" : "are") + " in " + file_.partial();
+    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written);
+    write_unfinished(report_, sim_, error);
+    if (args_.json)
+      print_json(args_, loaded_,
+                 {{"status", "failed"},
+                  {"t", sim_.state().t},
+                  {"error", thrown_words(error)},
+                  {"rows", n},
+                  {"files", {file_.partial()}}});
+    std::rethrow_exception(error);
+  }
+
+  // Words, files, pictures, report and certificate of a run that reached its end or was interrupted.
+  void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
+    const std::string lines = audit_ ? end_words(end, summary_) : "";
+    words_.say("{}", lines);
+    if (unwritten) std::rethrow_exception(unwritten);
+    file_.commit();
+    if (!end.interrupted) checkpoints_.remove();
+    const std::string title = loaded_.title();
+    std::vector<std::string> files =
+        print_files(csv_, title, rows_.rows(), details_.get(), m_.run, outputs_, args_, words_);
+    if (report_) {
+      report_.write(sim_, lines,
+                    end.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim_.state().t) : std::string());
+      words_.say("             {}\n", report_.file());
+      files.push_back(report_.file());
+      show(args_, report_);
+    }
+    if (args_.json) {
+      nlohmann::ordered_json j = json_of(end, rows_.rows());
+      j["files"] = files;
+      print_json(args_, loaded_, std::move(j));
+    }
+    if (args_.certify && !end.interrupted)
+      fmt::print(args_.record == "-" ? stderr : stdout, "{}",
+                 certificate_of(loaded_, args_, m_.run, recorder_->table()));
+  }
+
+  int exit_code(const EndedRun& end) {
+    if (end.interrupted) {
+      fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written{}\n", sim_.state().t,
+                 checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string());
+      return kExitInterrupted;
+    }
+    if (args_.strict)
+      if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
+        for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
+        return kExitDoubtful;
+      }
+    return is_wrong(end.audit, sim_.integrator().info()) ? kExitNotConserved : kExitOk;
+  }
+
+  const Arguments& args_;
+  const RunCheckpoint* from_;
+  const Words words_;
+  Loaded loaded_;
+  Mechanism m_;
+  const std::string csv_;
+  const std::unique_ptr<Recorder> recorder_;
+  const RunOutputs outputs_;
+  GrowingFile file_;
+  Checkpoints checkpoints_;
+  std::vector<Event> events_;
+  RunReport report_;
+  RunRows rows_;
+  const std::unique_ptr<PictureRows> details_;
+  RowsAtJumps at_jumps_;
+  SingularWatch singular_;
+  Summary summary_;
+  const std::unique_ptr<EnergyAudit> audit_;  // energies are integrated only if they are printed
+  Dynamics dynamics_;
+  StepLoop sim_;
+  Doubts doubts_;
+};
 
 }  // namespace
 
-int run_command(const Arguments& args) { return run_scene(args, nullptr); }
+int run_command(const Arguments& args) { return ProgramRun(args, nullptr).go(); }
 
 int resume_command(const Arguments& args) {
   const RunCheckpoint from = RunCheckpoint::read(args.checkpoint);
@@ -381,44 +380,7 @@ int resume_command(const Arguments& args) {
                                 file, from.folder, error.message()));
   Arguments begun = read_run_words(from.words);
   begun.record = from.csv, begun.checkpoint = file;
-  return run_scene(begun, &from);
-}
-
-int assemble_command(const Arguments& args) {
-  if (!args.branches.empty()) return branches_command(args);
-  if (!args.wild.empty()) return wild_command(args);
-  const Loaded loaded = load(args);
-  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
-  State state = m.system.start();
-  const AssemblyReport r = assemble(dynamics, state, m.start_speeds, m.assembly);
-  nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-  if (!args.json) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
-  for (const Body& body : m.system.bodies()) {
-    if (body.fixed) continue;
-    const Pose at = body_pose(body, state);
-    bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
-    if (!args.json)
-      fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
-                 at.q.w, at.q.x, at.q.y, at.q.z);
-  }
-  const nlohmann::ordered_json report = {{"before", r.before},           {"after", r.after},
-                                         {"before_v", r.before_v},       {"after_v", r.after_v},
-                                         {"iterations", r.iterations},   {"largest_move", r.largest_move},
-                                         {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
-                                         {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (args.json) print_document(report);
-  // Farther than the distance asked for, or than what the report warns of.
-  const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
-  if (args.within.empty()) return r.warnings.empty() ? kExitOk : kExitDoubtful;
-  const double within = positive_number("--within", args.within, Unit::length, "0.1m");
-  if (far <= within) return kExitOk;
-  fmt::print(
-      stderr,
-      "lockstep: --within: the assembled start is {:.3g} m from the one given (turns by the length of the mechanism), "
-      "beyond {:g} m: moved '{}' by {:.3g} m, turned '{}' by {:.3g} rad\n",
-      far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn);
-  return kExitDoubtful;
+  return ProgramRun(begun, &from).go();
 }
 
 }  // namespace lockstep

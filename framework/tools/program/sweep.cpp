@@ -274,7 +274,8 @@ class Sweep {
     const std::string header = this->header();
     if (plan_.arguments.resume) {
       mark_.check();
-      const SweepRun failed{.failed = true};
+      SweepRun failed;
+      failed.failed = true;
       return keep_rows(rows_, header, [&](long k) {
         if (k >= n_runs_) return std::string("no such run");
         const long n = number(k);

@@ -1,0 +1,83 @@
+#include "framework/tools/program/run_warnings.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include <lockstep/step_loop.h>
+#include "framework/mechanism/params/read.h"
+#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/program/check_dependencies.h"
+
+namespace lockstep {
+namespace {
+
+// Springs that push away from where they should hold.
+std::vector<std::string> negative_stiffness(const Scene& scene) {
+  std::vector<std::string> all;
+  const Value* forces = scene.root.find("forces");
+  if (forces == nullptr || forces->list() == nullptr) return all;
+  for (const Value& force : *forces->list()) {
+    const Value *name = force.find("name"), *k = force.find("stiffness");
+    if (k == nullptr || name == nullptr || name->text() == nullptr) continue;
+    const std::string* text = k->text();
+    if (text != nullptr ? text->starts_with('-') : k->number() != nullptr && *k->number() < 0)
+      all.push_back(fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
+                                *name->text(), plain_text(*k)));
+  }
+  return all;
+}
+
+}  // namespace
+
+void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
+  const RunSettings& run = m.run;
+  const auto say = [&](const std::string& text) { sim.warn(text); };
+  if (!run.times.empty() && run.times.back() > run.until)
+    say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
+                    run.until));
+  if (run.output > run.until)
+    say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
+                    run.output, run.until));
+  for (const std::string& words : negative_stiffness(scene)) say(words);
+  for (const EventRequest& e : m.events)
+    if (e.event.at > run.until)
+      say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
+                      e.event.at, run.until));
+  const Value* settings = scene.root.find("run");
+  const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
+  if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
+    say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
+}
+
+bool records_reactions(const RunSettings& run) {
+  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
+    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
+           r.channel.find(".lambda_") != std::string::npos;
+  });
+}
+
+void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
+  const State& start = sim.state();
+  const BranchPoint at = branch_point(dynamics, start);
+  if (!at.singular) return;
+  constexpr double kOff = 1e-3;  // of the velocity
+  const bool moves = start.v.size() > 0 && !start.v.isZero(0);
+  const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
+  sim.warn(fmt::format(
+      "the start lies in a singular position: {}{}", at.text(dynamics, start),
+      !moves ? ". It is at rest there: which of them it takes is not determined; choose one by a small start velocity "
+               "along it, or start beside the position"
+      : off > kOff
+          ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not): give it "
+                        "along one",
+                        off)
+          : ". It goes on along its velocity"));
+}
+
+std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
+  if (!records_reactions(run)) return {};
+  return columns_not_unique(run, uniqueness(dynamics, start));
+}
+
+}  // namespace lockstep

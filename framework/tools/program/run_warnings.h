@@ -1,0 +1,21 @@
+// What is said of a run before it begins: settings without effect, starts that leave a choice, columns that are not unique.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/sweep.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// Warns, one line each, of settings that have no effect, or hardly the one that was meant.
+void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
+/// Warns of a start in a singular position, where the rows alone do not say how the motion continues.
+void warn_of_branches(Dynamics&, StepLoop&);
+/// Whether a recorded column is a reaction.
+bool records_reactions(const RunSettings&);
+/// The recorded columns that hold reactions which are not unique at the start.
+std::vector<std::string> columns_not_unique(Dynamics&, const State& start, const RunSettings&);
+
+}  // namespace lockstep
