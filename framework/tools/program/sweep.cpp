@@ -242,7 +242,8 @@ class Sweep {
     const std::string header = sweep_header(plan_.variables, plan_.columns);
     if (plan_.arguments.resume) {
       mark_.check();
-      const SweepRun failed{.failed = true};
+      SweepRun failed;
+      failed.failed = true;
       return keep_rows(rows_, header, [&](long k) {
         if (k >= n_runs_) return std::string("no such run");
         const long n = number(k);
