@@ -24,7 +24,7 @@ constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundan
 constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
 constexpr double kBothSides = 1e-9;  // relative accuracy of rates from both sides
 constexpr double kShort = 1e-3;      // rad: in a step that turns less, errors near a singular position are round-off's,
-constexpr double kNoise = 3e-12;     // if they are within this, relative, over the indicator
+constexpr double kErrorNoise = 3e-12;  // if they are within this, relative, over the indicator
 constexpr double kUnmet = 1e-6;      // residual of rows that could not be met, where no position is near
 constexpr double kContradict = 1e-8;  // residual of rows that contradict one another
 constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
@@ -226,7 +226,7 @@ bool SingularPassage::must_shift(const Stages& stages, double error) const {
 
 double SingularPassage::shift(const Stages& stages, double h, double error) {
   if (h * rate_of_turn_ < kShort && !ill_conditioned(stages, last_)) {  // what is left of the error is round-off
-    limit_ = std::max(limit_, kNoise / (stages.indicator() * relative_));
+    limit_ = std::max(limit_, kErrorNoise / (stages.indicator() * relative_));
     if (error <= limit_) return h;
   }
   if (error < best_.error && !ill_conditioned(stages, last_)) best_ = {h, error};

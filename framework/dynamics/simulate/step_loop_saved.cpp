@@ -96,8 +96,8 @@ void StepLoop::load(const Snapshot& in) {
 }
 
 void StepLoop::load_parts(const Snapshot& in) {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause] =
-      *parts_;
+  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
+         detailed] = *parts_;
   dynamics_.set_up();
   const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_);
   if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
