@@ -12,7 +12,7 @@ namespace lockstep {
 namespace {
 using namespace chart_style;
 
-constexpr double kLeft = 104, kRight = 40, kTop = 16, kBottom = 76;  // pixels around the axes
+constexpr double kLeftOfPath = 104, kRightOfPath = 40, kAbovePath = 16, kBelowPath = 76;  // pixels around the axes
 
 // The range of the data and a twentieth of it on both sides, no narrower than `least`.
 Range with_room(const Extent& e, double least) {
@@ -39,8 +39,8 @@ void write_path(const std::string& path, const PathSpec& spec) {
   Extent x{}, y{};
   x.take(spec.x, false), y.take(spec.y, false);
   Range seen_x = with_room(x, 0), seen_y = with_room(y, 0);
-  const double top = kTop + title_height(spec.title);
-  const double width = spec.width - kLeft - kRight, height = spec.height - top - kBottom;
+  const double top = kAbovePath + title_height(spec.title);
+  const double width = spec.width - kLeftOfPath - kRightOfPath, height = spec.height - top - kBelowPath;
   if (spec.equal_scales) equalize(seen_x, seen_y, width, height);
   std::size_t first = 0;
   while (first + 1 < spec.x.size() && !(std::isfinite(spec.x[first]) && std::isfinite(spec.y[first]))) ++first;
@@ -48,7 +48,7 @@ void write_path(const std::string& path, const PathSpec& spec) {
   path_data(out, "p0s0", curve);
   common(out);
   begin_page(out, 1, spec.title);
-  margins(out, kLeft / spec.width, 1 - kRight / spec.width, 1 - top / spec.height, kBottom / spec.height);
+  margins(out, kLeftOfPath / spec.width, 1 - kRightOfPath / spec.width, 1 - top / spec.height, kBelowPath / spec.height);
   out.line("unset key");
   axis(out, 'x', spec.x_label, false, x.low, x.high);
   axis(out, 'y', spec.y_label, false, y.low, y.high);

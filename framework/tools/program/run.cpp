@@ -229,6 +229,7 @@ class ProgramRun {
   int go() {
     words_.say("{}\n", loaded_.title());
     State start = assembled_start();
+    report_.mark(dynamics_, start);
     add_observers(start);
     begin(std::move(start));
     double seconds = 0;
