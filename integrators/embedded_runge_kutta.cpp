@@ -1,6 +1,9 @@
 #include <lockstep/integrators.h>
 
 #include <cmath>
+#include <string>
+
+#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -205,6 +208,8 @@ void EmbeddedRungeKutta::restore(const Snapshot& in) {
   h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
   StateRate late = stages_.k(scheme_.late_stage);
   in.get_all(late.v);
+  if (gap_.v.size() != error_.v.size() || late.v.size() != error_.v.size())
+    throw ModelError(std::string(scheme_.name) + ": the saved history is that of another mechanism");
   stages_.put(scheme_.late_stage, late);
 }
 

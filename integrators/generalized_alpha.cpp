@@ -274,7 +274,12 @@ void GeneralizedAlpha::save(Snapshot& out) const {
 void GeneralizedAlpha::restore(const Snapshot& in) {
   AdaptiveStepper::restore(in);
   h_ = in.get(), t_ = in.get();
-  for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) in.get_all(*v);
+  for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_}) {
+    const Eigen::Index own = v->size();  // by begin()
+    in.get_all(*v);
+    if (v->size() != own) throw ModelError("generalized_alpha: the saved history is that of another mechanism");
+  }
+  in.get_all(lambda_);
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());
   output_.forget();
 }

@@ -251,6 +251,7 @@ void Radau5::restore(const Snapshot& in) {
   h_before_ = in.get(), t_before_ = in.get();
   for (int i = 0; i < kStages; ++i) {
     in.get_all(y_);
+    if (y_.size() != before_.rows()) throw ModelError("radau5: the saved history is that of another mechanism");
     before_.col(i) = y_;
   }
   output_.forget();

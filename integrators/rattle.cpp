@@ -157,7 +157,11 @@ void Rattle::restore(const Snapshot& in) {
   ready_ = restored_ = in.get_flag();
   if (!ready_) return;
   now_.t = in.get(), left_ = in.get(), factored_t_ = in.get();
+  const State own = next_;  // of begin()
   for (VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) in.get_all(*v);
+  if (now_.q.size() != own.q.size() || now_.v.size() != own.v.size() || now_.z.size() != own.z.size() ||
+      guess_.size() != own.v.size() || factored_q_.size() != own.q.size())
+    throw ModelError(fmt::format("{}: the saved history is that of another mechanism", scheme_.name));
 }
 
 // False when an event has changed the state.

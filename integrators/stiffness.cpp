@@ -51,7 +51,9 @@ void StiffnessWatch::save(Snapshot& out) const {
 void StiffnessWatch::restore(const Snapshot& in) {
   for (double* x : {&n_, &rate2_, &damped_}) *x = in.get();
   stiff_ = in.get_flag();
+  const Eigen::Index own = a_before_.size();  // by begin()
   in.get_all(a_before_);
+  if (a_before_.size() != own) throw ModelError("the saved history of the steps is that of another mechanism");
 }
 
 }  // namespace lockstep

@@ -7,13 +7,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/tools/precision/work_precision.h"
-#include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
-#include <lockstep/joints.h>
 #include <lockstep/couplings.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
+#include "framework/tools/precision/work_precision.h"
 #include "samples/shared/output.h"
 #include "tests/support/hand_joints.h"
+#include "tests/support/worst.h"
 
 using namespace lockstep;
 
@@ -59,9 +60,9 @@ double difference(const Probe& a, const Probe& b) {
   const RowView x = a.table.block(a.table.entries.front()), y = b.table.block(b.table.entries.front());
   double worst = 0;
   for (int k = 0; k < x.rows(); ++k) {
-    worst = std::max({worst, std::abs(x.Ct(k) - y.Ct(k)), std::abs(x.Qhat(k) - y.Qhat(k))});
+    keep_worst(worst, std::abs(x.Ct(k) - y.Ct(k))), keep_worst(worst, std::abs(x.Qhat(k) - y.Qhat(k)));
     for (int i = 0; i < x.slots(); ++i)
-      for (std::size_t j = 0; j < 6; ++j) worst = std::max(worst, std::abs(x.J(i, k)[j] - y.J(i, k)[j]));
+      for (std::size_t j = 0; j < 6; ++j) keep_worst(worst, std::abs(x.J(i, k)[j] - y.J(i, k)[j]));
   }
   return worst;
 }

@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/recorder.h>
@@ -195,6 +197,63 @@ TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to
   }
 }
 
+// A crank and rocker in space with a spring that comes and goes; all that watches a run is on.
+TEST_CASE("what the program adds to a run goes on with it", "[faults]") {
+  const auto scene_with = [](const std::string& name, const std::string& method) {
+    fs::create_directories(kFolder);
+    const std::string path = kFolder + "/" + name + ".json";
+    std::ofstream(path) << R"({"lockstep": 1, "gravity": [0.3, -9.81, 0], "planar": "off",
+  "bodies": [
+    {"name": "crank", "rod": {"mass": 0.5, "from": [0, 0, 0], "to": [0.06, 0.08, 0], "radius": 0.01}},
+    {"name": "coupler", "rod": {"mass": 1.2, "from": [0.06, 0.08, 0], "to": [0.3, 0.25, 0], "radius": 0.01}},
+    {"name": "rocker", "rod": {"mass": 0.9, "from": [0.28, 0, 0], "to": [0.3, 0.25, 0], "radius": 0.01}}],
+  "markers": [{"name": "tip", "body": "rocker", "world_at": [0.3, 0.25, 0]},
+              {"name": "hook", "body": "ground", "world_at": [0.6, 0.3, 0]}],
+  "links": [
+    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0], "start": {"velocity": {"rz": 9}}},
+    {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": [0.06, 0.08, 0]},
+    {"name": "C", "type": "revolute", "p": "rocker", "s": "coupler", "at": [0.3, 0.25, 0]},
+    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [0.28, 0, 0]}],
+  "forces": [{"name": "spring", "type": "spring_damper", "p": "tip", "s": "hook", "stiffness": 2, "damping": 0.01,
+              "free_length": 0.2}],
+  "events": [
+    {"name": "off", "when": {"channel": "crank.y", "crosses": 0, "direction": "falling"}, "once": false, "deactivate": ["spring"]},
+    {"name": "on", "when": {"channel": "crank.y", "crosses": 0, "direction": "rising"}, "once": false, "activate": ["spring"]}],
+  "run": {)" << method << R"(, "output": 0.1, "record": ["rocker.angle_z", "C.force_on_p_world_x", "energy.total"]}})";
+    return path;
+  };
+  const std::pair<const char*, const char*> kinds[] = {
+      {"added_rk4", R"("until": 60, "integrator": "rk4", "step": 0.001)"},
+      {"added_dop853", R"("until": 60, "integrator": "dop853", "tolerance": 1e-10)"}};
+  for (const auto& [name, method] : kinds) {
+    const std::string file = kFolder + "/" + name + ".csv", saved = kFolder + "/" + name + ".checkpoint";
+    const std::string words = "run '" + scene_with(name, method) + "' --json --at-jumps --record '" + file + "'";
+    for (const std::string& old : {file, file + ".partial", saved}) fs::remove(old);
+    const auto numbers_of = [](const Called& r) {
+      nlohmann::json j = nlohmann::json::parse(r.text);
+      j.erase("seconds"), j.erase("command"), j.erase("files");
+      return j;
+    };
+    const Called whole = call(words + " 2>/dev/null");
+    INFO(name << "\n" << whole.text);
+    const nlohmann::json expected = numbers_of(whole);
+    CHECK(expected["energy"]["instants"].size() >= 1);
+    const std::string rows = bytes_of(file);
+    fs::remove(file);
+    shell("lockstep " + words + " --checkpoint '" + saved +
+          "' --every 0.02s >/dev/null 2>&1 & for k in $(seq 1000); do sleep 0.01; [ -s '" + saved +
+          "' ] && break; done; sleep 0.05; kill -TERM $!; wait $!");
+    REQUIRE(fs::exists(saved));
+    // The second without the gnuplot that may have been there when it began.
+    const Called rest =
+        call("resume '" + saved + "' 2>/dev/null", name == std::string("added_rk4") ? "" : "PATH=/nowhere");
+    INFO(rest.text);
+    CHECK(rest.exit == whole.exit);
+    CHECK(numbers_of(rest) == expected);
+    CHECK((bytes_of(file) == rows));
+  }
+}
+
 TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself have changed", "[faults]") {
   const std::string scene =
       arm_scene("changed", R"("until": 1e5, "output": 0.05, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");
@@ -272,6 +331,46 @@ TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "
     CHECK_FALSE(fs::exists(mark));
     CHECK_FALSE(fs::exists(partial));
   }
+}
+
+TEST_CASE("a sweep that goes on ends with 9 for the wrong runs of its first part", "[faults]") {
+  const std::string scene = arm_scene(
+      "off",
+      R"("until": 400, "output": 1, "integrator": "rk4", "step": 0.1, "formulation": "omega", "stabilization": "none", "violation_limit": "1 um", "record": ["arm.x"])");
+  const std::string file = kFolder + "/off.csv", partial = file + ".partial";
+  const std::string words =
+      "sweep '" + scene + "' --jobs 1 --lanes off --vary gravity.2=-1:-0.5:300 --record '" + file + "'";
+  for (const std::string& name : {file, partial, file + ".sweep"}) fs::remove(name);
+  shell("lockstep " + words + " --quiet & for k in $(seq 1000); do sleep 0.02; [ \"$(wc -l < '" + partial +
+        "')\" -gt 3 ] && break; done 2>/dev/null; kill -KILL $!; wait $!");
+  REQUIRE(fs::exists(partial));
+  const std::string kept = bytes_of(partial);
+  CHECK(contains(kept, ",wrong\n"));
+  const Called r = shell("lockstep " + words + " --resume");
+  INFO(r.text);
+  CHECK(r.exit == 9);
+  CHECK(contains(r.text, "of them before, when it was interrupted"));
+  CHECK(contains(r.text, "drifted: 300 of the runs"));
+  CHECK_FALSE(contains(bytes_of(file), ",ok\n"));
+}
+
+TEST_CASE("the page of a sweep that went on says which runs it has no curves of", "[faults]") {
+  const std::string scene =
+      arm_scene("told", R"("until": 2, "output": 0.01, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
+  const std::string file = kFolder + "/told.csv", partial = file + ".partial", page = kFolder + "/told.html";
+  const std::string words = "sweep '" + scene + "' --jobs 1 --vary gravity.2=-9.81:-1:60 --record '" + file +
+                            "' --histories '" + kFolder + "/told' --report '" + page + "'";
+  for (const std::string& name : {file, partial, file + ".sweep", page}) fs::remove(name);
+  shell("lockstep " + words + " --quiet & for k in $(seq 1000); do sleep 0.02; [ \"$(wc -l < '" + partial +
+        "')\" -gt 3 ] && break; done 2>/dev/null; kill -KILL $!; wait $!");
+  REQUIRE(fs::exists(partial));
+  const Called r = shell("lockstep " + words + " --resume");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  const std::string fact = "runs before the interruption the page has no curves; the folder has";
+  CHECK(contains(bytes_of(page), fact));
+  CHECK(contains(r.text, "without curves of the "));
+  CHECK(fs::exists(kFolder + "/told/01.csv"));
 }
 
 TEST_CASE("every verb that prints says that a full standard output is full", "[faults]") {

@@ -2,13 +2,15 @@
 #include <algorithm>
 #include <string>
 
-#include <lockstep/registry.h>
-#include <lockstep/solvers.h>
+#include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/loader.h>
-#include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
 
 namespace ida_test {
 
@@ -117,6 +119,16 @@ TEST_CASE("the steps of ida show its order, projected after each of them", "[plu
   const double coarse = steps_at(1e-5), fine = steps_at(1e-8);
   CAPTURE(coarse, fine);
   CHECK(std::log(1e3) / std::log(fine / coarse) - 1 == Approx(order).margin(0.3));
+}
+
+TEST_CASE("a run with checkpoints is refused before it begins where its method cannot be saved", "[plugin][ida]") {
+  using lockstep::testing::call, lockstep::testing::contains, lockstep::testing::Called;
+  const Called r = call("run '" + std::string(paths::kScenes) + "/flyball.json' --plugin '" + paths::kPlugins +
+                        "/ida.so' --integrator ida --until 0.1 --no-picture --record ida.csv --checkpoint "
+                        "ida.checkpoint");
+  INFO(r.text);
+  CHECK(r.exit == 2);
+  CHECK(contains(r.text, "--checkpoint: integrator 'ida' keeps a history that cannot be saved"));
 }
 
 }  // namespace ida_test

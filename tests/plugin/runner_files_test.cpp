@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/recorder.h>
+#include "framework/tools/program/run_report.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"
@@ -21,15 +22,28 @@ namespace {
 
 const std::string& kFolder = kRunnerFolder;
 
+// What a page of the folder shows.
+nlohmann::json page(const std::string& name) {
+  std::ifstream in(kFolder + "/" + name, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::size_t begin = text.find(" id=\"data\">") + 11;
+  return nlohmann::json::parse(text.substr(begin, text.find("</script>", begin) - begin));
+}
+
 }  // namespace
 
+TEST_CASE("links with rows that are not unique are marked by their own names, stops too", "[runner]") {
+  UniquenessReport reactions;
+  reactions.rows = {"A.x", "A.y", "A.stop_rz_low.rz", "A.stop_rz_high.rz"};
+  const auto marked = marked_links(reactions);
+  std::vector<std::string> names, rows;
+  for (const auto& [link, why] : marked) names.push_back(link), rows.push_back(why.substr(0, why.find(';')));
+  CHECK(names == std::vector<std::string>{"A", "A.stop_rz_low", "A.stop_rz_high"});
+  CHECK(rows == std::vector<std::string>{"not unique: the reaction of row x, y", "not unique: the reaction of row rz",
+                                         "not unique: the reaction of row rz"});
+}
+
 TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
-  const auto page = [](const std::string& name) {
-    std::ifstream in(kFolder + "/" + name, std::ios::binary);
-    std::string text((std::istreambuf_iterator<char>(in)), {});
-    const std::size_t begin = text.find(" id=\"data\">") + 11;
-    return nlohmann::json::parse(text.substr(begin, text.find("</script>", begin) - begin));
-  };
   for (const char* name : {"bar.html", "short.html", "grid.html"}) fs::remove(kFolder + "/" + std::string(name));
   const Called run = call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report pages/../bar.html");
   INFO(run.text);
@@ -67,6 +81,22 @@ TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
   const Called over = call("run '" + own + "' --record bar.csv --report '" + own + "'");
   CHECK(over.exit == 2);
   CHECK(contains(over.text, "from which the scene is read"));
+}
+
+// A four-bar in space has three redundant rows, which share forces along the axes and moments across them.
+TEST_CASE("the page of a run marks links whose reactions are not unique", "[runner]") {
+  for (const char* name : {"full.html", "flat.html"}) fs::remove(kFolder + "/" + std::string(name));
+  const std::string run = "run '" + kFourBar + "' --until 0.05 --no-picture ";
+  REQUIRE(call(run + "--full --record full.csv --report full.html").exit == 0);
+  const nlohmann::json marked = page("full.html")["text"]["marked"];
+  INFO(marked.dump());
+  REQUIRE(marked.size() == 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    CHECK(marked[k][0] == std::string(1, "ABCD"[k]));
+    CHECK(contains(marked[k][1], "not unique"));
+  }
+  REQUIRE(call(run + "--record flat.csv --report flat.html").exit == 0);
+  CHECK(page("flat.html")["text"]["marked"].empty());
 }
 
 TEST_CASE("a run that fails leaves a report of what it computed", "[runner]") {

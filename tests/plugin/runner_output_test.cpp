@@ -1,4 +1,7 @@
 // The program, as other programs use it: JSON, standard streams, completion, the manual.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -14,6 +17,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
+#include "tests/support/worst.h"
 
 namespace runner_output_test {
 
@@ -302,6 +306,41 @@ TEST_CASE("pictures of one column against another are drawn on request", "[runne
   CHECK(contains(refused.text, "run.pictures[0].y: \"arm.z\" is not recorded"));
 }
 
+// Once round a circle in 17001 rows, of which every second is drawn; the table has them all.
+TEST_CASE("a path of a long run goes through rows of one instant each", "[runner]") {
+  const std::string scene = scene_file("round", R"("gravity": [0, 0, 0],
+    "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0], "velocity": [0, 1, 0]}],
+    "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [0, 0, 0], "stiffness": 1,
+      "free_length": 0}],
+    "run": {"until": 6.8, "output": 4e-4, "integrator": "dop853", "tolerance": 1e-10, "record": ["b.x", "b.y"]})");
+  fs::remove(kRunnerFolder + "/round.b.y_over_b.x.svg");
+  const Called r = call("run '" + scene + "' --picture b.x:b.y");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(contains(r.text, "(17001 rows)"));
+  if (shell("command -v gnuplot").exit != 0) return;
+  CHECK(contains(r.text, "paths join one row in 2"));
+  CHECK_FALSE(contains(r.text, "curves join the ends of steps"));  // no rows within steps were asked for
+  std::ifstream in(kRunnerFolder + "/round.b.y_over_b.x.svg");
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::size_t path = text.find(" d='M", text.find("gnuplot_plot_1"));
+  REQUIRE(path != std::string::npos);
+  std::istringstream points(text.substr(path + 5, text.find('\'', path + 5) - path - 5));
+  std::vector<double> x, y;  // pixels
+  char mark = 0;
+  for (double a = 0, b = 0; points >> a >> mark >> b; x.push_back(a), y.push_back(b))
+    while (std::isspace(points.peek()) != 0 || points.peek() == 'L') points.get();
+  REQUIRE(x.size() > 1000);
+  const auto [left, right] = std::minmax_element(x.begin(), x.end());
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  const double radius = (*right - *left) / 2;
+  double off = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    keep_worst(off, std::abs(std::hypot(x[i] - (*left + *right) / 2, y[i] - (*low + *high) / 2) - radius));
+  CHECK(radius > 100);
+  CHECK(off < 0.5);
+}
+
 // x = cos(w t): between rows half a swing apart the picture's rows lie on the curve.
 TEST_CASE("the rows of a picture are dense where the method can interpolate", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
@@ -328,8 +367,8 @@ TEST_CASE("the rows of a picture are dense where the method can interpolate", "[
     double worst = 0, gap = 0;
     for (std::size_t i = 0; i < all.n_rows(); ++i) {
       const double t = all["t"][i];
-      worst = std::max(worst, std::abs(all["b.x"][i] - std::cos(2 * t)));
-      if (i > 0) gap = std::max(gap, t - all["t"][i - 1]);
+      keep_worst(worst, std::abs(all["b.x"][i] - std::cos(2 * t)));
+      if (i > 0) keep_worst(gap, t - all["t"][i - 1]);
       if (i > 0) CHECK(t > all["t"][i - 1]);
     }
     CHECK(worst < (dense ? 1e-8 : 1e-3));
@@ -349,6 +388,14 @@ TEST_CASE("describe tells of a scene's parameters: value, place, what hangs on t
   CHECK(D["kind"] == "point");
   CHECK(D["value"] == "[0.28, 0, 0] m");
   CHECK(D["written"] == "=A + [base, 0, 0]");
+  CHECK(contains(call("describe A --scene '" + kFourBar + "'").text,
+                 "another value: --set A.x=..., --set A=\"=[1, 2, 3]\", a range: --vary A.x=..."));
+  const std::string of_D = call("describe D --scene '" + kFourBar + "'").text;  // a formula: it has no parts
+  CHECK(contains(of_D, "another value: --set D=\"=[1, 2, 3]\"\n"));
+  CHECK(contains(of_D, "read in this file by: parameters.BD, bodies.rocker.rod.from, links.D.at"));
+  CHECK(contains(crank.text, "another value: --set crank=..., a range: --vary crank=..."));
+  for (const char* setting : {"--set A.x=0.001", "--set A=\"=[0.001, 0, 0]\"", "--set D=\"=[0.28, 0.001, 0]\""})
+    CHECK(call("check '" + kFourBar + "' " + setting).exit == 0);
   CHECK(D["read_by"] == json({"parameters.BD", "bodies.rocker.rod.from", "links.D.at"}));
   const json all = json::parse(call("describe --scene '" + kFourBar + "' --json").text);
   CHECK(all.size() == 11);
@@ -356,6 +403,22 @@ TEST_CASE("describe tells of a scene's parameters: value, place, what hangs on t
   CHECK(wrong.exit == 2);
   CHECK(contains(wrong.text, "did you mean \"crank\""));
   CHECK(call("describe").exit == 2);
+  const std::string scene = kRunnerFolder + "/readers.json";
+  std::ofstream(scene) << R"~({"lockstep": 1, "parameters": {"rod": "1 m", "n": 2, "s": "2 m"},
+    "bodies": [{"name": "rod", "rod": {"mass": "=1 kg*(3 s/(2 s))", "from": [0, 0, 0], "to": "=[rod, 2*s, 0]"}},
+               {"name": "tip", "particle": 1, "position": "=rod.to"}],
+    "repeat": [{"times": "=n", "points": {"P{i}": "=[{i+n}*s, 0, 0]"},
+                "bodies": [{"name": "b_{i+n}", "particle": 1, "position": "P{i}"}]}]})~";
+  const auto readers = [&](const std::string& name) {
+    const Called of = call("describe " + name + " --scene '" + scene + "' --json");
+    INFO(of.text);
+    REQUIRE(of.exit == 0);
+    return json::parse(of.text).at(0)["read_by"];
+  };
+  CHECK(contains(call("describe P0 --scene '" + scene + "'").text, "change what the part makes it of"));
+  CHECK(readers("rod") == json({"bodies.rod.rod.to"}));  // "rod.to" is of the body
+  CHECK(readers("n") == json({"repeat.0.times", "repeat.0.points.P{i}", "repeat.0.bodies.b_{i+n}.name"}));
+  CHECK(readers("s") == json({"bodies.rod.rod.to", "repeat.0.points.P{i}"}));
 }
 
 TEST_CASE("completion knows verbs, options, choices, types and names of the scene", "[runner]") {

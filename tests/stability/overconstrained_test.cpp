@@ -224,7 +224,7 @@ void check_motion(const Case& c, const View& view) {
     const Pose ours = body_pose(body, end);
     const Pose theirs = view.frame * body_pose(reduced.mechanism.system.body(body.name), reduced_end);
     const Pose before = body_pose(body, full.start);
-    moved = std::max({moved, (ours.x - before.x).norm(), (rotation(ours.q) - rotation(before.q)).norm()});
+    keep_worst(moved, (ours.x - before.x).norm()), keep_worst(moved, (rotation(ours.q) - rotation(before.q)).norm());
     CAPTURE(body.name);
     CHECK((ours.x - theirs.x).norm() < 1e-9);
     CHECK((rotation(ours.q) - rotation(theirs.q)).norm() < 1e-9);
@@ -305,8 +305,8 @@ TEST_CASE("overconstrained mechanisms run on the constraints at any tolerance", 
         for (const Body& b : ours.mechanism.system.bodies()) {
           const Body &p = plain.mechanism.system.body(a.name), &q = plain.mechanism.system.body(b.name);
           if (a.fixed || b.fixed) continue;
-          off = std::max(off, std::abs((body_pose(a, end).x - body_pose(b, end).x).norm() -
-                                       (body_pose(p, truth).x - body_pose(q, truth).x).norm()));
+          keep_worst(off, std::abs((body_pose(a, end).x - body_pose(b, end).x).norm() -
+                                   (body_pose(p, truth).x - body_pose(q, truth).x).norm()));
         }
       CHECK(off < 50 * tolerance + 1e-9);
     }

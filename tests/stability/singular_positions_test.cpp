@@ -15,6 +15,7 @@
 #include "framework/tools/analysis/singular_watch.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/run_scene.h"
 
 namespace singular_positions_test {
 
@@ -174,6 +175,87 @@ TEST_CASE("regular positions of overconstrained mechanisms are no singular ones"
 
 namespace {
 
+/// A force that counts how often it is asked.
+class Asked final : public Force {
+ public:
+  explicit Asked(long& times) : Force("asked"), times_(times) {}
+  std::string_view type() const override { return "asked"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum&) const override { ++times_; }
+
+ private:
+  long& times_;
+};
+
+/// Flat parallelograms that have nothing to do with one another, free rods, and a chain that hangs on the first.
+std::string flat_parallelograms(int n, int n_free, int n_chain) {
+  std::string bodies, links;
+  const auto add = [](std::string& list, const std::string& more) { list += (list.empty() ? "" : ", ") + more; };
+  for (int k = 0; k < n; ++k) {
+    const std::string at = std::to_string(k);
+    add(bodies, rod("coupler_" + at, 0.3, k, 1.4, k));
+    for (int side = 0; side < 2; ++side) {
+      const std::string name = (side == 0 ? "left_" : "right_") + at;
+      add(bodies, rod(name, 1.1 * side, k, 1.1 * side + 0.3, k));
+      add(links, hinge("A_" + name, name, "ground", 1.1 * side, k));
+      add(links, hinge("B_" + name, "coupler_" + at, name, 1.1 * side + 0.3, k));
+    }
+  }
+  for (int k = 0; k < n_free; ++k) add(bodies, rod("free_" + std::to_string(k), 5, k, 6, k));
+  for (int k = 0; k < n_chain; ++k) {
+    add(bodies, rod("chain_" + std::to_string(k), 1.4, -k, 1.4, -k - 1));
+    add(links, hinge("C_" + std::to_string(k), "chain_" + std::to_string(k),
+                     k == 0 ? "coupler_0" : "chain_" + std::to_string(k - 1), 1.4, -k));
+  }
+  return scene(bodies, links, false);
+}
+
+}  // namespace
+
+TEST_CASE("what is beside a loop neither hides its branches nor adds to their cost", "[stability][analysis]") {
+  Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(1, 300, 70), "scene.json"), builtin_registry());
+  long times = 0;
+  m.system.add(std::make_unique<Asked>(times));
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  dynamics.set_up();
+  const State state = m.system.start();
+  times = 0;
+  const BranchPoint at = branch_point(dynamics, state);
+  CHECK(times > 0);
+  CHECK(times <= 26);
+  CHECK(at.known);
+  CHECK(at.singular);
+  CHECK(at.all);
+  CHECK(at.motions == 2);
+  REQUIRE(at.tangents.size() == 2);
+  VecX v = VecX::Zero(state.v.size());
+  v[6 * m.system.body("free_7").slot] = 1;
+  CHECK_FALSE(at.moves(v));
+  v += at.tangents[0];
+  CHECK(at.moves(v));
+  CHECK(at.off_branches(m.system, v) < 1e-9);
+}
+
+TEST_CASE("a singular position is told in few evaluations, however many motions it has", "[stability][analysis]") {
+  const int n = GENERATE(2, 6, 12);
+  Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(n, 0, 0), "scene.json"), builtin_registry());
+  long times = 0;
+  m.system.add(std::make_unique<Asked>(times));
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  dynamics.set_up();
+  times = 0;
+  const BranchPoint at = branch_point(dynamics, m.system.start());
+  CAPTURE(n, times);
+  CHECK(at.motions == 2 * n);
+  CHECK(at.singular);
+  CHECK_FALSE(at.all);
+  CHECK(times > 0);
+  CHECK(times <= 26);
+}
+
+namespace {
+
 std::vector<PassedPosition> watch(const std::string& text, const std::string& method, double step, double until,
                                   double speed) {
   Model model(text);
@@ -214,6 +296,32 @@ TEST_CASE("flat positions that plain stages pass are found, with their times and
   CHECK(links == std::vector<std::string>{"A0", "A1", "B0", "B1"});
   CHECK(passed[0].indicator < 1e-6);
   CHECK(passed.size() == 1);
+}
+
+// The trusted history says between which of its rows the first upright passes the line through its bearings.
+TEST_CASE("the ten flat positions of two bays are found", "[stability][analysis]") {
+  const Table truth = trusted("nfourbar_2");
+  Mechanism m = build_mechanism(read_scene(scene_path("nfourbar_2")), builtin_registry());
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  State start = m.system.start();
+  assemble(dynamics, start, m.start_speeds);
+  RunSettings settings = m.run;
+  settings.integrator = {"rk4"}, settings.step = 1e-3;
+  StepLoop loop(dynamics, make_integrator(settings, builtin_registry()), {.step = 1e-3});
+  SingularWatch singular(m.system);
+  loop.add_observer(singular);
+  loop.set_state(start);
+  loop.run_until(10);
+  std::vector<std::pair<double, double>> intervals;
+  for (std::size_t i = 1; i < truth.n_rows(); ++i)
+    if (truth["B0y"][i - 1] * truth["B0y"][i] < 0) intervals.emplace_back(truth["t"][i - 1], truth["t"][i]);
+  CHECK(intervals.size() == 10);
+  REQUIRE(singular.passed().size() == intervals.size());
+  for (std::size_t k = 0; k < intervals.size(); ++k) {
+    CAPTURE(k);
+    CHECK(singular.passed()[k].t > intervals[k].first);
+    CHECK(singular.passed()[k].t < intervals[k].second);
+  }
 }
 
 TEST_CASE("a watch finds nothing where no position is singular", "[stability][analysis]") {

@@ -19,7 +19,8 @@ TEST_CASE("csv cells: texts read back as they were, on one line", "[unit][csv]")
   for (std::size_t k = 0; k < texts.size(); ++k) CHECK(cells[k] == (texts[k] == " blanks " ? "blanks" : texts[k]));
   CHECK(csv_cell("plain") == "plain");
   CHECK(csv_cell("say \"no\"") == "\"say \"\"no\"\"\"");
-  CHECK(csv_cell("two\nlines\t") == "\"two lines \"");
+  CHECK(csv_cell("two\nlines\t") == "\"two lines\t\"");
+  CHECK(csv_cell("\x19one\rtwo") == "\"\x19one\rtwo\"");
   CHECK(csv_cell("\xEF\xBB\xBFx") == "\"\xEF\xBB\xBFx\"");  // no byte order mark
 }
 

@@ -126,6 +126,13 @@ TEST_CASE("functions and constants are those of the library", "[unit][expression
     CHECK(number(w.text) == w.value);
 }
 
+TEST_CASE("a formula tells the names that it reads", "[unit][expression]") {
+  const auto names = [](const char* formula) { return names_in(Expression(formula)); };
+  CHECK(names("=a + rod.to.x*sin(b) - 2 m*a") == std::vector<std::string>{"a", "rod.to", "b"});
+  CHECK(names("rod*[C.y, 1, 0]") == std::vector<std::string>{"rod", "C"});
+  CHECK(names("1 kg").empty());
+}
+
 TEST_CASE("units go through a formula", "[unit][expression]") {
   struct Case {
     const char *text, *value;

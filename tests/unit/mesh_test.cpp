@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <lockstep/error.h>
 #include <lockstep/registry.h>
@@ -201,6 +202,30 @@ TEST_CASE("shapes that are only drawn stand where the scene says", "[unit][scene
   refused(R"({"box": {"size": [1, 0, 1]}})", {"size", "greater than 0"});
   refused(R"({"rod": {"from": [1, 0, 0], "to": [1, 0, 0]}})", {"same point"});
   refused(R"({"mesh": "cube.stl", "position": [0, 0, 0]})", {"position", "orientation"});
+}
+
+TEST_CASE("runs of a sweep share the meshes that were read", "[unit][scene]") {
+  const Folder folder;
+  fs::copy_file(kCorpus + "cube_text.stl", folder.path / "cube.stl");
+  const Registry registry = builtin_registry();
+  const Scene scene = scene_from_text(
+      R"({"lockstep": 1, "bodies": [{"name": "ball", "sphere": {"mass": 2, "radius": 0.5},
+          "visual": {"shapes": [{"mesh": "cube.stl"}]}}]})",
+      (folder.path / "scene.json").string());
+  const auto mesh_of = [&](const Scene& s) { return build_mechanism(s, registry).solids.back().mesh; };
+  const auto mesh = mesh_of(scene);
+  const Variable mass = read_variable("bodies.ball.sphere.mass=1,2,3", scene, registry);
+  fs::remove(folder.path / "cube.stl");  // nothing reads it again
+  CHECK(mesh_of(scene) == mesh);
+  CHECK(mesh_of(Scene(scene)) == mesh);
+  std::vector<std::shared_ptr<const TriangleMesh>> seen(3);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 0; k < 3; ++k)
+      threads.emplace_back([&, k] { seen[k] = mesh_of(vary_scene(scene, {mass}, {k}, registry)); });
+  }
+  CHECK(seen == std::vector(3, mesh));
+  CHECK(mesh_of(set_in_scene(scene, {"bodies.ball.sphere.mass=5"}, registry)) == mesh);
 }
 
 }  // namespace mesh_test

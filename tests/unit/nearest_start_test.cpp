@@ -1,9 +1,11 @@
 // Starts by coordinates and weights: the assembled start nearest to what was asked.
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
@@ -114,6 +116,88 @@ TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
 TEST_CASE("a weight without a meaning is refused", "[unit][assembly]") {
   CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": -1)", "")), SceneError);
   CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": 2, "assembled": "free")", "")), SceneError);
+}
+
+namespace {
+
+/// C = x of a body: a link that names no pair of markers.
+class Unpaired final : public Lock {
+ public:
+  Unpaired(std::string name, Body& body) : Lock(std::move(name)), body_(body) {}
+  std::string_view type() const override { return "unpaired"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {}; }
+  RowPlan plan_rows() override {
+    RowPlan plan;
+    plan.add({RowKind::function, "x"});
+    plan.slots.add(body_.slot);
+    return plan;
+  }
+  void gather(Group links, const Inputs& in, RowSpan out) const override {
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const RowBlock block = out.lane(i);
+      block.C(0) = in.slot(static_cast<const Unpaired&>(*links[i]).body_.slot).x[0];
+      block.Ct(0) = 0, block.Qhat(0) = 0;
+      block.set(0, 0, Vec3::UnitX(), Vec3::Zero());
+    }
+  }
+
+ private:
+  Body& body_;
+};
+
+/// Why a body in a ball joint J, and one in a link X without pairs, are not assembled so; "" where they are.
+std::string refusal_of(const AssemblyOptions& options) {
+  System system;
+  Body& a = system.add_body("a", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  Body& b = system.add_body("b", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  system.add<Spherical>("J", a, system.ground(), Pose{});
+  system.add(std::make_unique<Unpaired>("X", b));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  State state = system.start();
+  try {
+    assemble(dynamics, state, {}, options);
+  } catch (const ModelError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("targets of a start that mean nothing are refused by name", "[unit][assembly]") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
+  CHECK(refusal_of({.coordinates = {{"J", Axis::rz, 0.1}}}).empty());
+  CHECK(refusal_of({.coordinates = {{"J", Axis::rz, 0.1, 0.0}}, .poses = {{"a", kInfinite}}}).empty());
+  for (const double weight : {-1.0, kNan, -kInfinite}) {
+    const std::string target = refusal_of({.coordinates = {{"J", Axis::rz, 0.1, weight}}});
+    const std::string pose = refusal_of({.poses = {{"a", weight}}});
+    CAPTURE(weight, target, pose);
+    CHECK(has(target, "J.rz: the weight"));
+    CHECK(has(pose, "'a': the weight"));
+  }
+  for (const double value : {kInfinite, kNan})
+    for (const double weight : {1.0, kInfinite}) {
+      const std::string refusal = refusal_of({.coordinates = {{"J", Axis::rz, value, weight}}});
+      CAPTURE(value, weight, refusal);
+      CHECK(has(refusal, "J.rz: the value"));
+    }
+  CHECK(has(refusal_of({.coordinates = {{"X", Axis::x, 0}}}), "link 'X' has no pair of markers"));
+}
+
+TEST_CASE("links that contradict each other are said to where nothing is asked for exactly", "[unit][assembly]") {
+  try {
+    const Assembled found(R"("bodies": [{"name": "a", "mass": 2, "inertia": [1, 1, 1], "start_weight": 3}],
+      "links": [{"name": "J", "type": "spherical", "p": "a", "s": "ground", "at_p": [0, 0, 0], "at_s": [0.3, 0, 0]},
+                {"name": "K", "type": "spherical", "p": "a", "s": "ground", "at_p": [0, 0, 0], "at_s": [-0.3, 0, 0]}])");
+    FAIL("it was assembled");
+  } catch (const AssemblyError& error) {
+    const std::string words = error.what();
+    CAPTURE(words);
+    CHECK(has(words, "the links cannot be met together"));
+    CHECK_FALSE(has(words, "asked for"));
+  }
 }
 
 }  // namespace nearest_start_test

@@ -468,7 +468,52 @@ TEST_CASE("of very many runs a page keeps some, and of these some rows", "[repor
   CHECK(rows >= 30);
   CHECK(frames >= 30);
   CHECK(frames * data["runs"][0]["frames"]["width"].get<std::size_t>() <= 2000);
-  CHECK(kept.left_out().find("1 run in 50, 1 row in ") == 0);
+  const auto stride = data["runs"][0]["table"]["stride"].get<std::size_t>();
+  const auto said = kept.left_out();
+  CAPTURE(said, rows, frames);
+  CHECK(said.starts_with("1 run in 50, 1 row in " + std::to_string(stride) + ", 1 instant in "));
+  // Of 4001 instants about every so many are there: frames are also added where bodies moved far.
+  const auto instants = std::stoul(said.substr(said.rfind(' ') + 1));
+  CHECK(instants > 1);
+  CHECK(data["runs"][0]["frames"]["stride"] == instants);
+  CHECK(2 * frames >= 4001 / instants);
+  CHECK(frames <= 2 * (4001 / instants) + 2);
+}
+
+TEST_CASE("runs of mechanisms that all look different keep their columns, and as much motion as there is room for",
+          "[report]") {
+  const Registry registry = builtin_registry();
+  const auto add = [&](report::Histories& kept, long run, int metres) {
+    std::string text = kSwinging;
+    const std::string to = "[1, 0, 0]";
+    text.replace(text.find(to), to.size(), "[" + std::to_string(metres) + ", 0, 0]");
+    const Scene scene = scene_from_text(text, "swinging.json");
+    const std::unique_ptr<report::Watcher> seen = kept.watcher();
+    Table table;
+    watched_run(scene, registry, recorded_columns(scene, registry), {}, &table,
+                {seen.get(), [&](const Mechanism& m, const Table& t) { kept.add(run, t, *seen, m); }});
+  };
+  report::Histories one(1);
+  add(one, 1, 1);
+  const std::size_t bytes = one.json()["mechanisms"][0].dump().size();
+  report::Histories kept(6, 3 * bytes);  // room for two, and the third of equal size
+  for (long run = 1; run <= 6; ++run) add(kept, run, run == 6 ? 1 : static_cast<int>(run));
+  CHECK(kept.n_kept() == 6);
+  const Json data = kept.json();
+  CHECK(data["mechanisms"].size() < 5);
+  std::size_t size = 0;
+  for (const Json& mechanism : data["mechanisms"]) size += mechanism.dump().size();
+  CHECK(size <= 3 * bytes);
+  long without = 0;
+  for (const Json& run : data["runs"]) {
+    CHECK(run["table"]["columns"].size() == 3);
+    CHECK(run.contains("mechanism") == run.contains("frames"));
+    without += run.contains("mechanism") ? 0 : 1;
+  }
+  CHECK(without == 5 - static_cast<long>(data["mechanisms"].size()));
+  CHECK(without > 0);
+  CHECK(data["runs"][5]["mechanism"] == 0);  // looks as the first
+  CHECK(kept.left_out() == "no motion of " + std::to_string(without) + " of them");
 }
 
 TEST_CASE("a page of modes holds the shapes by body, about the origins of their slots", "[report]") {

@@ -19,6 +19,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
 #include <lockstep/solvers.h>
+#include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
@@ -205,6 +206,44 @@ TEST_CASE("what an observer throws has a name, and the run goes on as if it had 
   CHECK(after.jumps == calm_after.jumps);
   if (where == "step" || where == "finish" || again) CHECK(before.outputs == calm_before.outputs);
   if (where == "output") CHECK(before.outputs.size() + 1 == calm_before.outputs.size());
+}
+
+namespace {
+
+/// Looks before jumps; the one that is to throw does so once.
+struct Looker final : DetailObserver {
+  bool throws = false;
+  std::vector<double> before, after;
+  double spacing() const override { return HUGE_VAL; }
+  void between(const Sample&) override {}
+  void before_jump(const Sample& s) override {
+    if (throws) throws = false, throw 7;
+    before.push_back(s.state.t);
+  }
+  void jumped(const Sample& s) override { after.push_back(s.state.t); }
+};
+
+}  // namespace
+
+TEST_CASE("what an observer throws before a jump has a name, and nobody is told of the jump twice",
+          "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>(), {.step = 0.05});
+  Looker first, second, third;
+  second.throws = true;
+  for (Looker* o : {&first, &second, &third}) run.add_observer(*o);
+  Event push{.name = "push", .at = 0.17};
+  push.change = [](State& s) { s.v[2] += 1; };
+  run.add_event(push);
+  check_words(message_of<UserCodeError>([&] { run.run_until(0.3); }), {"observer", "int", "0.17"});
+  CHECK(run.state().t == 0.17);
+  CHECK(third.before.empty());
+  run.run_until(0.3);
+  CHECK(first.before == std::vector<double>{0.17});
+  CHECK(second.before.empty());
+  CHECK(third.before == std::vector<double>{0.17});
+  for (const Looker* o : {&first, &second, &third}) CHECK(o->after == std::vector<double>{0.17});
 }
 
 TEST_CASE("a change that throws leaves the state, and its event is due again", "[unit][dynamics]") {

@@ -11,6 +11,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
+#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -53,14 +54,15 @@ class Folder {
   std::filesystem::path path_;
 };
 
-// Every way to place something: rods level, tilted and upright, boxes, a particle, a fixed frame, markers in body axes and in
-// the world, links by point, axis, orientation, by neither, between markers, a coupling of two pairs, forces in three axes.
+// Every way to place something: rods level, tilted, upright and rolled, boxes, a particle, a fixed frame, markers in body axes,
+// on a particle and in the world, links by point, axis, orientation, by neither, between markers, a coupling of two pairs, forces in three axes.
 const std::string kPart = R"~("parameters": {"L": "1 m"},
   "points": {"O": [0, 0, 0], "E": "=O + [L, 0, 0]"},
   "bodies": [
     {"name": "level", "rod": {"mass": 1, "from": "O", "to": "E"}, "velocity": [0.1, 0.2, 0], "omega_world": [0, 0, 0.3]},
     {"name": "tilted", "rod": {"mass": 2, "from": "E", "to": [2, 0.5, 0.7], "axial_inertia": 0.01}, "omega_body": [0, 1, 0]},
     {"name": "upright", "rod": {"mass": 2, "from": [3, 0, 0], "to": [3, 0, 1], "radius": 0.1}},
+    {"name": "rolled", "rod": {"mass": 1, "from": [0, 0, 2], "to": [1, 1, 3], "roll": "40 deg"}},
     {"name": "block", "box": {"mass": 3, "size": [0.1, 0.2, 0.3]}, "position": [1, 2, 3],
      "orientation": {"axis": "y", "angle": 0.4}},
     {"name": "plain", "mass": 2, "inertia": [0.1, 0.2, 0.25], "center": [0.1, 0, 0.05]},
@@ -71,7 +73,9 @@ const std::string kPart = R"~("parameters": {"L": "1 m"},
     {"name": "on_ground", "body": "ground", "at": [0, 1, 1]},
     {"name": "in_world", "body": "block", "world_at": [1, 2, 3.5]},
     {"name": "turned", "body": "block", "world_orientation": {"x": [1, 1, 0], "y": [-1, 1, 0]}},
-    {"name": "bare", "body": "ground"}],
+    {"name": "bare", "body": "ground"},
+    {"name": "on_bead", "body": "bead"},
+    {"name": "beside_bead", "body": "bead", "at": [0.1, 0.2, 0.3], "orientation": {"axis": "x", "angle": 0.5}}],
   "links": [
     {"name": "hinge", "type": "revolute", "p": "level", "s": "ground", "at": "O", "axis": "y"},
     {"name": "default_axes", "type": "revolute", "p": "tilted", "s": "level", "at": "E"},
@@ -81,6 +85,10 @@ const std::string kPart = R"~("parameters": {"L": "1 m"},
     {"name": "gears", "type": "gear", "ratio": 2, "pairs": ["hinge", {"p": "plain", "s": "ground", "at": [0, 0, 0], "axis": "x"}]}],
   "forces": [
     {"name": "push", "type": "applied_force", "p": "bead", "force": [1, 2, 3]},
+    {"name": "in_marker_axes", "type": "applied_force", "p": "on_bead", "axes": "marker", "force": [0.5, 0.2, 0.1]},
+    {"name": "in_body_axes", "type": "applied_force", "p": "bead", "axes": "body", "force": [0.1, 0.7, 0.3]},
+    {"name": "in_carrier_axes", "type": "applied_force", "p": "on_bead", "axes": "body", "direction": "y",
+     "law": {"type": "constant", "value": 2}},
     {"name": "along", "type": "applied_force", "p": "block", "at": [1, 2, 3.1], "direction": "x", "law": {"type": "constant", "value": 2}},
     {"name": "own", "type": "applied_torque", "p": "plain", "at": [0, 0, 0], "torque": [0.1, 0.2, 0.3], "axes": "body"},
     {"name": "spring", "type": "spring_damper", "p": "bead", "s": "on_ground", "stiffness": 10, "free_length": 0.5}],
@@ -129,7 +137,7 @@ TEST_CASE("an included scene stands somewhere else and moves there as it would a
     const Marker& moved = away.system.marker("my_" + marker.name);
     const Pose from = by * (marker.body->home * marker.local), to = moved.body->home * moved.local;
     CHECK((to.x - from.x).norm() < 1e-14);
-    if (marker.body->freedoms != Freedoms::particle) CHECK(apart(to.q, from.q) < 1e-14);
+    CHECK(apart(to.q, from.q) < 1e-14);
   }
   // The laws of mechanics hold in both places: a' = A a, alpha' = alpha in body axes, for the whole under turned gravity.
   Dynamics at_home(home.system, make_solver(home.run, registry())),
@@ -221,12 +229,144 @@ TEST_CASE("what parts bring is varied by path", "[unit][scene]") {
   const auto refused = [&](const char* setting) {
     return message_of<Error>([&] { build_mechanism(set_in_scene(plain, {setting}, registry()), registry()); });
   };
-  check_words(refused("bodies.left_lge.rod.mass=2"), {"left_lge"});
+  check_words(refused("bodies.left_lge.rod.mass=2"), {"left_lge", "did you mean \"bodies.left_leg.rod.mass\""});
+  check_words(refused("include.0.scen=a.json"), {"did you mean \"include.0.scene\""});
+  CHECK_FALSE(build_mechanism(set_in_scene(plain, {"links.left_H.active=false"}, registry()), registry())
+                  .system.link("left_H")
+                  .active_at_start());  // left to its default there
   check_words(refused("bodies.left_leg.rod.mass=-2"), {"body 'left_leg', rod", "must be greater than 0"});
   check_words(folder.refusal(whole + R"(, "set": {"bodies.leg.rod.mass": 2})"),
               {"scene.set", "\"bodies\" has no \"leg\""});
   check_words(folder.refusal(whole + R"(, "set": {"bodies.left_leg.rod.mass": [2]})"), {"scene.set", "one value"});
   check_words(folder.refusal(whole + R"(, "set": [1])"), {"scene.set", "an object of values by path"});
+}
+
+TEST_CASE("what is set by path reaches the parts that read it", "[unit][scene]") {
+  const Folder folder;
+  folder.write("leg.json", R"~("parameters": {"L": "1 m"}, "points": {"hip": [0, 0, 0]},
+    "bodies": [{"name": "leg", "rod": {"mass": 1, "from": "hip", "to": "=[L, 0, 0]"}}])~");
+  const std::string whole = R"~("parameters": {"L": "1 m", "n": 2}, "points": {"S": [0, 0, 0]},
+    "include": [{"scene": "leg.json", "prefix": "a_", "parameters": {"L": "=L"}, "at": "S"}],
+    "repeat": [{"times": "=n", "bodies": [{"name": "ball_{i}", "particle": 1}]}],
+    "bodies": [{"name": "own", "particle": 1, "position": "=[L, 0, 0]"}, {"name": "at_hip", "particle": 1, "position": "a_hip"}],
+    "set": )~";
+  const auto built = [&](const std::string& set) { return build_mechanism(folder.read(whole + set), registry()); };
+  const Mechanism longer = built(R"({"parameters.L": "3 m", "bodies.a_leg.rod.mass": 5})");
+  CHECK((longer.system.body("own").home.x - Vec3(3, 0, 0)).norm() < 1e-15);
+  CHECK((longer.system.body("a_leg").home.x - Vec3(1.5, 0, 0)).norm() < 1e-15);
+  CHECK(longer.system.body("a_leg").mass.mass == 5);
+  CHECK((built(R"({"points.S.y": 2})").system.body("a_leg").home.x - Vec3(0.5, 2, 0)).norm() < 1e-15);
+  CHECK(built("{}").system.bodies().size() == 6);  // with ground
+  CHECK(built(R"({"parameters.n": 4})").system.bodies().size() == 8);
+  CHECK((built(R"({"points.a_hip.y": 2})").system.body("at_hip").home.x - Vec3(0, 2, 0)).norm() < 1e-15);
+  const Scene scene = folder.read(whole + "{}");
+  for (const char* setting : {"a_hip.y=2", "points.a_hip.y=2 m"})
+    CHECK((build_mechanism(set_in_scene(scene, {setting}, registry()), registry()).system.body("at_hip").home.x -
+           Vec3(0, 2, 0))
+              .norm() < 1e-15);
+  CHECK(read_variable("a_hip.y=1:3:3", scene, registry()).unit == "m");
+  check_words(message_of<Error>([&] { set_in_scene(scene, {"S=1"}, registry()); }), {"\"S\" is a vector", "S.x"});
+  check_words(folder.refusal(whole + R"({"parameters.M": 1})"), {"scene.set", "\"parameters\" has no \"M\""});
+}
+
+TEST_CASE("keys of plugins' types are set in parts before the plugins are known", "[unit][scene]") {
+  const Folder folder;
+  folder.write("part.json", R"~("bodies": [{"name": "b", "particle": 1}],
+    "forces": [{"name": "d", "type": "gust", "p": "b"}])~");
+  Registry with_gust = builtin_registry();
+  double speed = 0;
+  with_gust.forces.add({"gust",
+                        "",
+                        {{"speed", Form::number, Unit::speed, 1, "of the air"},
+                         {"toward", Form::vector3, Unit::none, Value::List{1, 0, 0}, "its direction"}}},
+                       [&](const Attachment& at, const Params& p) {
+                         speed = p.number("speed");
+                         throw ModelError("no air at " + at.name);  // nothing more is asked of it
+                         return std::unique_ptr<Force>();
+                       });
+  const Scene plain = folder.read(R"("include": [{"scene": "part.json", "prefix": "left_"}])");
+  const auto build = [&](const char* setting) {
+    return message_of<Error>([&] { build_mechanism(set_in_scene(plain, {setting}, with_gust), with_gust); });
+  };
+  check_words(build("forces.left_d.speed=3 km/h"), {"no air at left_d"});
+  CHECK(speed == Approx(3 / 3.6).epsilon(1e-15));
+  check_words(build("forces.left_d.sped=3"), {"sped", "did you mean \"forces.left_d.speed\""});
+  check_words(build("forces.left_d.toward.x=3"), {"plugin", "\"toward\"", "where the object is defined"});
+  check_words(message_of<Error>([&] {
+                build_mechanism(folder.read(R"("include": [{"scene": "part.json"}], "set": {"forces.d.sped": 3})"),
+                                with_gust);
+              }),
+              {"force 'd'", "unknown key \"sped\"", "speed"});
+  check_words(folder.refusal(R"("include": [{"scene": "part.json"}], "set": {"bodies.b.sped": 3})"),
+              {"scene.set", "has no \"sped\""});
+}
+
+TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
+  const Folder folder;
+  folder.write("leg.json", R"~("parameters": {"L": "2 m"},
+    "bodies": [{"name": "leg", "rod": {"mass": 1, "from": [0, 0, 0], "to": "=[L, 0, 0]"}}],
+    "markers": [{"name": "knee", "body": "leg", "at": [0.5, 0.2, 0.3]}])~");
+  const std::string whole = R"~("points": {"hip": [0, 0, 5]},
+    "include": [{"scene": "leg.json", "prefix": "left_", "at": "hip", "orientation": {"axis": "y", "angle": "90 deg"}},
+                {"scene": "leg.json", "prefix": "next_", "at": "=left_leg.to", "orientation": {"axis": "x", "angle": "30 deg"}}],
+    "bodies": [{"name": "on_knee", "particle": 1, "position": "=left_knee.at"}])~";
+  const Mechanism m = build_mechanism(folder.read(whole), registry());
+  const Quat by = axis_angle(Vec3::UnitY(), kPi / 2);
+  CHECK((m.system.body("left_leg").home.x - Vec3(0, 0, 4)).norm() < 1e-15);
+  CHECK(apart(m.system.body("left_leg").home.q, by) < 1e-14);
+  CHECK((m.system.body("on_knee").home.x - Vec3(0.3, 0.2, 3.5)).norm() < 1e-14);
+  CHECK((m.system.body("next_leg").home.x - Vec3(1, 0, 3)).norm() < 1e-15);
+  CHECK(apart(m.system.body("next_leg").home.q, axis_angle(Vec3::UnitX(), kPi / 6)) < 1e-14);
+  for (const Scene& scene : {folder.read(whole + R"~(, "set": {"bodies.left_leg.rod.mass": 2})~"),
+                             set_in_scene(folder.read(whole), {"bodies.left_leg.rod.mass=2"}, registry())}) {
+    const Mechanism heavy = build_mechanism(scene, registry());
+    CHECK(heavy.system.body("left_leg").mass.mass == 2);
+    CHECK(apart(heavy.system.body("left_leg").home.q, by) < 1e-14);
+  }
+  const std::string rod =
+      R"~("bodies": [{"name": "r", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0], "roll": ROLL}VISUAL}])~";
+  const auto with = [&](const char* roll, const char* visual) {
+    return replaced(replaced(rod, "ROLL", roll), "VISUAL", visual);
+  };
+  CHECK(apart(build_mechanism(folder.read(with("\"=2*15 deg\"", "")), registry()).system.body("r").home.q,
+              axis_angle(Vec3::UnitX(), kPi / 6)) < 1e-15);
+  check_words(folder.refusal(with("\"1 m\"", "")), {"body 'r', rod", "roll", "angle"});
+  check_words(folder.refusal(
+                  with("0", R"(, "visual": {"shapes": [{"rod": {"from": [0, 0, 0], "to": [1, 0, 0], "roll": 1}}]})")),
+              {"visual", "roll", "from all sides"});
+}
+
+TEST_CASE("what an included scene brings is not lost beside keys of another form", "[unit][scene]") {
+  const Folder folder;
+  folder.write("ball.json", R"("bodies": [{"name": "b", "particle": 1}], "points": {"P": [1, 0, 0]})");
+  folder.write("odd.json", R"("bodies": {"name": "b", "particle": 1})");
+  const std::string ball = R"("include": [{"scene": "ball.json", "prefix": "a_"}], )";
+  check_words(folder.refusal(ball + R"("bodies": null)"), {"bodies", "expected a list, got null"});
+  check_words(folder.refusal(ball + R"("bodies": {})"), {"bodies", "expected a list"});
+  check_words(folder.refusal(ball + R"("points": [])"), {"points", "expected an object of points"});
+  check_words(folder.refusal(R"("include": [{"scene": "odd.json"}])"), {"odd.json:", "bodies", "expected a list"});
+  check_words(folder.refusal(R"("include": [{"scene": "ball.json"}, {"scene": "odd.json"}])"),
+              {"odd.json:", "bodies", "expected a list"});
+}
+
+TEST_CASE("a long chain of included scenes hangs each on the one before", "[unit][scene]") {
+  const Folder folder;
+  folder.write("link.json", R"~("points": {"end": [0.5, 0, 0]},
+    "bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": "end"}}])~");
+  const auto chain = [&](int n) {
+    std::string whole = R"("include": [{"scene": "link.json", "prefix": "p0_"})";
+    for (int i = 1; i < n; ++i)
+      whole += R"(, {"scene": "link.json", "prefix": "p)" + std::to_string(i) + R"(_", "at": "=p)" +
+               std::to_string(i - 1) + (i % 2 == 0 ? "_b.to" : "_end") + "\"}";
+    return whole + "]";
+  };
+  const Mechanism m = build_mechanism(folder.read(chain(300)), registry());
+  CHECK((m.system.body("p299_b").home.x - Vec3(0.5 * 299 + 0.25, 0, 0)).norm() < 1e-12);
+  // Four times the files cost four times the work.
+  const auto asked = [&](int n) { return allocations_of([&] { (void)folder.read(chain(n)); }); };
+  const long few = asked(100), many = asked(400);
+  if (allocations_are_counted()) CHECK(few > 0);
+  CHECK(double(many) <= 4.5 * double(few));
 }
 
 TEST_CASE("vectors are varied by component", "[unit][scene]") {

@@ -87,6 +87,19 @@ TEST_CASE("a run that fails is a row with its reason, the others stay", "[unit][
   CHECK(sweep.run(1).t == Approx(sweep.run(3).t).epsilon(1e-9));  // the period knows no mass
 }
 
+TEST_CASE("the row of a run says whether it failed, was wrong, and how it ended", "[unit][scene]") {
+  SweepRun run;
+  run.status = "ok";
+  CHECK(run.outcome() == "ok");
+  run.wrong = true;
+  CHECK(run.outcome() == "wrong");
+  CHECK(sweep_row(7, {}, {}, Table(), run).ends_with(",wrong\n"));
+  run.status = "stopped by 'landed'";
+  CHECK(run.outcome() == "wrong: stopped by 'landed'");
+  run.failed = true, run.status = "no way on";
+  CHECK(run.outcome() == "failed: no way on");
+}
+
 TEST_CASE("a run that fails on its way keeps its steps and its history", "[unit][scene]") {
   // The law of the arm ends in numbers beyond all bounds for the second value.
   const Swept sweep(R"({"lockstep": 1, "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],

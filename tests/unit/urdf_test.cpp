@@ -225,7 +225,8 @@ TEST_CASE("the mesh files of a robot are found beside it and in its package", "[
   CHECK(find_robot_mesh("package://other/meshes/b.stl", folder) == (root / "other/meshes/b.stl").string());
   CHECK(find_robot_mesh("file://" + (root / "other/meshes/b.stl").string(), folder) ==
         (root / "other/meshes/b.stl").string());
-  for (const char* none : {"package://arms/meshes/b.stl", "package://none/a.stl", "package://", "none.stl", ""})
+  for (const char* none : {"package://arms/meshes/b.stl", "package://none/a.stl", "package://arms", "package:///",
+                           "package://", "none.stl", ""})
     CHECK(find_robot_mesh(none, folder).empty());
   fs::remove_all(root);
 }

@@ -8,6 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
 
 namespace singular_test {
 
@@ -37,9 +38,8 @@ Passage pass(const std::string& scene, const std::string& method, const std::str
   p.report = run.report;
   REQUIRE(run.table.n_rows() == static_cast<std::size_t>(std::lround(until / 0.1)) + 1);
   for (std::size_t i = 0; i < run.table.n_rows(); ++i) {
-    p.error =
-        std::max(p.error, std::hypot(run.table["B0x"][i] - truth["B0x"][i], run.table["B0y"][i] - truth["B0y"][i]));
-    p.energy = std::max(p.energy, std::abs(run.table["energy"][i] - truth["energy"][i]));
+    keep_worst(p.error, std::hypot(run.table["B0x"][i] - truth["B0x"][i], run.table["B0y"][i] - truth["B0y"][i]));
+    keep_worst(p.energy, std::abs(run.table["energy"][i] - truth["energy"][i]));
   }
   return p;
 }

@@ -38,9 +38,13 @@ Shape read_rod(const Params& rod) {
   if (!(length > 0)) rod.refuse("to", "both ends are at the same point; a rod needs a length");
   const double radius = rod.has("radius") ? positive(rod, "radius", "radius") : length / 50;
   const double mass = shape_mass(rod, cylinder_volume(radius, length));
-  if (!rod.has("axial_inertia")) return shapes::rod(mass, from, to, radius);
+  const auto rolled = [&](Shape shape) {  // mass and inertia stay: it is round
+    if (rod.has("roll")) shape.home.q = shape.home.q * axis_angle(Vec3::UnitX(), rod.number("roll"));
+    return shape;
+  };
+  if (!rod.has("axial_inertia")) return rolled(shapes::rod(mass, from, to, radius));
   refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
-  return shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"));
+  return rolled(shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia")));
 }
 
 MassProperties read_solid(const Params& solid, const std::string& kind) {
@@ -201,28 +205,24 @@ bool is_color(const std::string& text) {
   return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
-using Meshes = std::map<std::string, std::shared_ptr<const TriangleMesh>>;  // of a scene, by file
-
-// The mesh of a file that the scene names, from the folder of the file in which it stands; each file is read once.
-Solid read_mesh_solid(const Params& shape, Meshes& meshes) {
+// The mesh of a file that the scene names, from the folder of the file in which it stands.
+Solid read_mesh_solid(const Params& shape, const MeshFiles& meshes) {
   std::filesystem::path file = shape.text("mesh");
   const Value& written = shape.value("mesh");
   if (file.is_relative() && written.where.file) file = std::filesystem::path(*written.where.file).parent_path() / file;
   const double scale = shape.number("scale");
   if (scale == 0) shape.refuse("scale", "it is 0; give a factor such as 0.001, for a mesh in millimetres");
-  std::shared_ptr<const TriangleMesh>& mesh = meshes[file.string()];
-  if (mesh == nullptr) {
-    try {
-      mesh = std::make_shared<TriangleMesh>(read_mesh(file.string()));
-    } catch (const FileError& error) {
-      shape.refuse("mesh", error.what());
-    }
+  std::shared_ptr<const TriangleMesh> mesh;
+  try {
+    mesh = meshes.read(file.string());
+  } catch (const FileError& error) {
+    shape.refuse("mesh", error.what());
   }
   return {{}, Solid::Kind::mesh, Vec3(scale, scale, scale), {}, mesh};
 }
 
 // A shape in the frame of its body.
-Solid read_visual_shape(const Value& v, const std::string& owner, Meshes& meshes) {
+Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFiles& meshes) {
   const Params shape = params_of(v, "visual_shape", owner, nullptr);
   std::vector<std::string> kinds = kShapes;
   kinds.push_back("mesh");
@@ -240,6 +240,7 @@ Solid read_visual_shape(const Value& v, const std::string& owner, Meshes& meshes
     if (shape.has("scale")) shape.refuse("scale", "a " + kind + " has its own lengths; remove it");
     const Params lengths = params_of(shape.value(kind), kind, part_of(owner, kind), nullptr);
     refuse_beside(lengths, "what is only drawn weighs nothing", {"mass", "density", "axial_inertia"});
+    refuse_beside(lengths, "a rod looks the same from all sides", {"roll"});
     if (kind == "box" && !(lengths.vector3("size").minCoeff() > 0))
       lengths.refuse("size", "all three edges must be greater than 0");
     for (const char* length : {"radius", "length"})
@@ -287,7 +288,7 @@ void Builder::visual(const Params& body, const std::string& name) {
   Solids solids;
   for (std::size_t i = 0; i < items.size(); ++i)
     solids.push_back(
-        read_visual_shape(items[i], part_of(visual.owner(), "shapes") + "[" + std::to_string(i) + "]", meshes_));
+        read_visual_shape(items[i], part_of(visual.owner(), "shapes") + "[" + std::to_string(i) + "]", scene_.meshes));
   keep(name, solids, out_);
 }
 

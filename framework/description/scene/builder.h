@@ -110,8 +110,7 @@ class Builder {
   const Scene& scene_;
   const Registry& registry_;
   Mechanism& out_;
-  std::map<std::string, std::map<std::string, Where>> taken_;          // kind -> name -> place
-  std::map<std::string, std::shared_ptr<const TriangleMesh>> meshes_;  // by file
+  std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
 };
 
 }  // namespace lockstep

@@ -60,9 +60,13 @@ Amount as_point(Amount q, const Where& where, const std::string& context) {
 
 Definitions::Definitions(const Value& root) {
   take(root, "parameters", false);
-  take(root, "points", true);
-  take_things(root, "bodies");
-  take_things(root, "markers");
+  add(root);
+}
+
+void Definitions::add(const Value& part) {
+  take(part, "points", true);
+  take_things(part, "bodies");
+  take_things(part, "markers");
 }
 
 const Amount* Definitions::find(const std::string& name) {
@@ -241,6 +245,10 @@ Pose Definitions::home_of(const std::string& body) {
     home.q = placed(rod->where, owner, [&] {
       return shapes::slender_rod(1, {from.v[0], from.v[1], from.v[2]}, {to.v[0], to.v[1], to.v[2]}, 1).home.q;
     });
+    if (const Value* roll = rod->find("roll")) {
+      const std::string context = part_of(part_of(owner, "rod"), "roll");
+      home.q = home.q * axis_angle(Vec3::UnitX(), read_number(resolved(*roll, context), Unit::angle, context));
+    }
   }
   return home;
 }

@@ -23,6 +23,9 @@ class Definitions {
   /// Of this root, which outlives the object. Throws SceneError for names that cannot be.
   explicit Definitions(const Value& root);
 
+  /// Points, bodies and markers of a part, which outlives the object. Throws SceneError for names that cannot be.
+  void add(const Value& part);
+
   /// The value of a name; nullptr where it is none. Throws SceneError: a faulty formula, a circle.
   const expression::Amount* find(const std::string& name);
   bool is_point(const std::string& name) const;

@@ -1,6 +1,7 @@
 #include "framework/description/scene/include.h"
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <iterator>
 #include <set>
@@ -160,59 +161,67 @@ Value read_included(const Params& p, Definitions& outer, const std::vector<std::
   return std::move(inner.root);
 }
 
-// What one included scene brings, behind what those before it brought.
-void append(Value& all, Value& inner, const char* key) {
-  Value* from = member(inner, key);
-  if (from == nullptr) return;
-  Value* to = member(all, key);
-  if (to == nullptr) {
-    all.object()->push_back({key, std::move(*from), from->where});
-  } else if (from->list() != nullptr && to->list() != nullptr) {
-    std::move(from->list()->begin(), from->list()->end(), std::back_inserter(*to->list()));
-  } else if (from->object() != nullptr && to->object() != nullptr) {
-    std::move(from->object()->begin(), from->object()->end(), std::back_inserter(*to->object()));
-  }
-}
-
 constexpr const char* kBrought[] = {"requires", "points", "bodies", "markers", "links", "forces", "events"};
 
+// The value under one of these keys, where it is given.
+Value* brought_under(Value& scene, const std::string& key) {
+  Value* v = member(scene, key);
+  if (v == nullptr) return nullptr;
+  const bool points = key == "points";
+  if (points ? v->object() == nullptr : v->list() == nullptr)
+    refuse(v->where, part_of("scene", key),
+           std::string("expected ") + (points ? "an object of points by name" : "a list") + ", got " + shown(*v));
+  return v;
+}
+
+// Puts what `inner` holds under the key behind what `all` holds there.
+void append(Value& all, Value& inner, const char* key) {
+  Value *from = brought_under(inner, key), *to = brought_under(all, key);
+  if (from == nullptr) return;
+  const Where where = from->where;
+  if (to == nullptr)
+    all.object()->push_back({key, std::move(*from), where});
+  else if (from->list() != nullptr)
+    std::move(from->list()->begin(), from->list()->end(), std::back_inserter(*to->list()));
+  else
+    std::move(from->object()->begin(), from->object()->end(), std::back_inserter(*to->object()));
+}
+
 // What is brought comes before the scene's own.
-Value together(const Value& own, Value brought) {
-  Value all = own;
+void put_before(Value& own, Value brought) {
   for (const char* key : kBrought) {
-    Value *from = member(brought, key), *to = member(all, key);
-    if (from == nullptr) continue;
-    if (to == nullptr) {
-      all.object()->push_back({key, std::move(*from), from->where});
-      continue;
-    }
-    if ((from->list() != nullptr) != (to->list() != nullptr)) continue;  // refused by the reader of the key
-    if (from->object() != nullptr && to->object() == nullptr) continue;
-    append(brought, all, key);
-    *to = std::move(*from);
+    if (member(brought, key) == nullptr) continue;
+    append(brought, own, key);
+    Value& all = *member(brought, key);
+    const Where where = all.where;
+    if (Value* to = member(own, key))
+      *to = std::move(all);
+    else
+      own.object()->push_back({key, std::move(all), where});
   }
-  return all;
 }
 
 }  // namespace
 
 void expand_includes(Value& root, const std::vector<std::string>& files, Formulas& formulas) {
   const Value source = root;
-  const Value own = root.without({"include"});
   const Value& includes = *source.find("include");
   if (includes.list() == nullptr)
     refuse(includes.where, "scene.include", "expected a list of objects, got " + shown(includes));
-  Value brought(Value::Object{});
+  Definitions definitions(source);
+  std::deque<Value> parts;  // stay where they are: `definitions` looks into them
   for (std::size_t i = 0; i < includes.list()->size(); ++i) {
     const Value& include = (*includes.list())[i];
     const std::string owner = item("include", i);
-    const Value known = together(own, brought);  // its formulas read what others before it brought
-    Definitions definitions(known);
     const Params p = params_of(settled(include, owner, definitions, formulas), "include", owner, nullptr);
-    Value inner = read_included(p, definitions, files, formulas);
-    for (const char* key : kBrought) append(brought, inner, key);
+    parts.push_back(read_included(p, definitions, files, formulas));
+    definitions.add(parts.back());  // formulas of those behind it read what it brings
   }
-  root = together(own, std::move(brought));
+  Value brought(Value::Object{});
+  for (Value& part : parts)
+    for (const char* key : kBrought) append(brought, part, key);
+  root = root.without({"include"});
+  put_before(root, std::move(brought));
 }
 
 }  // namespace lockstep

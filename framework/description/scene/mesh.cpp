@@ -7,6 +7,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <unordered_map>
 
 #include <lockstep/error.h>
@@ -227,6 +229,22 @@ TriangleMesh read_mesh(const std::string& file) {
   TriangleMesh mesh = same_word(ending, ".stl") ? read_stl(file, bytes) : read_obj(file, bytes);
   if (mesh.triangles.empty()) throw FileError(file + ": it has no triangle with an area");
   return without_loose_points(std::move(mesh));
+}
+
+struct MeshFiles::Shared {
+  std::mutex reading;
+  std::map<std::string, std::shared_ptr<const TriangleMesh>> meshes;  // by file
+};
+
+MeshFiles::MeshFiles() : shared_(std::make_shared<Shared>()) {}
+
+std::shared_ptr<const TriangleMesh> MeshFiles::read(const std::string& file) const {
+  const std::scoped_lock lock(shared_->reading);
+  const auto found = shared_->meshes.find(file);
+  if (found != shared_->meshes.end()) return found->second;
+  auto mesh = std::make_shared<const TriangleMesh>(read_mesh(file));
+  shared_->meshes.emplace(file, mesh);
+  return mesh;
 }
 
 }  // namespace lockstep

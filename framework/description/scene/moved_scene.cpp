@@ -38,10 +38,14 @@ void put(Value& object, const std::string& key, std::initializer_list<double> nu
 void put(Value& object, const std::string& key, const Vec3& v) { put(object, key, {v[0], v[1], v[2]}); }
 void put(Value& object, const std::string& key, const Quat& q) { put(object, key, {q.w, q.x, q.y, q.z}); }
 
-Value object_with(const char* key, Value value, const Where& where) {
-  Value object(Value::Object{{key, std::move(value), where}});
-  object.where = where;
-  return object;
+void put(Value& object, const std::string& key, double number) {
+  Value* old = member_of(object, key);
+  Value v(number);
+  v.where = old != nullptr ? old->where : object.where;
+  if (old != nullptr)
+    *old = std::move(v);
+  else
+    object.object()->push_back({key, v, v.where});
 }
 
 class Mover {
@@ -51,8 +55,12 @@ class Mover {
   void move() {
     if (Value* points = member_of(scene_, "points"); points != nullptr && points->object() != nullptr)
       for (const Value::Member& m : Value::Object(*points->object())) point(*points, m.key, "scene, points");
+    each("bodies", "body", [&](Value& v, const std::string&) {
+      if (is_free_particle(v)) particles_.insert(text_of(v, "name"));
+    });
     each("markers", "marker", [&](Value& v, const std::string& owner) {
       markers_.insert(text_of(v, "name"));
+      if (is_on_particle(v)) on_particles_.insert(text_of(v, "name"));
       marker(v, owner);
     });
     each("bodies", "body", [&](Value& v, const std::string& owner) { body(v, owner); });
@@ -91,21 +99,29 @@ class Mover {
     put(object, key, v != nullptr ? by_.q * read_orientation(*v, part_of(owner, key)) : by_.q);
   }
 
+  // -- particles: their frames keep the world's axes, so what is given in "body" axes turns along
+  static bool is_free_particle(Value& body) {
+    const Value* fixed = member_of(body, "fixed");
+    return member_of(body, "particle") != nullptr &&
+           (fixed == nullptr || fixed->boolean() == nullptr || !*fixed->boolean());
+  }
+  bool is_on_particle(Value& marker) const { return particles_.contains(text_of(marker, "body")); }
+
   // -- things
   void body(Value& v, const std::string& owner) {
     if (Value* rod = member_of(v, "rod"); rod != nullptr && rod->object() != nullptr) {
-      this->rod(v, *rod, owner);
+      this->rod(*rod, owner);
     } else {
       point_or_origin(v, "position", owner);
-      if (member_of(v, "particle") == nullptr) orientation(v, owner);
+      if (!is_free_particle(v)) orientation(v, owner);
     }
     direction(v, "velocity", Unit::speed, owner);
     direction(v, "omega_world", Unit::angular_speed, owner);
   }
 
-  // A rod's ends say how it is rolled about its axis (z as near to the world's as can be). Where the turned rod would be
-  // rolled otherwise, it becomes a part of a body that is placed.
-  void rod(Value& body, Value& rod, const std::string& owner) {
+  // A rod's ends say how its frame is rolled about its axis (z as near to the world's as can be); what the turned rod
+  // has beyond that is its "roll".
+  void rod(Value& rod, const std::string& owner) {
     const Value *from = member_of(rod, "from"), *to = member_of(rod, "to");
     if (from == nullptr || to == nullptr) return;  // refused when it is built
     const std::string part = part_of(owner, "rod");
@@ -113,19 +129,14 @@ class Mover {
                b = read_vector3(*to, Unit::length, part_of(part, "to"));
     if (!((b - a).norm() > 0)) return;
     const Vec3 moved_a = by_.x + turn_ * a, moved_b = by_.x + turn_ * b;
-    const Pose home = by_ * shapes::slender_rod(1, a, b, 1).home;
-    const Quat rolled = conjugate(home.q) * shapes::slender_rod(1, moved_a, moved_b, 1).home.q;
-    const bool placed = member_of(body, "position") != nullptr || member_of(body, "orientation") != nullptr;  // refused
-    if (placed || std::hypot(rolled.x, rolled.y, rolled.z) < 1e-12)
-      return put(rod, "from", moved_a), put(rod, "to", moved_b);
-    const double half = (b - a).norm() / 2;
-    put(rod, "from", Vec3(-half, 0, 0)), put(rod, "to", Vec3(half, 0, 0));
-    Value parts(Value::List{object_with("rod", rod, rod.where)});
-    parts.where = rod.where;
-    const Where where = rod.where;
-    body = body.without({"rod"});
-    body.object()->push_back({"compound", std::move(parts), where});
-    put(body, "position", home.x), put(body, "orientation", home.q);
+    const Quat wanted = by_.q * shapes::slender_rod(1, a, b, 1).home.q,
+               by_ends = shapes::slender_rod(1, moved_a, moved_b, 1).home.q,
+               beyond = conjugate(by_ends) * wanted;  // about x
+    put(rod, "from", moved_a), put(rod, "to", moved_b);
+    if (std::hypot(beyond.x, beyond.y, beyond.z) < 1e-12) return;
+    const Value* roll = member_of(rod, "roll");
+    const double before = roll != nullptr ? read_number(*roll, Unit::angle, part_of(part, "roll")) : 0;
+    put(rod, "roll", std::remainder(before + 2 * std::atan2(beyond.x, beyond.w), 2 * kPi));
   }
 
   void marker(Value& v, const std::string& owner) {
@@ -133,6 +144,8 @@ class Mover {
       point_or_origin(v, "world_at", owner), orientation(v, "world_orientation", owner);
     } else if (text_of(v, "body") == "ground") {
       point_or_origin(v, "at", owner), orientation(v, owner);
+    } else if (is_on_particle(v)) {
+      direction(v, "at", Unit::length, owner), orientation(v, owner);
     }
   }
 
@@ -160,7 +173,10 @@ class Mover {
   void force(Value& v, const std::string& owner) {
     attached(v, owner);
     const std::string type = text_of(v, "type"), axes = text_of(v, "axes");
-    if (!turns_ || (type != "applied_force" && type != "applied_torque") || (!axes.empty() && axes != "world")) return;
+    const std::string p = text_of(v, "p");
+    const bool in_world =
+        axes.empty() || axes == "world" || (axes == "body" && (particles_.contains(p) || on_particles_.contains(p)));
+    if (!turns_ || (type != "applied_force" && type != "applied_torque") || !in_world) return;
     if (const Value* laws = member_of(v, "laws"))
       refuse(laws->where, part_of(owner, "laws"),
              "they are of components in world axes, which an orientation of the included scene cannot turn; give it "
@@ -174,7 +190,7 @@ class Mover {
   const Pose by_;
   const bool turns_;
   const Mat3 turn_;
-  std::set<std::string> markers_;
+  std::set<std::string> markers_, particles_, on_particles_;
 };
 
 }  // namespace

@@ -89,6 +89,18 @@ std::string step_to(const Value& item, std::size_t index) {
   return name != nullptr && name->text() != nullptr ? *name->text() : std::to_string(index);
 }
 
+// Whether it is of a type that stands on no shelf.
+bool has_unknown_type(const Value& object, const Registry& r) {
+  const Value* v = object.find("type");
+  if (v == nullptr || v->text() == nullptr) return false;
+  const std::string& type = *v->text();
+  return r.links.find(type) == nullptr && r.forces.find(type) == nullptr && r.laws.find(type) == nullptr &&
+         r.translation_laws.find(type) == nullptr && r.rotation_laws.find(type) == nullptr &&
+         r.integrators.find(type) == nullptr && r.solvers.find(type) == nullptr;
+}
+
+enum class UnknownTypes { have_known_keys, have_any_key };
+
 /// Where a path fails.
 struct Miss {
   std::size_t step = 0;  // the first that leads nowhere; the number of steps: the path leads to several values
@@ -98,8 +110,9 @@ struct Miss {
 
 class Walk {
  public:
-  Walk(Value& root, std::vector<std::string> steps, const Registry& registry)
-      : registry_(registry), root_(root), steps_(std::move(steps)), here_(&root) {
+  Walk(Value& root, std::vector<std::string> steps, const Registry& registry,
+       UnknownTypes unknown = UnknownTypes::have_known_keys)
+      : registry_(registry), unknown_(unknown), root_(root), steps_(std::move(steps)), here_(&root) {
     Kind kind;
     kind.part = {"", Holds::object, "scene"}, kind.has_part = true;
     kind_ = kind_of(root, kind, registry_);
@@ -126,8 +139,11 @@ class Walk {
     const Kind kind = under(kind_, name);
     auto member = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == name; });
     if (member == members.end()) {
-      if (kind.key.name.empty() || kind.key.required()) return false;
-      Value fresh = by_default(kind, i + 1 == steps_.size());
+      const bool last = i + 1 == steps_.size();
+      inserted_unknown_ = kind.key.name.empty() && last && unknown_ == UnknownTypes::have_any_key &&
+                          has_unknown_type(*here_, registry_);
+      if (!inserted_unknown_ && (kind.key.name.empty() || kind.key.required())) return false;
+      Value fresh = by_default(kind, last);
       fresh.where = here_->where;
       members.push_back({name, std::move(fresh), here_->where});
       member = std::prev(members.end());
@@ -173,7 +189,7 @@ class Walk {
   // Lists and objects, including those that the scene leaves out.
   bool several() const {
     if (here_->list() != nullptr || here_->object() != nullptr) return true;
-    if (!here_->is_null()) return false;
+    if (!here_->is_null() || inserted_unknown_) return false;
     const Form form = kind_.key.form;
     if (form == Form::any) return !(kind_.has_part && kind_.part.holds == Holds::typed) && kind_.key.choices.empty();
     return form == Form::vector3 || form == Form::axis || form == Form::orientation || form == Form::numbers ||
@@ -199,6 +215,10 @@ class Walk {
                   "\"; vary what it is made of, or set all of it";
     else if (here_->text() != nullptr && is_point(*here_->text()))
       m.problem = owner + " is point \"" + *here_->text() + "\"; vary that, or what it is made of";
+    else if (unknown_ == UnknownTypes::have_any_key && here_->object() != nullptr &&
+             has_unknown_type(*here_, registry_))
+      m.problem = owner + " is of a plugin's type and leaves \"" + steps_[i] + "\" to its default; write \"" +
+                  steps_[i] + "\" where the object is defined";
     else
       m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
     return m;
@@ -210,11 +230,13 @@ class Walk {
   }
 
   const Registry& registry_;
+  const UnknownTypes unknown_;
   const Value& root_;
   std::vector<std::string> steps_;
   Value* here_;
   Kind kind_;
   std::string path_;
+  bool inserted_unknown_ = false;
 };
 
 // Paths to all numbers of the scene.
@@ -258,16 +280,8 @@ std::string known(std::vector<std::string> names) {
   return "; known: " + text::join(names, ", ") + (cut ? ", ..." : "");
 }
 
-}  // namespace
-
-std::vector<NumberAt> numbers_in(const Value& root) {
-  std::vector<NumberAt> leaves;
-  add_leaves(root, "", leaves);
-  return leaves;
-}
-
-ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
-  Walk walk(root, steps_of(path), registry);
+ScenePlace place_at(Value& root, const std::string& path, const Registry& registry, UnknownTypes unknown) {
+  Walk walk(root, steps_of(path), registry, unknown);
   const std::optional<Miss> miss = walk.go();
   if (!miss) {
     ScenePlace place = walk.place();
@@ -277,6 +291,22 @@ ScenePlace find_place(Value& root, const std::string& path, const Registry& regi
   const std::string near = nearest(root, path, registry);
   throw ModelError("\"" + path + "\": " + miss->problem +
                    (near.empty() ? known(miss->candidates) : "; did you mean \"" + near + "\"?"));
+}
+
+}  // namespace
+
+std::vector<NumberAt> numbers_in(const Value& root) {
+  std::vector<NumberAt> leaves;
+  add_leaves(root, "", leaves);
+  return leaves;
+}
+
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
+  return place_at(root, path, registry, UnknownTypes::have_known_keys);
+}
+
+ScenePlace find_place_before_plugins(Value& root, const std::string& path, const Registry& built_in) {
+  return place_at(root, path, built_in, UnknownTypes::have_any_key);
 }
 
 }  // namespace lockstep

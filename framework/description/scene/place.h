@@ -22,6 +22,10 @@ struct ScenePlace {
 /// if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);
 
+/// The same while plugins are not loaded: an object whose "type" the registry does not know may have any key, which is
+/// inserted, empty, at the end of the path.
+ScenePlace find_place_before_plugins(Value& root, const std::string& path, const Registry& built_in);
+
 /// A number of a scene, or a text with a unit.
 struct NumberAt {
   std::string path;    ///< as in ScenePlace

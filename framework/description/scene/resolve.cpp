@@ -28,6 +28,12 @@ bool holds_formula(const Value& v) {
          std::any_of(members->begin(), members->end(), [](const auto& m) { return holds_formula(m.value); });
 }
 
+// Scenes are resolved before plugins are loaded.
+const Registry& built_in_types() {
+  static const Registry kBuiltIn = builtin_registry();
+  return kBuiltIn;
+}
+
 /// What the tables say of the texts of a type: keys that hold texts, not numbers, and whether it is given the parameters.
 struct Texts {
   std::vector<std::string> keys{};
@@ -44,13 +50,13 @@ void add_texts(const TypeInfo& info, Texts& texts) {
 }
 
 Texts texts_of_type(const std::string& type) {
-  static const Registry kBuiltIn = builtin_registry();
+  const Registry& types = built_in_types();
   Texts texts;
   const auto look = [&](const auto& shelf) {
     if (const auto* entry = shelf.find(type)) add_texts(entry->info, texts);
   };
-  look(kBuiltIn.laws), look(kBuiltIn.translation_laws), look(kBuiltIn.rotation_laws);
-  look(kBuiltIn.links), look(kBuiltIn.forces);
+  look(types.laws), look(types.translation_laws), look(types.rotation_laws);
+  look(types.links), look(types.forces);
   return texts;
 }
 
@@ -200,19 +206,37 @@ class Resolver {
   Definitions definitions_;
 };
 
-// "set": other values of what is there by now.
-void set_by_path(Value& root) {
-  static const Registry kBuiltIn = builtin_registry();
-  const Value given = *root.find("set");
+// Takes "set" out of the scene.
+Value::Object take_set(Value& root) {
+  const Value* set = root.find("set");
+  if (set == nullptr) return {};
+  if (set->object() == nullptr)
+    refuse(set->where, "scene.set", "expected an object of values by path, got " + shown(*set));
+  Value::Object given = *set->object();
   root = root.without({"set"});
-  if (given.object() == nullptr)
-    refuse(given.where, "scene.set", "expected an object of values by path, got " + shown(given));
-  for (const Value::Member& m : *given.object()) {
+  return given;
+}
+
+// A parameter or point that the scene itself defines: parts read it.
+bool leads_to_own_definition(const Value& root, const std::string& path) {
+  for (const char* shelf : {"parameters", "points"}) {
+    const std::string head = std::string(shelf) + ".";
+    if (!path.starts_with(head)) continue;
+    const Value* own = root.find(shelf);
+    const std::string name = path.substr(head.size(), path.find('.', head.size()) - head.size());
+    return own != nullptr && own->find(name) != nullptr;
+  }
+  return false;
+}
+
+// "set": other values of what is there by now.
+void set_by_path(Value& root, const Value::Object& given) {
+  for (const Value::Member& m : given) {
     if (m.value.list() != nullptr || m.value.object() != nullptr || m.value.is_null())
       refuse(m.where, "scene.set",
              "\"" + m.key + "\" is set to " + shown(m.value) +
                  "; a path leads to one value: a number, a text, true or false");
-    placed(m.where, "scene.set", [&] { *find_place(root, m.key, kBuiltIn).value = m.value; });
+    placed(m.where, "scene.set", [&] { *find_place_before_plugins(root, m.key, built_in_types()).value = m.value; });
   }
 }
 
@@ -225,9 +249,16 @@ void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
     return;
   scene.written = root;
   if (!has("include") && !has("repeat") && !has("set")) return Resolver(scene, scene.written).resolve();
+  Value::Object of_definitions = take_set(root), of_parts;
+  std::erase_if(of_definitions, [&](const Value::Member& m) {
+    const bool later = !leads_to_own_definition(root, m.key);
+    if (later) of_parts.push_back(m);
+    return later;
+  });
+  set_by_path(root, of_definitions);
   if (has("include")) expand_includes(root, files, scene.formulas);
   if (has("repeat")) expand_repeats(root);
-  if (has("set")) set_by_path(root);
+  set_by_path(root, of_parts);
   const Value source = root;
   Resolver(scene, source).resolve();
 }

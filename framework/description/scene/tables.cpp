@@ -169,6 +169,8 @@ std::vector<SceneTable> shapes() {
              shape_density(),
              {"from", Form::vector3, Unit::length, kRequired, "one end (of a body: world; of a part: body frame)"},
              {"to", Form::vector3, Unit::length, kRequired, "the other end"},
+             {"roll", Form::number, Unit::angle, 0,
+              "turns its frame about its axis, from z as near to the world's as can be"},
              {"radius", Form::number, Unit::length, kOptional, "of a solid cylinder; default: length / 50"},
              {"axial_inertia", Form::number, Unit::inertia, kOptional,
               "a rod without thickness, with this inertia about its axis"}}}},

@@ -93,29 +93,32 @@ Value& value_at(Value& root, const std::string& place, const Registry& registry)
                                  : *find_place(root, place, registry).value;
 }
 
-std::optional<ScenePlace> place_in_parts(const std::string& path, const Scene& scene, const Registry& registry) {
+// Whether a path that leads nowhere in the scene as written may lead to a thing of a part; a name alone does not.
+bool may_be_in_parts(const std::string& path, const Scene& scene) {
   const Value& written = written_root(scene);
-  if (written.find("include") == nullptr && written.find("repeat") == nullptr) return std::nullopt;
-  try {
-    Value expanded = scene.root;
-    ScenePlace place = find_place(expanded, path, registry);
-    if (place.value->is_null()) return std::nullopt;
-    place.path = kSet + place.path, place.value = nullptr;
-    return place;
-  } catch (const ModelError&) {
-    return std::nullopt;
-  }
+  const bool has_parts = written.find("include") != nullptr || written.find("repeat") != nullptr;
+  return has_parts && scene.root.find(path.substr(0, path.find('.'))) != nullptr;
+}
+
+// Throws ModelError with the nearest path of the scene with its parts.
+ScenePlace place_in_parts(const std::string& path, const Scene& scene, const Registry& registry) {
+  Value expanded = scene.root;
+  ScenePlace place = find_place(expanded, path, registry);
+  place.path = kSet + place.path, place.value = nullptr;
+  return place;
 }
 
 // find_place(), where a name that is unknown may be a parameter's, or that of a thing of an included or repeated part;
 // the place of such a thing holds no value.
 ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
   const Value before = root;
+  const std::string full = full_path(path, scene);
   try {
-    return find_place(root, full_path(path, scene), registry);
+    return find_place(root, full, registry);
   } catch (const ModelError&) {
     root = before;  // without the empty keys on the way to nowhere
-    if (const std::optional<ScenePlace> place = place_in_parts(path, scene, registry)) return *place;
+    if (path.find('.') != std::string::npos && may_be_in_parts(full, scene))
+      return place_in_parts(full, scene, registry);
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
     const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
@@ -285,7 +288,8 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   Value root = written_root(scene);
   ScenePlace place = place_of(root, v.path, scene, registry);
   v.place = place.path, v.near = place.near;
-  if (v.place.starts_with("points.")) place.key.form = Form::number, place.key.unit = Unit::length;
+  if (v.place.starts_with("points.") || v.place.starts_with(kSet + "points."))
+    place.key.form = Form::number, place.key.unit = Unit::length;
   const Value* parameter = parameter_at(v.place, scene);
   if (parameter != nullptr) v.given_unit = symbol_of(*parameter);
   Reader reader(place, value_now(v.place, root, scene, registry), parameter, v.path);
@@ -314,6 +318,17 @@ std::vector<Variable> read_variables(const std::vector<std::string>& texts, cons
   return all;
 }
 
+namespace {
+
+// The scene with other values; meshes that were read stay.
+Scene with_values(const Scene& scene, Value root) {
+  Scene other = scene_from(std::move(root), scene.file);
+  other.meshes = scene.meshes;
+  return other;
+}
+
+}  // namespace
+
 Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
                  const Registry& registry) {
   Value root = written_root(scene);
@@ -325,13 +340,13 @@ Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, con
       value = Value(text::number(*value.number()) + " " + variables[k].given_unit);
     value.where = where;
   }
-  return scene_from(std::move(root), scene.file);
+  return with_values(scene, std::move(root));
 }
 
 Scene set_in_scene(const Scene& scene, const std::vector<std::string>& texts, const Registry& registry) {
   Value root = written_root(scene);
   for (const std::string& text : texts) set_value(root, text, scene, registry);
-  return scene_from(std::move(root), scene.file);
+  return with_values(scene, std::move(root));
 }
 
 std::vector<std::string> left_behind(const Variable& v, const Scene& scene, const Registry& registry) {

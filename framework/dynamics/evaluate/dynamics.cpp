@@ -1,6 +1,7 @@
 #include <lockstep/dynamics.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -192,19 +193,25 @@ void Dynamics::restore(const State& state, const Snapshot& in) {
   work_ = work;  // what was done to get here was counted before
 }
 
+Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics.work_) {
+  dynamics.factor_.keep(learned_);
+}
+
+Dynamics::Aside::~Aside() {
+  dynamics_.factor_.put_back(learned_);
+  dynamics_.work_ = work_;
+}
+
 void Dynamics::save_state(const State& state, Snapshot& out) const {
-  out.put(state.t), out.put(state.coordinates ? 1 : 0);
-  for (const VecX* v : {&state.q, &state.v, &state.s, &state.z}) out.put_all(*v);
-  out.put_all(state.modes), out.put_all(state.watched);
+  out.put(state.coordinates ? 1 : 0);
+  put_state(state, out);
 }
 
 void Dynamics::load_state(State& state, const Snapshot& in) {
   set_up();
   State read;
-  read.t = in.get();
   const bool other_coordinates = in.get_flag();
-  for (VecX* v : {&read.q, &read.v, &read.s, &read.z}) in.get_all(*v);
-  in.get_all(read.modes), in.get_all(read.watched);
+  get_state(read, in);
   const State own = system_.start();
   const bool fits = read.modes.size() == own.modes.size() && read.watched.size() == own.watched.size();
   if (fits && other_coordinates) read.coordinates = tree(read.modes).coordinates;
@@ -214,6 +221,8 @@ void Dynamics::load_state(State& state, const Snapshot& in) {
       read.s.size() != own.s.size() || read.z.size() != own.z.size())
     throw ModelError(
         "the saved state does not fit the system: it is of another mechanism, or other columns are recorded");
+  if (!std::isfinite(read.t) || !read.q.allFinite() || !read.v.allFinite())
+    throw ModelError("the saved state is not finite: the checkpoint is damaged");
   state = std::move(read);
 }
 

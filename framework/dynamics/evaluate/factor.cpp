@@ -49,6 +49,23 @@ void Factor::restore(const Evaluation& e, const Snapshot& in) {
   factorization_->restore(learned);
 }
 
+void Factor::keep(Learned& out) const {
+  out.layout = layout_;
+  out.numbers.clear();
+  if (layout_) factorization_->save(out.numbers);
+}
+
+// Where matrices of other links were factored in between, the next one is laid out anew.
+void Factor::put_back(const Learned& in) {
+  if (!layout_) return;
+  if (!in.layout || (in.layout != layout_ && *in.layout != *layout_)) {
+    layout_ = nullptr;
+    return;
+  }
+  in.numbers.rewind();
+  factorization_->restore(in.numbers);
+}
+
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   return solve(e, f, c, false, a, lambda);
 }

@@ -23,10 +23,10 @@ constexpr double kNowhere = 1e-7;    // indicator below which it only reflects t
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
 constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
 constexpr double kBothSides = 1e-9;  // relative accuracy of rates from both sides
-constexpr double kShort = 1e-3;      // rad: in a step that turns less, errors near a singular position are round-off's,
-constexpr double kErrorNoise = 3e-12;  // if they are within this, relative, over the indicator
+constexpr double kShortTurn = 1e-3;  // rad: in a step that turns less, errors near a singular position are round-off's,
+constexpr double kNoiseOfSteps = 3e-12;  // if they are within this, relative, over the indicator
 constexpr double kUnmet = 1e-6;      // residual of rows that could not be met, where no position is near
-constexpr double kContradict = 1e-8;  // residual of rows that contradict one another
+constexpr double kContradictRows = 1e-8;  // residual of rows that contradict one another
 constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
 constexpr double kUsualSpread = 1e4;  // of masses; where bodies differ more, small pivots may be due to them
@@ -182,7 +182,8 @@ SingularPassage::Redundant SingularPassage::where_redundant(Dynamics& dynamics, 
   try {
     const SolveReport before = look_at(y), away = look_at(off), after = look_at(y);
     const bool independent = after.detector < kRedundant && after.detector < kFell * before.detector;
-    const bool contradictory = away.residual > kContradict && before.residual < kFell * kContradict;
+    const bool contradictory = (away.residual > kContradictRows && before.residual < kFell * kContradictRows) ||
+                               (away.corrections > kMaxCorrections && before.corrections <= kMaxCorrections);
     return independent || contradictory ? Redundant::on_constraints : Redundant::everywhere;
   } catch (const Error&) {  // what cannot be evaluated off the constraints answers nothing
     return Redundant::everywhere;
@@ -225,8 +226,8 @@ bool SingularPassage::must_shift(const Stages& stages, double error) const {
 }
 
 double SingularPassage::shift(const Stages& stages, double h, double error) {
-  if (h * rate_of_turn_ < kShort && !ill_conditioned(stages, last_)) {  // what is left of the error is round-off
-    limit_ = std::max(limit_, kErrorNoise / (stages.indicator() * relative_));
+  if (h * rate_of_turn_ < kShortTurn && !ill_conditioned(stages, last_)) {  // what is left of the error is round-off
+    limit_ = std::max(limit_, kNoiseOfSteps / (stages.indicator() * relative_));
     if (error <= limit_) return h;
   }
   if (error < best_.error && !ill_conditioned(stages, last_)) best_ = {h, error};

@@ -165,6 +165,7 @@ void Clock::load(const Snapshot& in) {
   for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_from_, &last_output_, &breakpoints_to_})
     *x = in.get();
   for (long* n : {&n_from_anchor_, &n_paced_, &n_slow_, &next_output_}) *n = in.get_count();
+  if (next_output_ < 0) throw ModelError("the saved number of outputs is below zero: the checkpoint is damaged");
   warned_ = in.get_flag();
   in.get_all(breakpoints_), next_breakpoint_ = 0;
 }

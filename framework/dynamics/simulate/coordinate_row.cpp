@@ -1,14 +1,20 @@
 #include "framework/dynamics/simulate/coordinate_row.h"
 
 #include <cmath>
+#include <string>
 
+#include <lockstep/error.h>
 #include <lockstep/relative.h>
 
 namespace lockstep {
 
 CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const std::string& name, Axis which) {
   const Lock& link = dynamics.system().link(name);
-  const auto [p, s] = link.pairs().front();
+  const auto pairs = link.pairs();
+  if (pairs.empty())
+    throw ModelError("link '" + name + "' has no pair of markers, and so no coordinate " +
+                     std::string(to_string(which)) + " to start from; name a link between two bodies");
+  const auto [p, s] = pairs.front();
   const MarkerFrame P(*p), S(*s);
   const Inputs& in = dynamics.inputs(state);
   const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));

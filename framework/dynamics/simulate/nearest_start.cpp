@@ -38,9 +38,15 @@ class NearestStart {
     weights_ = VecX::Ones(system_.n_slots());
     for (const PoseWeight& w : options.poses) {
       if (!(w.weight >= 0))
-        throw ModelError(fmt::format("start of body '{}': the weight {} is below zero", w.body, w.weight));
+        throw ModelError(fmt::format("start of body '{}': the weight {} is not 0 or more", w.body, w.weight));
       const int slot = system_.body(w.body).slot;
       if (slot != kGround) weights_[slot] = w.weight;
+    }
+    for (const CoordinateTarget& t : options.coordinates) {
+      if (!(t.weight >= 0))
+        throw ModelError(fmt::format("start by {}: the weight {} is not 0 or more", name_of(t), t.weight));
+      if (!std::isfinite(t.value))
+        throw ModelError(fmt::format("start by {}: the value {} is not finite", name_of(t), t.value));
     }
     freedom_ = VecX::Ones(n_);
     const Plane plane = system_.plane();
@@ -131,8 +137,7 @@ class NearestStart {
       const double unit = turns ? length_ : 1.0;
       if (std::isinf(target.weight)) {
         exact.push_back(at.row), c.push_back(off);
-        if (std::abs(off) * unit > farthest_)
-          farthest_ = std::abs(off) * unit, worst_ = target.link + "." + std::string(to_string(target.axis));
+        if (std::abs(off) * unit > farthest_) farthest_ = std::abs(off) * unit, worst_ = name_of(target);
       } else {
         const double w = std::sqrt(target.weight) * unit;
         soft.push_back(w * at.row), r.push_back(w * off);
@@ -209,16 +214,22 @@ class NearestStart {
   [[noreturn]] void stop(int rounds) const {
     std::vector<std::string> asked;
     for (const CoordinateTarget& t : options_.coordinates)
-      if (std::isinf(t.weight)) asked.push_back(t.link + "." + std::string(to_string(t.axis)));
+      if (std::isinf(t.weight)) asked.push_back(name_of(t));
     for (const PoseWeight& w : options_.poses)
       if (std::isinf(w.weight)) asked.push_back("body " + w.body);
+    if (asked.empty())
+      throw AssemblyError(fmt::format(
+          "assembly stopped after {} rounds at {:.3g} m off the links: the links cannot be met together from "
+          "this start; give poses nearer to ones that fit, or look for links that contradict each other",
+          rounds, links_));
     throw AssemblyError(
         fmt::format("assembly stopped after {} rounds at {:.3g} m off the links, and {:.3g} m off what is asked for "
                     "exactly{}: {} cannot "
                     "hold together with the links; ask for fewer of them, or make them approximate",
-                    rounds, links_, off(), worst_.empty() ? "" : " (most of all " + worst_ + ")",
-                    asked.empty() ? "the links" : text::join(asked)));
+                    rounds, links_, off(), worst_.empty() ? "" : " (most of all " + worst_ + ")", text::join(asked)));
   }
+
+  static std::string name_of(const CoordinateTarget& t) { return t.link + "." + std::string(to_string(t.axis)); }
 
   static constexpr double kFree = 1e-4;  // a free body moves a hundred times as easily as one of weight 1
 

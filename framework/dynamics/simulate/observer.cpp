@@ -20,4 +20,6 @@ void Observer::save(Snapshot&) const {}
 
 void Observer::load(const Snapshot&) {}
 
+bool Observer::saves_all() const { return true; }
+
 }  // namespace lockstep

@@ -279,11 +279,14 @@ void StepLoop::conclude() {
       phase_ = Phase::progress;
       [[fallthrough]];
     case Phase::progress:
-      phase_ = Phase::jump;
+      phase_ = Phase::before_jump;
       ask_progress();
       [[fallthrough]];
+    case Phase::before_jump:
+      tell_before_jump(sample);
+      phase_ = Phase::jump;
+      [[fallthrough]];
     case Phase::jump:
-      parts_->show_before_jump(sample);
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");

@@ -44,8 +44,8 @@ struct StepLoop::Parts {
   std::vector<DetailObserver*> detailed;  // of the observers
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
-  /// Shows the state before what acts at the end of a step: an impact, a law's jump, an event that changes something.
-  void show_before_jump(const Sample&);
+  /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something.
+  bool acts(double t) const;
 };
 
 template <class Act>

@@ -1,6 +1,10 @@
 // What a step loop writes to a checkpoint, and reads.
 #include <spdlog/fmt/fmt.h>
 
+#include <array>
+#include <boost/core/demangle.hpp>
+#include <typeinfo>
+
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
@@ -26,11 +30,42 @@ SimulationReport load_report(const Snapshot& in) {
   return r;
 }
 
-// What must be the same where a run goes on.
-std::string signature(const System& system, const Integrator& method, const Dynamics& dynamics) {
-  std::string text = fmt::format("integrator {}, solver {}, formulation {}; {} slots", method.info().name,
-                                 dynamics.solver().name(), to_string(dynamics.options().formulation), system.n_slots());
-  for (const Body& body : system.bodies()) text += fmt::format("; body {} {:a}", body.name, body.mass.mass);
+// To the last bit.
+template <class Numbers>
+std::string numbers_of(const Numbers& all) {
+  std::string text;
+  for (const double x : all) text += fmt::format(" {:.17g}", x);
+  return text;
+}
+
+std::string numbers_of(const Pose& p) { return numbers_of(p.x) + numbers_of(p.q.coefficients()); }
+
+std::string signature_of(const StepLoopOptions& options, const DynamicsOptions& dynamics) {
+  const Stabilization& s = dynamics.stabilization;
+  const Tolerance& t = options.tolerance;
+  return fmt::format("; stabilization {}{}", static_cast<int>(s.kind),
+                     numbers_of(std::array{s.alpha, s.beta, s.tolerance})) +
+         "; tolerance" + numbers_of(std::array{t.relative, t.atol_x}) + "; step" +
+         numbers_of(std::array{options.step}) + "; output" + numbers_of(std::array{options.output}) + "; output times" +
+         numbers_of(options.output_times) + "; start limit" + numbers_of(std::array{options.start_limit});
+}
+
+// What must be the same where a run goes on. Of links, forces and laws it has names and types, not their parameters.
+std::string signature(const System& system, const Integrator& method, const Dynamics& dynamics,
+                      const StepLoopOptions& options) {
+  const IntegratorInfo info = method.info();
+  std::string text = fmt::format("integrator {}{}, solver {}, formulation {}; {} slots", info.name,
+                                 info.adaptive ? "" : " with fixed steps", dynamics.solver().name(),
+                                 to_string(dynamics.options().formulation), system.n_slots());
+  text += signature_of(options, dynamics.options());
+  text += "; gravity" + numbers_of(system.gravity());
+  for (const Body& body : system.bodies()) {
+    const MassProperties& m = body.mass;
+    text += "; body " + body.name + numbers_of(std::array{m.mass}) + ", centre" + numbers_of(m.center) + ", inertia" +
+            numbers_of(m.J.reshaped());
+  }
+  for (const Marker& marker : system.markers())
+    text += "; marker " + marker.name + " on " + marker.body->name + numbers_of(marker.local);
   for (const auto& link : system.links()) text += "; link " + link->name() + " " + std::string(link->type());
   for (const auto& force : system.forces()) text += "; force " + force->name() + " " + std::string(force->type());
   for (const auto& own : system.auxiliaries()) text += "; state " + own->name();
@@ -61,10 +96,15 @@ void StepLoop::save(Snapshot& out) {
         "integrator '{}' keeps a history that cannot be saved, so its runs have no checkpoints; take another "
         "(--integrator)",
         method_->info().name));
+  for (std::size_t i = 0; i < observers_.size(); ++i)
+    if (const Observer& o = *observers_[i]; !o.saves_all())
+      throw ModelError(
+          fmt::format("observer {} ({}) keeps what cannot be saved, so runs with it have no checkpoints; leave it out",
+                      i + 1, boost::core::demangle(typeid(o).name())));
   if (!dynamics_.has_current_coordinates(state_))
     throw ModelError("the run cannot be saved: the system was changed since its last step; run on first");
   const auto& parts = *parts_;
-  out.put_text(signature(system(), *method_, dynamics_));
+  out.put_text(signature(system(), *method_, dynamics_, options_));
   dynamics_.save_state(state_, out);
   const State& before = parts.before_change;
   const bool counts_on = state_.coordinates && before.coordinates == state_.coordinates;
@@ -99,7 +139,7 @@ void StepLoop::load_parts(const Snapshot& in) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
   dynamics_.set_up();
-  const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_);
+  const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_, options_);
   if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
   dynamics_.load_state(state_, in);
   before_change = {};
@@ -110,6 +150,9 @@ void StepLoop::load_parts(const Snapshot& in) {
   measures_turns_ = !method.adaptive || method.implicit;
   interval.start(state_);
   clock.load(in), events.load(in), contacts.load(in), interval.load(state_, in);
+  constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
+  if (options_.output > 0 && !(state_.t - clock.next_output() < kMostBehind * options_.output))
+    throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
   const Snapshot learned = in.get_part();
   ended = {}, cause.clear(), phase_ = Phase::none;
   started = told = 0;

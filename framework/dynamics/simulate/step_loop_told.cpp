@@ -33,27 +33,38 @@ void StepLoop::output_inside() {
     for (DetailObserver* o : parts_->detailed) parts_->show_inside(*o, dynamics_, t0, state_.t);
 }
 
-// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
+// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it, nor on what its solution
+// teaches the solver.
 void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
   const double h = to.spacing();
   if (!(h < t1 - t0 + h)) return;  // infinite
-  for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
+  double k = std::floor(t0 / h) + 1;
+  if (!(k * h < t1)) return;
+  const Dynamics::Aside aside(dynamics);
+  for (; k * h < t1; ++k) {
     try {
-      if (k * h > t0) to.between(Sample(dynamics, interval.at(k * h), interval.report()));
+      if (!(k * h > t0)) continue;
+      const Sample sample(dynamics, interval.at(k * h), interval.report());
+      user_code("observer", "", k * h, [&] { to.between(sample); });
     } catch (const Error&) {
       continue;
     }
   }
 }
 
-void StepLoop::Parts::show_before_jump(const Sample& sample) {
-  if (detailed.empty()) return;
-  bool acts = ended.jump || ended.touched;
-  for (std::size_t i = 0; i < events.size() && !acts; ++i)
-    acts = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
-           events.due(i, sample.state.t) != EventLocator::Due::no;
-  if (!acts) return;
-  for (DetailObserver* o : detailed) o->before_jump(sample);
+bool StepLoop::Parts::acts(double t) const {
+  bool act = ended.jump || ended.touched;
+  for (std::size_t i = 0; i < events.size() && !act; ++i)
+    act = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
+          events.due(i, t) != EventLocator::Due::no;
+  return act;
+}
+
+void StepLoop::tell_before_jump(const Sample& sample) {
+  if (parts_->detailed.empty() || !parts_->acts(sample.state.t)) return;
+  tell([&](Observer& o) {
+    if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
+  });
 }
 
 void StepLoop::output(const Sample& sample) {

@@ -1,6 +1,7 @@
-// Conjugate gradients, for what the proximal iteration leaves where bodies differ much in mass.
+// Conjugate gradients, for what the proximal iteration leaves where S is small in a direction without being zero.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -10,14 +11,14 @@
 namespace lockstep {
 
 /// Solves S lambda = b, S = J M^-1 J^T, with S + E factored. A correction by (S + E)^-1 leaves E/(S + E) of an error:
-/// little, unless S is small in a direction without being zero, as where a heavy body hangs on light ones. There are
-/// few such directions, and conjugate gradients preconditioned by S + E take about one iteration for each:
+/// little, unless S is small in a direction without being zero, as where a heavy body hangs on light ones, or along a lift
+/// of many cells. There are few such directions, and conjugate gradients preconditioned by S + E take about one iteration for each:
 ///
 ///   z = (S + E)^-1 r,   p = z + (r . z)/(r . z)_before p,   lambda += (r . z)/(p . S p) p
 ///
 /// Redundant directions, where S is zero, stay as they are. Off the constraints redundant rows contradict one another a
-/// little, and meeting them would take huge multipliers. So the directions that are solved for are those which differences
-/// of mass explain. Of factors that answer -(S + E)^-1 r both signs are turned, which leaves the steps as they are.
+/// little, and meeting them would take huge multipliers. So the directions that are solved for are those of which the first
+/// solution has at least a half, S >= E, and those which differences of mass explain. Of factors that answer -(S + E)^-1 r both signs are turned, which leaves the steps as they are.
 class ConjugateGradients {
  public:
   static constexpr int kMost = 40;  ///< iterations, and one more a row
@@ -26,9 +27,9 @@ class ConjugateGradients {
     for (VecX* v : {&r_, &z_, &p_, &q_, &way_, &best_way_, &back_}) v->setZero(n_rows);
   }
   /// Sets what is solved for: `eps`: E relative to S; `spread`: mass of the lightest body over that of the heaviest.
-  void set(double eps, double spread) { longest_ = 1 + eps / (kShare * spread); }
-  /// Whether corrections alone do not suffice.
-  bool needed() const { return longest_ > 1 + kSlow; }
+  void set(double eps, double spread) { left_ = eps / (kShare * spread), longest_ = 1 + std::max(left_, 1.0); }
+  /// Whether bodies differ so much in mass that corrections alone do not suffice.
+  bool needed() const { return left_ > kSlow; }
   /// From the present solution: residual(r) writes its residual, solve(r, z) z, step(p, length) moves the solution by
   /// length p and measures it, worst() is its largest residual in units of what is met. Ends where that is 1 or less;
   /// otherwise false, and the solution is the best that was found.
@@ -65,7 +66,7 @@ class ConjugateGradients {
     if (way_ != best_way_) back_ = best_way_ - way_, step(back_, 1.0);
     return best <= 1;
   }
-  /// Whether the last call came to a direction that the masses do not explain: rows that depend on others, and that
+  /// Whether the last call came to a direction that is not solved for: rows that depend on others, and that
   /// may contradict them.
   bool refused() const { return refused_; }
 
@@ -74,7 +75,8 @@ class ConjugateGradients {
   static constexpr Eigen::Index kIdle = 4;  // iterations that bring nothing
   static constexpr double kLost = 1e3;      // of the best residual: what has grown more can't be taken back exactly
   static constexpr double kSlow = 1e-3;     // a correction that leaves less of an error is fast enough
-  double longest_ = 1;                      // (S + E)/S
+  double left_ = 0;                         // E/S in such a direction
+  double longest_ = 2;                      // (S + E)/S
   bool refused_ = false;
   VecX r_, z_, p_, q_, way_, best_way_, back_;
 };

@@ -296,10 +296,10 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
     for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
     correct();
   };
-  const auto falling = [&] { return find_worst(), worst_ < kFalling * before_; };
-  const bool met = refine(report.corrections, measure, within, raise, corrected, falling);
+  const bool met = refine(report.corrections, measure, within, raise, corrected);
   if (met) return report;
-  if (gradients_.needed()) {
+  find_worst();
+  if (gradients_.needed() || worst_ < kFalling * before_) {
     if (conjugate(report.corrections, measure)) return report;
     before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
   }

@@ -24,11 +24,10 @@ inline constexpr double kContradiction = 1e-2;
 /// length of the mechanism, what is left over is none of the laws' doing.
 inline constexpr double kLeftPerViolation = 200;
 inline constexpr int kMaxCorrections = 3;
-/// Corrections go on beyond kMaxCorrections while each leaves less than this of the residual, kMostCorrections at most. A
-/// correction leaves E/(S + E): so a direction whose S is not below E is solved for, as in a long lift, and one whose S is
-/// smaller is redundant, or would be on the constraints.
+/// What kMaxCorrections leave is solved for by conjugate gradients where the last correction left less than this of the
+/// residual. A correction leaves E/(S + E): so a direction whose S is not below E is solved for, as in a long lift, and one
+/// whose S is smaller is redundant, or would be on the constraints.
 inline constexpr double kFalling = 0.5;
-inline constexpr int kMostCorrections = 40;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
 inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal: larger pivots are regular whatever the proximal terms
@@ -79,16 +78,14 @@ inline double residual_floor(double largest, double S = 0.0, double energy = 0.0
   return kScaleFloor * std::max(largest, std::sqrt(S * energy));
 }
 
-/// Corrects a solution until it meets the rule: kMaxCorrections in total, and more while they bring something.
-/// measure(): residuals of the present solution; within(): whether they are small; raise(): raises the residual floors by
-/// energy, false if that cannot help; correct(): the next solution; falling(): whether the last correction left less than
-/// kFalling of the largest residual.
-template <class Measure, class Within, class Raise, class Correct, class Falling>
-bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise, Correct&& correct, Falling&& falling) {
+/// Corrects a solution until it meets the rule, with at most kMaxCorrections in total. measure(): residuals of the
+/// present solution; within(): whether they are small; raise(): raises the residual floors by energy, false if that
+/// cannot help; correct(): the next solution.
+template <class Measure, class Within, class Raise, class Correct>
+bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise, Correct&& correct) {
   const auto met = [&] { return measure(), within() || (raise() && within()); };
-  const auto more = [&] { return corrections < kMaxCorrections || (corrections < kMostCorrections && falling()); };
   bool done = met();
-  for (; !done && more(); ++corrections) correct(), done = met();
+  for (; !done && corrections < kMaxCorrections; ++corrections) correct(), done = met();
   return done;
 }
 
@@ -154,7 +151,7 @@ class StopRule {
 
   /// The proximal iteration from a = 0, lambda = 0: corrections by `solve`, which writes the factor's answer (da, dl) to
   /// the residuals (r_f, r_c), once and then as long as the rule is not met, by conjugate gradients from the fourth on
-  /// where bodies differ much in mass. Fills residual, worst_row, corrections and contradictory.
+  /// where bodies differ much in mass or corrections still help. Fills residual, worst_row, corrections and contradictory.
   template <class Solve>
   void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, const PivotWatch& watch,
                SolveReport& report, Solve&& solve) {
@@ -170,9 +167,9 @@ class StopRule {
     corrected();
     const bool met = refine(
         report.corrections, measured, [&] { return within(kkt.pattern); }, [&] { return raise_floors(kkt, a); },
-        corrected, [&] { return largest_ < kFalling * before_; });
+        corrected);
     bool rows_met = met;
-    if (!met && differ_in_mass(kkt)) {
+    if (!met && (differ_in_mass(kkt) || largest_ < kFalling * before_)) {
       const auto step = [&](const VecX& p, double length) {
         lambda += length * p;
         add_reaction_of(kkt, length, p, a);

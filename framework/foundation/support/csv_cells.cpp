@@ -24,11 +24,11 @@ void split_csv(std::string_view line, char separator, std::vector<std::string>& 
 std::string csv_cell(std::string_view text) {
   std::string plain, doubled;
   for (const char c : text) {
-    plain += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    plain += c == '\n' ? ' ' : c;
     if (c == '"') doubled += '"';
     doubled += plain.back();
   }
-  const bool whole = plain == text::trimmed(plain) && plain.find_first_of(",\"") == std::string::npos &&
+  const bool whole = plain == text::trimmed(plain) && plain.find_first_of(",\"\r") == std::string::npos &&
                      !plain.starts_with("\xEF\xBB\xBF");
   return whole ? plain : '"' + doubled + '"';
 }

@@ -13,8 +13,8 @@ namespace lockstep {
 /// Blanks around cells are removed.
 LOCKSTEP_API void split_csv(std::string_view line, char separator, std::vector<std::string>& cells);
 
-/// A text as a cell of a line: control characters as blanks, so that the line stays one; in quotes, its own doubled, where
-/// it holds a comma or a quote, has blanks at its ends, or begins with what reads as a byte order mark.
+/// A text as a cell of a line: line feeds as blanks, so that the line stays one; in quotes, its own doubled, where it holds
+/// a comma, a quote or a carriage return, has blanks at its ends, or begins with what reads as a byte order mark.
 LOCKSTEP_API std::string csv_cell(std::string_view text);
 
 /// Removes the mark that some programs write before UTF-8. Returns false if the text is UTF-16 instead.

@@ -14,6 +14,21 @@ void Snapshot::put_part(const Snapshot& part) {
   numbers_.insert(numbers_.end(), part.numbers_.begin(), part.numbers_.end());
 }
 
+// Halves of 32 bits, which a double holds.
+void Snapshot::put_bits(std::uint64_t bits) {
+  put(static_cast<double>(bits & 0xffffffffu)), put(static_cast<double>(bits >> 32));
+}
+
+std::uint64_t Snapshot::get_bits() const {
+  std::uint64_t bits = 0;
+  for (const int shift : {0, 32}) {
+    const long half = get_count();
+    if (half < 0 || half > 0xffffffffL) ran_out();
+    bits |= static_cast<std::uint64_t>(half) << shift;
+  }
+  return bits;
+}
+
 std::string Snapshot::get_text() const {
   std::string text(get_size(), ' ');
   for (char& c : text) {

@@ -205,6 +205,17 @@ class LOCKSTEP_API Factor {
   /// Takes back what save() wrote at an evaluation of the same state.
   void restore(const Evaluation& e, const Snapshot&);
 
+  /// What the solver has learned, and from matrices of which layout; null: none.
+  struct Learned {
+    std::shared_ptr<const Evaluation::Layout> layout;  ///< of the matrices
+    Snapshot numbers;                                  ///< what Factorization::save wrote
+  };
+  /// Keeps what the solver has learned so far.
+  void keep(Learned&) const;
+  /// Forgets what it has learned since keep(). Nothing is factored: what was solved for last cannot be solved with again
+  /// before compute() where the links in force were others in between.
+  void put_back(const Learned&);
+
  private:
   void lay_out(const Evaluation&);
   SolveReport solve(const Evaluation&, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
@@ -374,6 +385,21 @@ class LOCKSTEP_API Dynamics {
   void save_state(const State&, Snapshot&) const;
   /// Reads what save_state() wrote. Throws ModelError where it does not fit the system.
   void load_state(State&, const Snapshot&);
+
+  /// A look at states beside a run: while it lives the dynamics may be asked anything, and when it ends the counters of
+  /// work and what the solver has learned are as before. So a run does not depend on who looks at it.
+  class LOCKSTEP_API Aside {
+   public:
+    explicit Aside(Dynamics& dynamics);  ///< the look begins; the dynamics must outlive it
+    ~Aside();
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+
+   private:
+    Dynamics& dynamics_;
+    WorkCount work_;
+    Factor::Learned learned_;
+  };
 
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
   Factor new_factor() { return {system_, *solver_, kkt_formulation(), work_}; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <string>
 #include <string_view>
@@ -52,6 +53,7 @@ class LOCKSTEP_API Snapshot {
   }
   void put_text(std::string_view text);  ///< appends a text
   void put_part(const Snapshot& part);   ///< appends another snapshot as one item
+  void put_bits(std::uint64_t bits);     ///< appends a word of 64 bits, as two numbers
   /// The next number. Throws ModelError where there is none: more is read than was saved.
   double get() const {
     if (at_ >= numbers_.size()) ran_out();
@@ -74,6 +76,7 @@ class LOCKSTEP_API Snapshot {
   }
   std::string get_text() const;                           ///< reads what put_text wrote; throws as get()
   Snapshot get_part() const;                              ///< reads what put_part wrote; throws as get()
+  std::uint64_t get_bits() const;                         ///< reads what put_bits wrote; throws as get()
   bool at_end() const { return at_ == numbers_.size(); }  ///< whether all that was saved has been read
   void rewind() const { at_ = 0; }             ///< the next get() returns the first number again
   void clear() { numbers_.clear(), at_ = 0; }  ///< removes all numbers

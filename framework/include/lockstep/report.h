@@ -49,6 +49,7 @@ class LOCKSTEP_API Report final : public Observer {
   void jumped(const Sample&) override;
   void output(const Sample&) override;
   void finish(const Sample&) override;
+  bool saves_all() const override { return false; }  ///< poses are not saved: runs with it have no checkpoints
 
   /// Writes what was seen so far; an existing file is replaced when the new one is whole. Throws ModelError before the
   /// run began, FileError where the file cannot be written.

@@ -64,6 +64,7 @@ struct Scene {
   std::vector<SceneParameter> parameters{};  ///< "parameters", then "points", in their order
   /// Places of formulas in the file with their texts, for messages.
   std::vector<std::pair<Where, std::string>> formulas{};
+  MeshFiles meshes{};  ///< that bodies show; shared with copies and with scenes that differ in values
 };
 
 /// Does the same to the scene as written and to that with the values of its formulas: `change` is called with each.

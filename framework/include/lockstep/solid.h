@@ -23,6 +23,21 @@ struct TriangleMesh {
 /// FileError with file and line (of a binary file, the triangle) for what is damaged or too large.
 LOCKSTEP_API TriangleMesh read_mesh(const std::string& file);
 
+/// Meshes of files, each read once. Copies share what was read; several threads may read.
+class LOCKSTEP_API MeshFiles {
+ public:
+  MeshFiles();
+  MeshFiles(const MeshFiles&) = default;
+  MeshFiles& operator=(const MeshFiles&) = default;
+
+  /// The mesh of this file, by read_mesh() at the first call. Throws what that throws, at each call.
+  std::shared_ptr<const TriangleMesh> read(const std::string& file) const;
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+};
+
 /// A solid that a body is made of, for pictures; its mass is in the body's MassProperties.
 struct Solid {
   /// Its form, about the origin of its own frame.

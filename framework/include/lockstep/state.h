@@ -9,6 +9,7 @@
 #include <lockstep/body.h>
 #include <lockstep/export.h>
 #include <lockstep/math.h>
+#include <lockstep/memory.h>
 
 namespace lockstep {
 
@@ -133,6 +134,11 @@ inline Motion slot_motion(const State& state, int slot) {
   if (slot != kGround) read_motion(state, slot, out);
   return out;
 }
+
+/// Writes a state for a checkpoint, in whatever coordinates it is; the coordinates themselves are not written.
+LOCKSTEP_API void put_state(const State&, Snapshot&);
+/// Reads what put_state() wrote but for the coordinates, which stay. Throws ModelError where numbers are missing.
+LOCKSTEP_API void get_state(State&, const Snapshot&);
 
 /// Moves q by h v, in the state's own coordinates; in the slots' own x += h v, e <- e exp(h w). h in s; v: 6 per slot,
 /// m/s (world) and rad/s (slot axes). Time stays.

@@ -82,6 +82,8 @@ class LOCKSTEP_API Observer {
   /// Takes back what save() wrote, in the same order; start() was called before, at the state of the checkpoint.
   /// Default: nothing.
   virtual void load(const Snapshot&);
+  /// Whether save() writes all that it keeps from call to call; false: runs with it have no checkpoints. Default: true.
+  virtual bool saves_all() const;
 };
 
 // Event: changes the links in force or the state between two steps, by time or by a condition located to tolerance.
@@ -197,11 +199,13 @@ class LOCKSTEP_API StepLoop {
 
   /// Writes all that the run holds between two steps: state, report, step control, history of the method, events,
   /// contacts, what the solver has learned, and what the observers write themselves (Observer::save). Throws ModelError
-  /// where the run has not begun, where an error left a step unfinished, and where the method does not save all of its
-  /// history (Integrator::saves_all).
+  /// where the run has not begun, where an error left a step unfinished, and where the method or an observer does not
+  /// save all that it keeps (Integrator::saves_all, Observer::saves_all).
   void save(Snapshot&);
   /// Goes on from there, in place of set_state(): with the same system, method, options, events and observers the run
-  /// is then equal to the last bit to the one that was saved. Throws ModelError where one of them is another.
+  /// is then equal to the last bit to the one that was saved. Throws ModelError where one of them is seen to be another:
+  /// the method's name, the options, the number of events and observers; names and types of bodies, links and forces,
+  /// masses, places of markers, gravity. The parameters of links, forces, laws and events are not compared.
   void load(const Snapshot&);
   /// Adds a warning to the report and logs it (log.h).
   void warn(const std::string& text);
@@ -209,7 +213,7 @@ class LOCKSTEP_API StepLoop {
  private:
   struct Parts;
   /// What is still to be done at the end of the last accepted step, in this order.
-  enum class Phase { none, inside, step, output, progress, jump, events, contacts, jumped, last };
+  enum class Phase { none, inside, step, output, progress, before_jump, jump, events, contacts, jumped, last };
   /// Calls `act` while no other call of the loop is allowed; what it throws makes the method begin anew.
   template <class Act>
   void exclusively(const char* what, Act&& act);
@@ -230,6 +234,7 @@ class LOCKSTEP_API StepLoop {
   void make_consistent(const std::string& cause);
   template <class Call>
   void tell(Call&& call);
+  void tell_before_jump(const Sample&);
   void tell_jumped();
   void output_inside();
   void output(const Sample&);

@@ -47,6 +47,10 @@ struct SweepRun {
   bool drifted = false;  ///< the violation went beyond its limit
   double violation = 0;  ///< largest |C| after a step, m; in lanes at the outputs
   bool wrong = false;    ///< it drifted, or a method that controls its error did not conserve energy
+
+  /// What its row says of it: `status`, "failed: " and the reason, and where it is wrong "wrong" for "ok", and
+  /// "wrong: stopped by 'landed'".
+  LOCKSTEP_API std::string outcome() const;
 };
 
 /// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
@@ -66,7 +70,8 @@ LOCKSTEP_API SweepRun recorded_run(const Table&);
 /// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],
 /// energy,imbalance,violation [m],steps,cpu [s],status".
 LOCKSTEP_API std::string sweep_header(const std::vector<Variable>&, const Table& columns);
-/// Row of the CSV file of a sweep, with a line end; the cells of results are empty when the run failed. `choice`:
+/// Row of the CSV file of a sweep, with a line end; the cells of results are empty when the run failed, and the last is
+/// SweepRun::outcome(). `choice`:
 /// number of the value of each variable.
 LOCKSTEP_API std::string sweep_row(long run, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                                    const Table& columns, const SweepRun&);

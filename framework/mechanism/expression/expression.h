@@ -107,6 +107,9 @@ class LOCKSTEP_API Expression {
   std::vector<Node> nodes_;
 };
 
+/// The names that a formula reads, each once; "rod.to" is one of them, "A" is that of "A.x".
+LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
+
 /// Whether it may name a parameter: a letter or '_', then letters, digits and '_'; no function or constant.
 /// Otherwise `problem` says why not.
 LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);

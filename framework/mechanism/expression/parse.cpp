@@ -367,6 +367,14 @@ void Expression::refuse(std::size_t at, const std::string& problem) const {
                    (rest.empty() || at == 0 ? "" : " (\"" + plain(rest) + "\")") + ": " + problem);
 }
 
+std::vector<std::string> names_in(const Expression& e) {
+  std::vector<std::string> names;
+  for (const Node& node : e.nodes())
+    if (node.operation == Operation::name && std::find(names.begin(), names.end(), node.name) == names.end())
+      names.push_back(node.name);
+  return names;
+}
+
 bool is_name(std::string_view word, std::string& problem) {
   problem.clear();
   const bool plain = !word.empty() && begins_name(word.front()) &&

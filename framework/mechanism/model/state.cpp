@@ -11,6 +11,18 @@ void State::refuse_setting() const {
                    std::string(coordinates->name()) + "'; convert it first (Dynamics::to_slots)");
 }
 
+void put_state(const State& state, Snapshot& out) {
+  out.put(state.t);
+  for (const VecX* x : {&state.q, &state.v, &state.s, &state.z}) out.put_all(*x);
+  out.put_all(state.modes), out.put_all(state.watched);
+}
+
+void get_state(State& state, const Snapshot& in) {
+  state.t = in.get();
+  for (VecX* x : {&state.q, &state.v, &state.s, &state.z}) in.get_all(*x);
+  in.get_all(state.modes), in.get_all(state.watched);
+}
+
 void advance_state(State& state, double h, const VecX& v) {
   if (state.coordinates) return state.coordinates->advance(state, h, v);
   for (int k = 0; 6 * k < v.size(); ++k) {

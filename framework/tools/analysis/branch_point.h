@@ -10,24 +10,28 @@
 
 namespace lockstep {
 
-/// What the rows leave free at a state. Positions within 1e-5 (rad, or parts of System::length) of a singular one count
-/// as in it: nearer than that rounding in the constraints does not tell.
+/// What the rows of loops leave free at a state; the rest of the mechanism is left aside. Positions within 1e-5 (rad, or
+/// parts of System::length) of a singular one count as in it: nearer than that rounding in the constraints does not tell.
 struct LOCKSTEP_API BranchPoint {
-  bool known = false;          ///< it was looked at: there are loops, no more than 300 rows, and no law moves them
-  int motions = 0;             ///< motions that the rows leave in this position
+  bool known = false;          ///< there are loops, of no more than 300 rows and 3000 unknowns, and no law moves them
+  std::vector<bool> slots;     ///< of the system: whether they lie on a loop; empty where nothing is known
+  int motions = 0;             ///< motions of these that the rows of the loops leave in this position
   bool singular = false;       ///< some of them the rows stop as soon as they begin
   std::vector<VecX> tangents;  ///< of the branches, 6 per slot: m (world), rad (slot axes); size 1 m
   bool all = false;     ///< the tangents are all there are: two or three motions, and curves that leave along each
   double nearness = 1;  ///< in a regular position the smallest singular value of the rows, each of length 1
 
-  /// "2 motions where ...: 'crank' turns about z; or 'rod' turns about z"; "" in a regular position.
+  /// "2 motions to first order, 2 branches: 'crank' turns about z; or 'rod' turns about z"; "" in a regular position.
   std::string text(Dynamics&, const State&) const;
-  /// The part of the velocity that is not along the nearest branch, 0 to 1.
+  /// Whether something on a loop has a velocity. `v`: 6 per slot; where the position is known.
+  bool moves(const VecX& v) const;
+  /// The part of the loops' velocity that is not along the nearest branch, 0 to 1.
   double off_branches(const System&, const VecX& v) const;
 };
 
 /// To second order: a motion c N of the free ones goes on where w . Qhat(c N) = 0 for each combination w of rows that is
-/// zero, w J = 0. The solutions are lines where branches cross.
+/// zero, w J = 0. The solutions are lines where branches cross. Takes no more than 26 evaluations, and a singular value
+/// decomposition of the loops' rows.
 LOCKSTEP_API BranchPoint branch_point(Dynamics&, const State&);
 
 }  // namespace lockstep

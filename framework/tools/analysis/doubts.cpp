@@ -11,25 +11,27 @@ namespace {
 
 constexpr double kJust = 1 + 1e-6;   // an error of 1 is met
 constexpr double kUncertain = 1e-2;  // of a reaction
-constexpr double kGrows = 5;         // measured: an error of the motion becomes this, over the indicator, of a reaction
+constexpr double kGrowth = 5;        // measured: an error of the motion becomes this, over the indicator, of a reaction
 constexpr double kFixed = 1e-9;      // error of the motion for a method that promises none: that of its projection,
-constexpr double kLeast = 1e-13;     // and of one that promises more than rounding allows
+constexpr double kLeastError = 1e-13;  // and of one that promises more than rounding allows
 
 }  // namespace
 
 void Doubts::start(const Sample& sample) {
   loops_ = has_loops(sample.system(), sample.state.modes);
-  beyond_ = 0, largest_ = first_ = 0;
+  beyond_ = n_uncertain_ = 0, largest_ = first_ = 0;
   uncertain_.clear();
 }
 
 void Doubts::save(Snapshot& out) const {
   out.put(static_cast<double>(beyond_)), out.put(largest_), out.put(first_);
+  out.put(static_cast<double>(n_uncertain_));
   out.put_all(uncertain_);
 }
 
 void Doubts::load(const Snapshot& in) {
   beyond_ = in.get_count(), largest_ = in.get(), first_ = in.get();
+  n_uncertain_ = in.get_count();
   in.get_all(uncertain_);
 }
 
@@ -47,8 +49,10 @@ void Doubts::output(const Sample& sample) {
   const Solution& solution = sample.values();
   SolveReport report = solution.report;
   solution.factor.complete(report);
-  const double error = tolerance_ > 0 ? std::max(tolerance_, kLeast) : kFixed;
-  if (std::max(kGrows * error, report.residual) > kUncertain * report.detector) uncertain_.push_back(sample.state.t);
+  const double error = tolerance_ > 0 ? std::max(tolerance_, kLeastError) : kFixed;
+  if (!(std::max(kGrowth * error, report.residual) > kUncertain * report.detector)) return;
+  ++n_uncertain_;
+  if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
 }
 
 }  // namespace lockstep

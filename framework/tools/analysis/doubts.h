@@ -2,6 +2,7 @@
 // rounding decides.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace lockstep {
 /// Watches what the method says of its steps, and the conditioning of the instants that are recorded.
 class LOCKSTEP_API Doubts final : public Observer {
  public:
+  static constexpr std::size_t kNamed = 5;  ///< instants that are kept
+
   /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps.
   Doubts(bool reactions, double tolerance) : reactions_(reactions), tolerance_(tolerance) {}
 
@@ -25,13 +28,15 @@ class LOCKSTEP_API Doubts final : public Observer {
   long beyond() const { return beyond_; }            ///< steps whose error is above the tolerance
   double largest_error() const { return largest_; }  ///< of them, in tolerances
   double first() const { return first_; }            ///< the end of the first of them, s
-  /// Recorded instants, s, beside a singular position, whose reactions may be off by more than a hundredth.
+  /// How many recorded instants lie beside a singular position, so that reactions may be off by more than a hundredth.
+  long n_uncertain() const { return n_uncertain_; }
+  /// The first of them, kNamed at most, s.
   const std::vector<double>& uncertain() const { return uncertain_; }
 
  private:
   bool reactions_, loops_ = false;
   double tolerance_;
-  long beyond_ = 0;
+  long beyond_ = 0, n_uncertain_ = 0;
   double largest_ = 0, first_ = 0;
   std::vector<double> uncertain_;
 };

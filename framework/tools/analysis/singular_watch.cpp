@@ -19,7 +19,7 @@ constexpr double kGolden = 0.6180339887498949;
 constexpr double kOnConstraints = 1e-12;  // m, times the length
 
 // The turn of the fastest body in a time, rad; translations over the length of the mechanism.
-double turn_of(const State& state, double h, double length) {
+double turn_in(const State& state, double h, double length) {
   double w2 = 0;
   for (Eigen::Index i = 0; i < state.v.size(); i += 6)
     w2 = std::max(
@@ -34,6 +34,8 @@ struct SingularWatch::Eye {
   Eye(System& system, const State& state)
       : evaluation(system, state), factor(system, solver, Formulation::omega, work), project(1e-8 * system.length()) {}
 
+  /// Links in force at its last look.
+  std::vector<bool> modes() const { return evaluation.layout() ? evaluation.layout()->modes : std::vector<bool>(); }
   double root_at(const State& state) {
     evaluation.at(state);
     factor.compute(evaluation);
@@ -82,9 +84,8 @@ void SingularWatch::jumped(const Sample&) { forget(); }
 
 void SingularWatch::save(Snapshot& out) const {
   for (const Look* l : {&before_, &last_, &regular_}) {
-    out.put(l->root), out.put(l->turn), out.put(l->state.t);
-    for (const VecX* x : {&l->state.q, &l->state.v, &l->state.s, &l->state.z}) out.put_all(*x);
-    out.put_all(l->state.modes), out.put_all(l->state.watched);
+    out.put(l->root), out.put(l->turn);
+    put_state(l->state, out);
   }
   out.put(turned_);
   out.put(static_cast<double>(passed_.size()));
@@ -92,13 +93,15 @@ void SingularWatch::save(Snapshot& out) const {
     out.put(p.t), out.put(p.indicator), out.put(static_cast<double>(p.links.size()));
     for (const std::string& link : p.links) out.put_text(link);
   }
+  Snapshot learned;
+  if (eye_) eye_->factor.save(eye_->evaluation, learned);
+  out.put_all(eye_ ? eye_->modes() : std::vector<bool>()), out.put_part(learned);
 }
 
 void SingularWatch::load(const Snapshot& in) {
   for (Look* l : {&before_, &last_, &regular_}) {
-    l->root = in.get(), l->turn = in.get(), l->state.t = in.get();
-    for (VecX* x : {&l->state.q, &l->state.v, &l->state.s, &l->state.z}) in.get_all(*x);
-    in.get_all(l->state.modes), in.get_all(l->state.watched);
+    l->root = in.get(), l->turn = in.get();
+    get_state(l->state, in);
   }
   turned_ = in.get();
   passed_.assign(static_cast<std::size_t>(in.get_count()), {});
@@ -107,6 +110,15 @@ void SingularWatch::load(const Snapshot& in) {
     p.links.resize(static_cast<std::size_t>(in.get_count()));
     for (std::string& link : p.links) link = in.get_text();
   }
+  // What the solver knew of other links in force than the present ones was forgotten at the next look.
+  std::vector<bool> modes;
+  in.get_all(modes);
+  const Snapshot learned = in.get_part();
+  if (!eye_) return;
+  if (modes == eye_->modes())
+    eye_->factor.restore(eye_->evaluation, learned);
+  else
+    eye_.reset();
 }
 
 // What was seen of other links in force, or before an impact, says nothing of what follows.
@@ -118,7 +130,7 @@ void SingularWatch::forget() {
 void SingularWatch::step(const Sample& sample) {
   if (sample.state.coordinates || sample.report.manifold) return forget();
   if (!eye_) eye_ = std::make_unique<Eye>(system_, sample.state);
-  const double turn = turn_of(sample.state, sample.report.h, system_.length());
+  const double turn = turn_in(sample.state, sample.report.h, system_.length());
   turned_ += turn;
   if (turned_ < kLook) return;
   turned_ = 0;
@@ -160,7 +172,7 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   // Steps over a place that is nearly one do not see it either: its distance, by the slope beside it, is less than the turn
   // of a step.
   const double turn = std::max(lowest.turn, after.turn), slope = std::max(before.root, after.root) - least;
-  const double apart = turn_of(lowest.state, after.state.t - before.state.t, system_.length());
+  const double apart = turn_in(lowest.state, after.state.t - before.state.t, system_.length());
   const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < 0.1 * regular_.root;
   if (!(least < kIsSingular) && !stepped_over) return;
   passed_.push_back({best.t, least * least, {}});

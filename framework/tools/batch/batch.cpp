@@ -244,7 +244,7 @@ Flags8 Batch::check_rows(int corrections) {
     pass_.solve(plan_, z_);
     pass_.apply(plan_, z_);
   };
-  refine(corrections, measure, within, raise, corrected, [] { return false; });  // a copy that needs more goes on alone
+  refine(corrections, measure, within, raise, corrected);  // a copy that needs more goes on alone
   Flags8 out{};
   for (std::size_t l = 0; l < kL; ++l) out[l] = unmet_[l] != 0;
   return out;

@@ -142,7 +142,7 @@ void point_data(Script& out, const std::string& name, const Series& s, const std
 void series_data(Script& out, const std::string& name, const Series& s) { point_data(out, name, s, thinned(s)); }
 
 void path_data(Script& out, const std::string& name, const Series& s) {
-  constexpr std::size_t kMost = 10'000;
+  constexpr std::size_t kMost = 40'000;
   const std::size_t stride = 1 + s.x.size() / kMost;
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < s.x.size(); i += stride) which.push_back(i);

@@ -35,6 +35,7 @@ std::string find_robot_mesh(const std::string& name, const std::string& folder) 
   if (name.starts_with(kFile)) return if_there(name.substr(kFile.size()));
   if (!name.starts_with(kPackage)) return if_there(fs::path(folder) / name);
   const fs::path in_package = name.substr(kPackage.size());
+  if (in_package.empty()) return "";
   const fs::path package = *in_package.begin(), rest = in_package.lexically_relative(package);
   fs::path holder = fs::absolute(folder, error).lexically_normal();
   if (!holder.has_filename()) holder = holder.parent_path();

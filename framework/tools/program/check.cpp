@@ -30,8 +30,8 @@ namespace lockstep {
 namespace {
 
 constexpr std::size_t kMostProposed = 20000;  // bodies
-constexpr int kMostMotions = 12;        // told in words
-constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
+constexpr int kMostMotions = 12;              // told in words
+constexpr double kNearPosition = 1e-2;        // singular value of rows of length 1
 
 using Names = std::vector<std::string>;
 
@@ -292,108 +292,153 @@ State counted_start(Dynamics& dynamics, const Mechanism& m, const State& typed) 
 }
 
 nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, const BranchPoint& position) {
+  if (!position.known) return nullptr;
   nlohmann::ordered_json branches = nlohmann::ordered_json::array();
   State at = state;
   dynamics.to_slots(at);
   const Inputs& in = dynamics.inputs(at);
   for (const VecX& tangent : position.tangents) branches.push_back(motion_words(dynamics.system(), in, tangent));
-  if (!position.known) return nullptr;
   return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
           {"smallest", position.nearness}, {"motions", position.motions},
           {"branches", branches},          {"all_branches", position.all}};
 }
 
-void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
-  const Loaded loaded = load(args);
-  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (args.channels) {
-    if (!args.json && !args.more_scenes.empty()) fmt::print("{}\n", loaded.title());
-    nlohmann::ordered_json channels;
-    list_channels(m.system, args.name, args.json ? &channels : nullptr);
-    if (args.json && args.more_scenes.empty())
-      results.push_back(std::move(channels));
-    else if (args.json)
-      results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
-    return;
-  }
+/// What is counted and found of a scene.
+struct Findings {
+  MobilityReport mobility;
+  UniquenessReport reactions;
+  BranchPoint position;
+  nlohmann::ordered_json position_json;
+  std::string position_words;  // "" in a regular one
+  DriveReport moves;
+  double violation = 0, violation_v = 0;  // of the start as it was typed
+  std::vector<LeftOut> left_out;
+  std::vector<std::string> proposals;
+  std::string formulation;
+  std::vector<Branch> tree;
+  Names columns, taken;
+};
+
+std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
+                                       const MobilityReport& r, bool joint) {
+  if (args.full) return {};
+  if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
+    return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
+  std::vector<std::string> more = proposals(loaded, m, !joint);
+  if (m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
+      make_integrator(m.run, loaded.registry)->info().joint)
+    more.push_back(
+        fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
+                    "velocities and no rows instead of {} and {}",
+                    r.freedoms, r.unknowns, r.rows));
+  return more;
+}
+
+Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
+  Findings found;
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   make_events(m, *recorder);
+  found.columns = recorder->table().names();
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
-  const double violation = dynamics.violation(start), violation_v = dynamics.violation_v(start);
+  found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
   const State counted = counted_start(dynamics, m, start);
-  const MobilityReport r = mobility(dynamics, counted);
-  const UniquenessReport reactions = uniqueness(dynamics, counted);
-  const BranchPoint position = branch_point(dynamics, counted);
-  const DriveReport moves = r.freedoms > 0 && r.freedoms <= kMostMotions ? driven_by(dynamics, counted) : DriveReport{};
-  const std::vector<LeftOut> out = left_out(m);
+  const MobilityReport& r = found.mobility = mobility(dynamics, counted);
+  found.reactions = uniqueness(dynamics, counted);
+  found.position = branch_point(dynamics, counted);
+  found.position_json = position_json(dynamics, counted, found.position);
+  found.position_words = found.position.text(dynamics, counted);
+  if (r.freedoms > 0 && r.freedoms <= kMostMotions) found.moves = driven_by(dynamics, counted);
+  found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
-  const bool proposes = !args.full && m.system.bodies().size() <= kMostProposed;  // each one builds it anew
-  std::vector<std::string> more = proposes ? proposals(loaded, m, !not_joint.empty()) : std::vector<std::string>{};
-  if (!args.full && !proposes) more.push_back(fmt::format("(not looked for in more than {} bodies)", kMostProposed));
-  if (proposes && m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
-      make_integrator(m.run, loaded.registry)->info().joint)
-    more.push_back(fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
-                               "velocities and no rows instead of {} and {}",
-                               r.freedoms, r.unknowns, r.rows));
+  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty());
+  found.formulation = formulation_of(m, not_joint, r);
+  if (not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint))
+    found.tree = tree_of(m.system, start.modes);
+  found.taken = frames_taken(loaded.scene);
+  return found;
+}
 
-  const std::string formulation = formulation_of(m, not_joint, r);
-  const bool joint =
-      not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint);
-  const std::vector<Branch> tree = joint ? tree_of(m.system, start.modes) : std::vector<Branch>{};
+nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, const Findings& found) {
+  const MobilityReport& r = found.mobility;
+  nlohmann::ordered_json j = {{"scene", loaded.scene.file},
+                              {"title", loaded.scene.title},
+                              {"bodies", r.bodies},
+                              {"unknowns", r.unknowns},
+                              {"rows", r.rows},
+                              {"rank", r.rank},
+                              {"freedoms", r.freedoms},
+                              {"redundant", r.redundant},
+                              {"redundant_links", r.redundant_links},
+                              {"dependencies", dependencies_json(r)},
+                              {"rows_not_unique", found.reactions.rows},
+                              {"columns_not_unique", columns_not_unique(m.run, found.reactions)},
+                              {"free_motions", found.moves.free},
+                              {"singular_position", found.position_json},
+                              {"formulation", found.formulation},
+                              {"tree", tree_json(found.tree)},
+                              {"violation", found.violation},
+                              {"violation_v", found.violation_v},
+                              {"columns", found.columns},
+                              {"left_out", nlohmann::ordered_json::array()}};
+  for (const LeftOut& l : found.left_out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
+  j["proposals"] = found.proposals;
+  j["parameters"] = parameters_json(loaded.scene);
+  j["frames_taken"] = found.taken;
+  return j;
+}
 
-  const Names taken = frames_taken(loaded.scene);
-  if (args.json) {
-    nlohmann::ordered_json j = {{"scene", loaded.scene.file},
-                                {"title", loaded.scene.title},
-                                {"bodies", r.bodies},
-                                {"unknowns", r.unknowns},
-                                {"rows", r.rows},
-                                {"rank", r.rank},
-                                {"freedoms", r.freedoms},
-                                {"redundant", r.redundant},
-                                {"redundant_links", r.redundant_links},
-                                {"dependencies", dependencies_json(r)},
-                                {"rows_not_unique", reactions.rows},
-                                {"columns_not_unique", columns_not_unique(m.run, reactions)},
-                                {"free_motions", moves.free},
-                                {"singular_position", position_json(dynamics, counted, position)},
-                                {"formulation", formulation},
-                                {"tree", tree_json(tree)},
-                                {"violation", violation},
-                                {"violation_v", violation_v},
-                                {"columns", recorder->table().names()},
-                                {"left_out", nlohmann::ordered_json::array()}};
-    for (const LeftOut& l : out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
-    j["proposals"] = more;
-    j["parameters"] = parameters_json(loaded.scene);
-    j["frames_taken"] = taken;
-    results.push_back(std::move(j));
-    return;
-  }
+void print_position(const Findings& found) {
+  if (found.position.singular)
+    fmt::print("  singular position   the start lies in one: {}\n", found.position_words);
+  else if (found.position.known && found.position.nearness < kNearPosition)
+    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
+               found.position.nearness);
+}
+
+void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& found) {
+  const MobilityReport& r = found.mobility;
   fmt::print("{}\n", loaded.title());
   fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
              r.bodies, r.unknowns, r.rows, r.freedoms);
-  for (const std::string& words : moves.free) fmt::print("    {}\n", words);
-  if (position.singular)
-    fmt::print("  singular position   the start lies in one: {}\n", position.text(dynamics, counted));
-  else if (position.known && position.nearness < kNearPosition)
-    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
-               position.nearness);
-  fmt::print("  formulation         {}\n", formulation);
+  for (const std::string& words : found.moves.free) fmt::print("    {}\n", words);
+  print_position(found);
+  fmt::print("  formulation         {}\n", found.formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
-  fmt::print("{}", words_of(reactions, m.run));
-  fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", violation, violation_v,
-             violation > 1e-6 || violation_v > 1e-6 ? "; a run assembles it first" : "");
-  if (!taken.empty()) fmt::print("places that are taken, as none is given:\n");
-  for (const std::string& text : taken) fmt::print("  {}\n", text);
-  if (!tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(tree));
+  fmt::print("{}", words_of(found.reactions, m.run));
+  fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
+             found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");
+  if (!found.taken.empty()) fmt::print("places that are taken, as none is given:\n");
+  for (const std::string& text : found.taken) fmt::print("  {}\n", text);
+  if (!found.tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(found.tree));
   list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");
-  for (const LeftOut& l : out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
-  if (!more.empty()) fmt::print("could be left out too:\n");
-  for (const std::string& text : more) fmt::print("  {}\n", text);
+  for (const LeftOut& l : found.left_out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
+  if (!found.proposals.empty()) fmt::print("could be left out too:\n");
+  for (const std::string& text : found.proposals) fmt::print("  {}\n", text);
+}
+
+void check_channels(const Arguments& args, const Loaded& loaded, const System& system,
+                    nlohmann::ordered_json& results) {
+  if (!args.json && !args.more_scenes.empty()) fmt::print("{}\n", loaded.title());
+  nlohmann::ordered_json channels;
+  list_channels(system, args.name, args.json ? &channels : nullptr);
+  if (args.json && args.more_scenes.empty())
+    results.push_back(std::move(channels));
+  else if (args.json)
+    results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
+}
+
+void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
+  const Loaded loaded = load(args);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+  if (args.channels) return check_channels(args, loaded, m.system, results);
+  const Findings found = found_in(args, loaded, m);
+  if (args.json)
+    results.push_back(findings_json(loaded, m, found));
+  else
+    print_findings(loaded, m, found);
 }
 
 // Each is checked, whatever the others are; the first that fails decides the exit code.

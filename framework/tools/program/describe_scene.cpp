@@ -1,30 +1,34 @@
 #include "framework/tools/program/describe_scene.h"
 
 #include <algorithm>
-#include <cctype>
 
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
+#include "framework/mechanism/expression/expression.h"
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {
 namespace {
 
-bool in_name(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || static_cast<signed char>(c) < 0;
-}
-
-// Whether a formula reads this name; behind a number stands a unit.
+// Whether a formula reads this name. What stands in braces in repeated parts, "{i+n}", is a formula of its own, and stands
+// for a whole number.
 bool reads(const std::string& formula, const std::string& name) {
-  for (std::size_t at = formula.find(name); at != std::string::npos; at = formula.find(name, at + 1)) {
-    const std::size_t end = at + name.size();
-    const bool whole = (at == 0 || (!in_name(formula[at - 1]) && formula[at - 1] != '.')) &&
-                       (end == formula.size() || !in_name(formula[end]));
-    const std::size_t before = at == 0 ? std::string::npos : formula.find_last_not_of(" \t", at - 1);
-    const bool unit = before != std::string::npos && formula[before] >= '0' && formula[before] <= '9';
-    if (whole && !unit) return true;
+  std::string outside;
+  for (std::size_t i = 0; i < formula.size();) {
+    const std::size_t open = std::min(formula.find('{', i), formula.size()), close = formula.find('}', open);
+    outside += formula.substr(i, open - i);
+    if (close == std::string::npos) break;
+    if (reads(formula.substr(open + 1, close - open - 1), name)) return true;
+    outside += '0';
+    i = close + 1;
   }
-  return false;
+  try {
+    const std::vector<std::string> names = expression::names_in(expression::Expression(outside));
+    return std::find(names.begin(), names.end(), name) != names.end();
+  } catch (const ModelError&) {
+    return false;  // a text that only looks like one
+  }
 }
 
 // Of all texts of a scene those that read the name: formulas, and, of a point, places that name it.
@@ -43,8 +47,12 @@ void add_readers(const Value& v, const std::string& path, const std::string& key
   const std::string* text = v.text();
   if (text == nullptr) return;
   const bool place = of.is_point && *text == of.name && std::find(kPlaces.begin(), kPlaces.end(), key) != kPlaces.end();
-  if (place || (text->starts_with('=') && reads(*text, of.name))) readers.push_back(path);
+  const bool template_of_copies = path.starts_with("repeat.") && text->find('{') != std::string::npos;
+  if (place || ((text->starts_with('=') || template_of_copies) && reads(*text, of.name))) readers.push_back(path);
 }
+
+// "[1, 2, 3] m" and "[0, \"=side\", 0]", as they are shown.
+bool is_list(const std::string& shown) { return shown.starts_with('['); }
 
 std::string without_unit(const std::string& quantity) { return quantity.substr(0, quantity.find(' ')); }
 
@@ -62,6 +70,15 @@ std::string parameter_value(const SceneParameter& p) {
   return text + "]" + unit;
 }
 
+std::string ways_to_change(const ParameterFacts& f) {
+  if (!f.is_own && !is_list(f.written)) return "it is made in a part: change what the part makes it of";
+  const std::string whole = "--set " + f.name + "=\"=[1, 2, 3]\"";
+  if (!is_list(f.value)) return "another value: --set " + f.name + "=..., a range: --vary " + f.name + "=...";
+  if (!is_list(f.written)) return "another value: " + whole;  // a formula of the whole vector
+  return "another value: --set " + f.name + ".x=..., " + (f.is_own ? whole + ", " : "") + "a range: --vary " + f.name +
+         ".x=...";
+}
+
 ParameterFacts parameter_facts(const Scene& scene, const std::string& name) {
   std::vector<std::string> known;
   for (const SceneParameter& p : scene.parameters) {
@@ -69,7 +86,10 @@ ParameterFacts parameter_facts(const Scene& scene, const std::string& name) {
     if (p.name != name) continue;
     ParameterFacts facts{p.name, p.is_point ? "point" : "parameter", parameter_value(p), write_json_line(p.written),
                          p.written.where.text()};
-    add_readers(scene.written.is_null() ? scene.root : scene.written, "", "", p, facts.read_by);
+    const Value& root = scene.written.is_null() ? scene.root : scene.written;
+    const Value* shelf = root.find(p.is_point ? "points" : "parameters");
+    facts.is_own = shelf != nullptr && shelf->find(p.name) != nullptr;
+    add_readers(root, "", "", p, facts.read_by);
     return facts;
   }
   throw UsageError("describe: " + scene.file + " has no parameter or point \"" + name + "\"" +

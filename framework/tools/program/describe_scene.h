@@ -14,11 +14,15 @@ struct ParameterFacts {
       value,                           ///< in SI units: "0.1 m"
       written,                         ///< as the scene gives it: "100 mm"
       where;                           ///< "four_bar.json:5:16"
-  std::vector<std::string> read_by{};  ///< paths of the values that hang on it directly
+  bool is_own = true;                  ///< whether it stands in this file itself, and in no included or repeated part
+  std::vector<std::string> read_by{};  ///< paths of the values of this file that hang on it directly
 };
 
 /// Of the parameter or point of this name. Throws UsageError with the closest name.
 ParameterFacts parameter_facts(const Scene&, const std::string& name);
+
+/// What options give it other values: of a vector its components vary, and a formula sets all of it.
+std::string ways_to_change(const ParameterFacts&);
 
 /// The value of a parameter in words: "0.1 m", "[0.1, 0, 0] m".
 std::string parameter_value(const SceneParameter&);

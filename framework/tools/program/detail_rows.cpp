@@ -8,7 +8,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostRows = 600;
+constexpr double kPictureRows = 600;
 constexpr std::size_t kMostKept = 20000;  // with those at jumps
 
 const std::vector<double>& times(const Table& table) { return table.columns().front().values; }
@@ -71,11 +71,15 @@ void PictureRows::load(const Snapshot& in) {
   for (std::size_t i = 0; i < of_jump_.size(); ++i) of_jump_[i] = in.get_flag();
 }
 
-// What cannot be computed there is left out of the picture.
+// What cannot be computed there is left out of the picture. The run must not depend on whether there is one: what is
+// solved for here is not the run's, and its observers solve for themselves.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
+  const Dynamics::Aside aside(sample.dynamics());
+  Sample own(sample.dynamics(), sample.state, sample.report);
+  own.cause = sample.cause;
   try {
-    own_->output(sample);
+    own_->output(own);
     of_jump_.push_back(of_jump);
     last_ = sample.state.t;
     return true;
@@ -111,7 +115,7 @@ Table PictureRows::together(const Table& main) const {
 }
 
 double picture_spacing(const StepLoopOptions& options, double until) {
-  const double spacing = until / kMostRows;
+  const double spacing = until / kPictureRows;
   const bool dense = options.output_times.empty() && options.output > 0 && options.output <= spacing;
   return dense || !(spacing > 0) ? kInfinity : spacing;
 }

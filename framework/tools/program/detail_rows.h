@@ -1,6 +1,7 @@
 // Rows beside the outputs of a run: for smooth pictures, and at what jumps.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -45,8 +46,8 @@ class PictureRows final : public DetailObserver {
 
   /// With the rows of the run, `main`, in the order of time.
   Table together(const Table& main) const;
-  /// Whether the method has no dense output, so that curves join the ends of its steps.
-  bool joins_steps() const { return n_between_ == 0 && n_steps_ > 0; }
+  /// Whether rows within steps were asked for and the method has no dense output: curves join the ends of its steps.
+  bool joins_steps() const { return std::isfinite(spacing_) && n_between_ == 0 && n_steps_ > 0; }
 
  private:
   bool add(const Sample&, bool of_jump);

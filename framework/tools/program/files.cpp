@@ -271,7 +271,8 @@ void draw_path(const std::string& base, const std::string& title, const Table& t
 }  // namespace
 
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
-                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures) {
+                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures,
+                     const Table& paths) {
   Drawing drawing;
   if (std::error_code none; !fs::is_regular_file(csv, none))
     drawing.reason = "nothing to draw beside '" + csv + "', which is no file";
@@ -291,7 +292,7 @@ Drawing draw_columns(const std::string& csv, const std::string& title, const Tab
     drawing.n_drawn = names.size();
     for (const PictureRequest& picture : pictures) {
       const std::string own = picture_base(csv, picture);
-      draw_path(own, title, table, picture);
+      draw_path(own, title, paths, picture);
       drawing.files.insert(drawing.files.end(), {own + ".svg", own + ".png"});
     }
   } catch (const std::exception& error) {

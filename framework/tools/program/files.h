@@ -64,9 +64,10 @@ struct Drawing {
 };
 
 /// Draws columns over time as SVG and PNG next to the CSV: the panels of `draw`, or the first columns, one panel per
-/// unit; and the pictures of one column against another. Does not throw if drawing fails: the results are worth more than their picture.
+/// unit; and `pictures` of one column against another, of the rows `paths`, each of one instant. Does not throw if drawing
+/// fails: the results are worth more than their picture.
 Drawing draw_columns(const std::string& csv, const std::string& title, const Table&,
-                     const std::vector<std::vector<std::string>>& draw = {},
-                     const std::vector<PictureRequest>& pictures = {});
+                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures,
+                     const Table& paths);
 
 }  // namespace lockstep

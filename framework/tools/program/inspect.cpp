@@ -100,8 +100,8 @@ int describe_in_scene(const Arguments& args) {
   }
   for (const ParameterFacts& f : all) {
     fmt::print("{}: a {} of {}\n  {}, written {}\n", f.name, f.kind, f.where, f.value, f.written);
-    fmt::print("  read by: {}\n", f.read_by.empty() ? "nothing" : text::join(f.read_by, ", "));
-    fmt::print("  another value: --set {}=..., a range: --vary {}=...\n", f.name, f.name);
+    fmt::print("  read in this file by: {}\n", f.read_by.empty() ? "nothing" : text::join(f.read_by, ", "));
+    fmt::print("  {}\n", ways_to_change(f));
   }
   if (all.empty()) fmt::print("{} has neither parameters nor points\n", loaded.scene.file);
   return kExitOk;

@@ -10,8 +10,8 @@
 namespace lockstep {
 
 /// The rows of a table while they are few. Beyond kMost, each column's least and largest value over equal numbers of
-/// rows, in the order in which they came: a curve through them covers what a curve through all rows would. Memory does
-/// not grow with the run.
+/// rows, in the order in which they came: a curve over time through them covers what a curve through all rows would. For
+/// curves of one column against another, whole rows: one in 2, 4, 8, ... Memory does not grow with the run.
 class RowEnvelope {
  public:
   static constexpr std::size_t kMost = 1 << 14;  ///< rows that are kept at most
@@ -23,7 +23,11 @@ class RowEnvelope {
   void add(const Table&, std::size_t i);
 
   long n_rows() const { return n_rows_; }  ///< that were added
-  Table table() const;                     ///< what is kept
+  /// What is kept, for curves over time: a row of it may hold numbers of different instants.
+  Table table() const;
+  /// Whole rows, for curves of one column against another: one in path_every(), and the last.
+  Table path_table() const;
+  long path_every() const { return path_every_; }  ///< 1: all rows
   /// The last instant, and last, least and largest value of each column after the time, over all rows.
   SweepRun ranges() const;
 
@@ -32,12 +36,15 @@ class RowEnvelope {
 
  private:
   void thin();
+  void thin_path();
+  std::vector<double> open_row(bool second) const;
   std::size_t n_kept() const { return kept_.size() / width_; }
 
   Table columns_;
   std::size_t width_, most_;
   std::vector<double> kept_;  // row by row; in pairs once rows are grouped
-  long per_pair_ = 1, n_rows_ = 0;
+  std::vector<double> path_;  // whole rows, one in path_every_; empty while kept_ has all
+  long per_pair_ = 1, path_every_ = 1, n_rows_ = 0;
   // the group that is not full yet: its rows so far, and of each column both extremes and when they came
   long n_open_ = 0;
   std::vector<double> least_, most_of_, last_;

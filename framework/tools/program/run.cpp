@@ -51,11 +51,14 @@ struct Ended {
   bool interrupted = false;
 };
 
+// `seconds`: of computing so far, by the clock; those of this part are added.
 Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, double& seconds) {
   Ended ended;
   Interrupt interrupt;
   Progress progress(until, quiet);
-  if (checkpoints) sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked()); };
+  const double before = seconds;
+  if (checkpoints)
+    sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked(), before + progress.seconds()); };
   sim.progress = [&](const State& s) {
     progress.at(s.t);
     return !interrupt.asked();
@@ -67,7 +70,7 @@ Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, doub
   }
   progress.finish();
   ended.interrupted = interrupt.asked();
-  seconds = progress.seconds();
+  seconds = before + progress.seconds();
   return ended;
 }
 
@@ -108,11 +111,13 @@ RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& 
   return out;
 }
 
-// The rows that pictures need beside the table's; null where none is drawn.
+// The rows that pictures need beside the table's; null where none is drawn. A run with checkpoints may go on where there
+// is a gnuplot, whether there is one here or not.
 std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const RunRows& rows,
                                           const Arguments& args) {
   std::error_code error;
-  const bool draws = !args.no_picture && csv != "-" && m.run.record.size() > 0 && !find_gnuplot().empty() &&
+  const bool can_draw = !args.checkpoint.empty() || !find_gnuplot().empty();
+  const bool draws = !args.no_picture && csv != "-" && m.run.record.size() > 0 && can_draw &&
                      (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
   if (!draws) return nullptr;
   return std::make_unique<PictureRows>(make_recorder(m), rows, picture_spacing(loop_options(m.run), m.run.until));
@@ -126,13 +131,16 @@ std::vector<std::string> print_files(const std::string& csv, const std::string& 
   if (args.no_picture || args.record == "-") return {csv};
   const Table table = rows.table();
   const bool detailed = details != nullptr && table.n_rows() > 1;
-  const Drawing drawing =
-      draw_columns(csv, title, detailed ? details->together(table) : table, run.draw, outputs.pictures);
+  const auto with_details = [&](const Table& own) { return detailed ? details->together(own) : own; };
+  const Table paths = outputs.pictures.empty() ? Table() : with_details(rows.path_table());
+  const Drawing drawing = draw_columns(csv, title, with_details(table), run.draw, outputs.pictures, paths);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
   if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
   if (!drawing.files.empty() && detailed && details->joins_steps())
     words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
+  if (!drawing.files.empty() && !outputs.pictures.empty() && rows.path_every() > 1)
+    words.say("             paths join one row in {}\n", rows.path_every());
   const std::size_t n = table.n_columns() - 1;
   if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
     words.say("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
@@ -227,12 +235,13 @@ class ProgramRun {
 
   /// The exit code.
   int go() {
+    checkpoints_.refuse_unsaved(sim_.integrator());
     words_.say("{}\n", loaded_.title());
     State start = assembled_start();
     report_.mark(dynamics_, start);
     add_observers(start);
     begin(std::move(start));
-    double seconds = 0;
+    double seconds = from_ != nullptr ? from_->seconds : 0;
     const Ended ended = lockstep::go(sim_, m_.run.until, args_.quiet, checkpoints_, seconds);
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
@@ -341,7 +350,7 @@ class ProgramRun {
         for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
         return kExitDoubtful;
       }
-    return is_wrong(end.audit, sim_.integrator().info()) ? kExitNotConserved : kExitOk;
+    return end.audit.is_wrong(sim_.integrator().info().adaptive) ? kExitNotConserved : kExitOk;
   }
 
   const Arguments& args_;

@@ -13,20 +13,6 @@ namespace lockstep {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-void put_hash(std::uint64_t hash, Snapshot& out) {
-  for (const int shift : {0, 32}) out.put(static_cast<double>(hash >> shift & 0xffffffffu));
-}
-
-std::uint64_t get_hash(const Snapshot& in) {
-  std::uint64_t hash = 0;
-  for (const int shift : {0, 32}) hash |= static_cast<std::uint64_t>(in.get_count()) << shift;
-  return hash;
-}
-
-}  // namespace
-
 RunCheckpoint RunCheckpoint::read(const std::string& file) {
   const Snapshot in = read_checkpoint(file);
   if (const std::string kind = in.get_text(); kind != "run")
@@ -34,7 +20,8 @@ RunCheckpoint RunCheckpoint::read(const std::string& file) {
   RunCheckpoint c;
   for (long n = in.get_count(); n > 0; --n) c.words.push_back(in.get_text());
   c.folder = in.get_text(), c.csv = in.get_text();
-  c.scene = get_hash(in), c.plugins = get_hash(in);
+  c.scene = in.get_bits(), c.plugins = in.get_bits();
+  c.seconds = in.get();
   c.run = in.get_part();
   return c;
 }
@@ -44,7 +31,8 @@ void RunCheckpoint::write(const std::string& file) const {
   out.put_text("run"), out.put(static_cast<double>(words.size()));
   for (const std::string& word : words) out.put_text(word);
   out.put_text(folder), out.put_text(csv);
-  put_hash(scene, out), put_hash(plugins, out);
+  out.put_bits(scene), out.put_bits(plugins);
+  out.put(seconds);
   out.put_part(run);
   write_checkpoint(file, out);
 }
@@ -76,15 +64,24 @@ Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFil
 }
 
 // The rows first: a checkpoint stands on rows that are on the disk.
-void Checkpoints::write_if_due(StepLoop& sim, bool now) {
+void Checkpoints::write_if_due(StepLoop& sim, bool now, double seconds) {
   if (file_.empty()) return;
   const Clock::time_point time = Clock::now();
   if (!now && std::chrono::duration<double>(time - last_).count() < every_) return;
   rows_.sync();
   checkpoint_.run.clear();
+  checkpoint_.seconds = seconds;
   sim.save(checkpoint_.run);
   checkpoint_.write(file_);
   last_ = Clock::now();
+}
+
+void Checkpoints::refuse_unsaved(const Integrator& method) const {
+  if (!file_.empty() && !method.saves_all())
+    throw UsageError(fmt::format(
+        "--checkpoint: integrator '{}' keeps a history that cannot be saved; take another (--integrator), or leave out "
+        "--checkpoint",
+        method.info().name));
 }
 
 void Checkpoints::remove() {

@@ -17,6 +17,7 @@ struct RunCheckpoint {
   std::vector<std::string> words;        ///< of its command line
   std::string folder, csv;               ///< in which it was begun; its table
   std::uint64_t scene = 0, plugins = 0;  ///< hashes of their files
+  double seconds = 0;                    ///< of computing so far, by the clock
   Snapshot run;                          ///< what the loop saved
 
   /// Throws FileError, and UsageError for the checkpoint of a simulation in C++.
@@ -33,8 +34,11 @@ class Checkpoints {
   Checkpoints(const Arguments&, const Loaded&, GrowingFile& rows);
   explicit operator bool() const { return !file_.empty(); }
   const std::string& file() const { return file_; }
-  /// Between two steps: writes it if it is time to, or `now`. Throws FileError, ModelError.
-  void write_if_due(StepLoop&, bool now);
+  /// Before the run: throws UsageError for a method that does not save all of its history.
+  void refuse_unsaved(const Integrator&) const;
+  /// Between two steps: writes it if it is time to, or `now`. `seconds`: of computing so far. Throws FileError,
+  /// ModelError.
+  void write_if_due(StepLoop&, bool now, double seconds);
   void remove();  ///< The run is done.
 
  private:

@@ -60,8 +60,8 @@ void write_runs_report(const std::string& file, const ReportText& text, const st
 
 std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport& reactions) {
   std::vector<std::pair<std::string, std::string>> links;
-  for (const std::string& row : reactions.rows) {  // "A.z": names of links have no dots
-    const std::size_t dot = row.find('.');
+  for (const std::string& row : reactions.rows) {  // "A.z", and of a stop "A.stop_rz_low.rz"
+    const std::size_t dot = row.rfind('.');
     const std::string link = row.substr(0, dot), own = dot == std::string::npos ? "" : row.substr(dot + 1);
     if (links.empty() || links.back().first != link)
       links.emplace_back(link, "not unique: the reaction of row " + own);

@@ -34,15 +34,14 @@ void RunRows::take() {
 
 void RunRows::save(Snapshot& out) const {
   out.put(static_cast<double>(file_.length()));
-  for (const int shift : {0, 32}) out.put(static_cast<double>(file_.hash() >> shift & 0xffffffffu));
+  out.put_bits(file_.hash());
   rows_.save(out);
   out.put(last_);
 }
 
 void RunRows::load(const Snapshot& in) {
   const long length = in.get_count();
-  std::uint64_t hash = 0;
-  for (const int shift : {0, 32}) hash |= static_cast<std::uint64_t>(in.get_count()) << shift;
+  const std::uint64_t hash = in.get_bits();
   rows_.load(in);
   last_ = in.get();
   file_.go_on(length, hash);

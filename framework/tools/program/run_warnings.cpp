@@ -62,7 +62,7 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   const BranchPoint at = branch_point(dynamics, start);
   if (!at.singular) return;
   constexpr double kOff = 1e-3;  // of the velocity
-  const bool moves = start.v.size() > 0 && !start.v.isZero(0);
+  const bool moves = at.moves(start.v);
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
   sim.warn(fmt::format(
       "the start lies in a singular position: {}{}", at.text(dynamics, start),

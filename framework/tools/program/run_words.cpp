@@ -8,6 +8,7 @@
 
 #include <lockstep/sweep.h>
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
@@ -16,33 +17,20 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
-// Numbers that are none, NaN and infinities, are null.
-Json number_of(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-const char* verdict_of(const Audit& audit) {
-  switch (audit.energy) {
-    case Audit::Energy::conserved:
-      return "conserved";
-    case Audit::Energy::not_conserved:
-      return "not conserved";
-    default:
-      return "not judged";
-  }
-}
 
 Json energy_of(const Audit& audit) {
   Json instants = Json::array();
   for (const Audit::Instant& i : audit.instants)
     instants.push_back(
         {{"cause", i.cause}, {"count", i.count}, {"first", i.first}, {"last", i.last}, {"energy", i.energy}});
-  return {{"verdict", verdict_of(audit)},
-          {"imbalance", number_of(audit.imbalance)},
-          {"exchanged", number_of(audit.scale)},
+  return {{"verdict", audit.verdict()},
+          {"imbalance", json_number(audit.imbalance)},
+          {"exchanged", json_number(audit.scale)},
           {"limit", audit.limits.energy},
-          {"change", number_of(audit.end - audit.start)},
-          {"drives", number_of(audit.drives)},
-          {"supplied", number_of(audit.supplied)},
-          {"dissipated", number_of(audit.dissipated)},
+          {"change", json_number(audit.end - audit.start)},
+          {"drives", json_number(audit.drives)},
+          {"supplied", json_number(audit.supplied)},
+          {"dissipated", json_number(audit.dissipated)},
           {"instants", std::move(instants)},
           {"unbooked_forces", audit.unbooked_forces}};
 }
@@ -56,20 +44,19 @@ Json columns_of(const RowEnvelope& rows) {
     const ColumnRange& r = ranges.columns[k];
     all.push_back({{"name", column.name},
                    {"unit", column.unit},
-                   {"final", number_of(r.last)},
-                   {"min", number_of(r.least)},
-                   {"max", number_of(r.most)}});
+                   {"final", json_number(r.last)},
+                   {"min", json_number(r.least)},
+                   {"max", json_number(r.most)}});
   }
   return all;
 }
 
-// "0.51, 1.02, 1.53, ... s"
-std::string times_of(const std::vector<double>& all) {
-  constexpr std::size_t kMost = 5;
+// "0.51, 1.02, 1.53, ... s": the first of n.
+std::string times_of(const std::vector<double>& first, std::size_t n) {
   std::string words;
-  for (std::size_t k = 0; k < std::min(kMost, all.size()); ++k)
-    words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", all[k]);
-  return words + (all.size() > kMost ? ", ... s" : " s");
+  const std::size_t shown = std::min(Doubts::kNamed, first.size());
+  for (std::size_t k = 0; k < shown; ++k) words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", first[k]);
+  return words + (n > shown ? ", ... s" : " s");
 }
 
 std::string passed_words(const std::vector<PassedPosition>& passed, const IntegratorInfo& method, bool projects) {
@@ -86,7 +73,8 @@ std::string passed_words(const std::vector<PassedPosition>& passed, const Integr
                                                                           : "--integrator dop853";
   return fmt::format(
       "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}",
-      passed.size(), passed.size() == 1 ? "" : "s", times_of(times), where, passed.size() == 1 ? "it" : "them", next);
+      passed.size(), passed.size() == 1 ? "" : "s", times_of(times, passed.size()), where,
+      passed.size() == 1 ? "it" : "them", next);
 }
 
 }  // namespace
@@ -104,11 +92,14 @@ std::vector<std::string> doubts_of(const EndedRun& ended) {
                     "times it there; the run went on with what can be reached",
                     ended.settings.tolerance.relative, d.beyond(), counted(sim.report().steps, "step", "steps"),
                     d.first(), d.largest_error()));
-  if (const std::vector<double>& at = ended.doubts.uncertain(); !at.empty())
-    all.push_back(fmt::format(
-        "the reactions at t = {} are uncertain by more than 1 %: {} lie{} in or beside a singular position, where they "
-        "magnify the errors of the motion; look at those before and after",
-        times_of(at), at.size() == 1 ? "it" : "they", at.size() == 1 ? "s" : ""));
+  if (const long n = ended.doubts.n_uncertain(); n > 0)
+    all.push_back(
+        fmt::format("the reactions at t = {}{} are uncertain by more than 1 %: {} lie{} in or beside a singular "
+                    "position, where they "
+                    "magnify the errors of the motion; look at those before and after",
+                    times_of(ended.doubts.uncertain(), static_cast<std::size_t>(n)),
+                    n > static_cast<long>(Doubts::kNamed) ? fmt::format(" ({} instants)", n) : "",
+                    n == 1 ? "it" : "they", n == 1 ? "s" : ""));
   return all;
 }
 
@@ -153,17 +144,15 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
   return words;
 }
 
-bool is_wrong(const Audit& audit, const IntegratorInfo& method) {
-  return audit.drifted || (audit.energy == Audit::Energy::not_conserved && method.adaptive);
-}
-
 Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
   StepLoop& sim = ended.sim;
   const RunSettings& run = ended.settings;
   const Audit& audit = ended.audit;
   const SimulationReport& r = sim.report();
   const WorkCount& work = sim.dynamics().work();
-  const char* status = ended.interrupted ? "interrupted" : is_wrong(audit, sim.integrator().info()) ? "wrong" : "ok";
+  const char* status = ended.interrupted                                  ? "interrupted"
+                       : audit.is_wrong(sim.integrator().info().adaptive) ? "wrong"
+                                                                          : "ok";
   Json method = {{"integrator", to_word(run.integrator)}};
   if (sim.integrator().info().adaptive)
     method["tolerance"] = run.tolerance.relative;
@@ -172,7 +161,7 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
   method["formulation"] = to_string(run.formulation), method["solver"] = to_word(run.solver);
   Json singular = Json::array();
   for (const PassedPosition& p : ended.passed)
-    singular.push_back({{"t", p.t}, {"indicator", number_of(p.indicator)}, {"links", p.links}});
+    singular.push_back({{"t", p.t}, {"indicator", json_number(p.indicator)}, {"links", p.links}});
   Json j = {
       {"status", status},
       {"t", sim.state().t},
@@ -187,7 +176,7 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
       {"stopped_by", r.stopped_by},
       {"energy", energy_of(audit)},
       {"drift",
-       {{"violation", number_of(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
+       {{"violation", json_number(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
       {"warnings", r.warnings},
       {"doubts", doubts_of(ended)},
       {"singular_positions", std::move(singular)},

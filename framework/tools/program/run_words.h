@@ -33,10 +33,6 @@ std::vector<std::string> doubts_of(const EndedRun&);
 /// What is printed of it.
 std::string end_words(const EndedRun&, const Summary&);
 
-/// Whether its result is off: it drifted, or a method that controls its error did not conserve energy. Methods of fixed
-/// steps promise no error: what they do to the energy is only said.
-bool is_wrong(const Audit&, const IntegratorInfo&);
-
 /// The same as an object: status, method, counts, energy, drift, and each recorded column's last, least and largest
 /// value.
 nlohmann::ordered_json json_of(const EndedRun&, const RowEnvelope&);

@@ -103,21 +103,18 @@ Table without_units(const Table& table) {
 nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& variables,
                                   const std::vector<std::size_t>& choice, const Table& columns, const SweepRun& run) {
   using nlohmann::ordered_json;
-  const auto finite = [](double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr); };
-  ordered_json j = {{"run", number},
-                    {"status", run.failed ? "failed: " + run.status : run.status},
-                    {"values", ordered_json::object()}};
+  ordered_json j = {{"run", number}, {"status", run.outcome()}, {"values", ordered_json::object()}};
   for (std::size_t k = 0; k < variables.size(); ++k)
     j["values"][variables[k].path] = ordered_json::parse(write_json(variables[k].values[choice[k]]));
   j["steps"] = run.steps, j["cpu"] = run.cpu, j["columns"] = ordered_json::object();
   if (run.failed) return j;
   j["t"] = run.t;
-  j["energy"] = {{"verdict", run.energy}, {"imbalance", finite(run.imbalance)}};
-  j["drift"] = {{"violation", finite(run.violation)}, {"drifted", run.drifted}};
+  j["energy"] = {{"verdict", run.energy}, {"imbalance", json_number(run.imbalance)}};
+  j["drift"] = {{"violation", json_number(run.violation)}, {"drifted", run.drifted}};
   for (std::size_t k = 0; k < run.columns.size(); ++k)
-    j["columns"][columns.columns()[k + 1].name] = {{"final", finite(run.columns[k].last)},
-                                                   {"min", finite(run.columns[k].least)},
-                                                   {"max", finite(run.columns[k].most)}};
+    j["columns"][columns.columns()[k + 1].name] = {{"final", json_number(run.columns[k].last)},
+                                                   {"min", json_number(run.columns[k].least)},
+                                                   {"max", json_number(run.columns[k].most)}};
   return j;
 }
 
@@ -232,7 +229,8 @@ class Sweep {
         kept_(begin_rows()),
         interrupt_(interrupt),
         progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
-        tally_{.done = kept_.n, .failed = kept_.failed, .kept = kept_.n, .alone = why_alone(plan)},
+        tally_{
+            .done = kept_.n, .failed = kept_.failed, .wrong = kept_.wrong, .kept = kept_.n, .alone = why_alone(plan)},
         queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes, kept_.n),
         under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {
     if (keeps_motion(plan.arguments)) motions_.emplace(plan.grid.n_runs());
@@ -463,8 +461,8 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
 }
 
 // The first variable of numbers against the first result.
-void write_report(const Plan& plan, const std::string& csv, const std::string& report, const report::Histories* motions,
-                  const Words& words) {
+void write_report(const Plan& plan, const Tally& tally, const std::string& csv, const std::string& report,
+                  const report::Histories* motions, const Words& words) {
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
@@ -473,10 +471,17 @@ void write_report(const Plan& plan, const std::string& csv, const std::string& r
   for (const ChannelRequest& request : plan.loaded.scene.run.record)
     if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
   const std::string left_out = motions == nullptr ? "" : motions->left_out();
-  if (!left_out.empty()) text.facts.emplace_back("histories", left_out + " is kept in this file; the folder has all");
+  if (!left_out.empty())
+    text.facts.emplace_back("", "Of the histories this file keeps " + left_out + "; the folder has all their columns.");
+  if (motions != nullptr && tally.kept > 0)
+    text.facts.emplace_back(
+        "", fmt::format("Of the {} runs before the interruption the page has no curves; the folder has.", tally.kept));
   write_runs_report(report, text, contents_of(csv), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false, motions);
-  words.say("             {}{}\n", report, left_out.empty() ? "" : " (of the histories " + left_out + ")");
+  words.say("             {}{}\n", report, left_out.empty() ? "" : " (of the histories it keeps " + left_out + ")");
+  if (motions != nullptr && tally.kept > 0)
+    words.say("             without curves of the {} runs before the interruption; {} has them\n", tally.kept,
+              plan.arguments.histories);
 }
 
 }  // namespace
@@ -503,7 +508,7 @@ int sweep_command(const Arguments& args) {
     print_json(plan, tally, csv);
   else
     print_end(plan, tally, csv, words);
-  if (!report.empty()) write_report(plan, csv, report, sweep.motions(), words);
+  if (!report.empty()) write_report(plan, tally, csv, report, sweep.motions(), words);
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
                csv, rows.in_place() ? "" : "; the same command with --resume goes on");

@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include <lockstep/error.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/simulation/checkpoint.h"
@@ -43,8 +45,7 @@ void SweepMark::write() const {
   if (file_.empty()) return;
   Snapshot out;
   out.put_text("sweep"), out.put_text(command_);
-  for (const std::uint64_t hash : {scene_, plugins_})
-    for (const int shift : {0, 32}) out.put(static_cast<double>(hash >> shift & 0xffffffffu));
+  out.put_bits(scene_), out.put_bits(plugins_);
   write_checkpoint(file_, out);
 }
 
@@ -61,11 +62,8 @@ void SweepMark::check() const {
   if (in.get_text() != "sweep") refuse("the file is no sweep's");
   if (const std::string command = in.get_text(); command != command_)
     refuse(fmt::format("it was begun by `lockstep {}`", command));
-  std::uint64_t found[2] = {};
-  for (std::uint64_t& hash : found)
-    for (const int shift : {0, 32}) hash |= static_cast<std::uint64_t>(in.get_count()) << shift;
-  if (found[0] != scene_) refuse("the scene, or a file that it reads, was changed since");
-  if (found[1] != plugins_) refuse("a plugin was changed since");
+  if (in.get_bits() != scene_) refuse("the scene, or a file that it reads, was changed since");
+  if (in.get_bits() != plugins_) refuse("a plugin was changed since");
 }
 
 void SweepMark::remove() const {
@@ -83,10 +81,14 @@ KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::func
                                 grew ? rows.partial() : rows.name()));
   KeptRows kept;
   std::size_t end = header.size();
+  std::vector<std::string> cells;
   for (std::size_t next; (next = text.find('\n', end)) != std::string::npos; end = next + 1, ++kept.n) {
     const std::string line = text.substr(end, next - end);
     if (!line.starts_with(row_begin(kept.n))) break;
-    if (line.find(",failed: ") != std::string::npos || line.find(",\"failed: ") != std::string::npos) ++kept.failed;
+    split_csv(line, ',', cells);
+    const std::string& outcome = cells.back();
+    if (outcome.starts_with("failed: ")) ++kept.failed;
+    if (outcome == "wrong" || outcome.starts_with("wrong: ")) ++kept.wrong;
   }
   rows.go_on(static_cast<long>(end), hash_of(std::string_view(text).substr(0, end)));
   return kept;

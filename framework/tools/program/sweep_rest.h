@@ -25,9 +25,9 @@ class SweepMark {
   std::uint64_t scene_ = 0, plugins_ = 0;
 };
 
-/// Rows that are there already.
+/// Rows that are there already; of them those of runs that failed and that were wrong (SweepRun::outcome).
 struct KeptRows {
-  long n = 0, failed = 0;
+  long n = 0, failed = 0, wrong = 0;
 };
 
 /// Keeps the first rows of a file that grew: the header, and as many rows as begin with row_begin(0), row_begin(1), ...

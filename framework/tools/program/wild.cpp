@@ -18,7 +18,7 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostStarts = 1'000'000;
+constexpr int kMostWildStarts = 1'000'000;
 
 struct WildStarts {
   int starts = 0, assembled = 0;
@@ -61,7 +61,7 @@ WildStarts try_starts(Mechanism& m, Dynamics& dynamics, int starts) {
 }  // namespace
 
 int wild_command(const Arguments& args) {
-  const int starts = whole_number("--wild", args.wild, kMostStarts);
+  const int starts = whole_number("--wild", args.wild, kMostWildStarts);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);

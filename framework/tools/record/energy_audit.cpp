@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -157,6 +158,8 @@ void EnergyAudit::load(const Snapshot& in) {
        {&b.first_potential, &b.first_balance, &b.at_instants, &b.before, &b.largest_kinetic, &b.largest_potential})
     *x = in.get();
   in.get_all(b.gives_power), in.get_all(b.booked_forces);
+  if (b.gives_power.size() != b.force_names.size() || b.booked_forces.size() != b.force_names.size())
+    throw ModelError("the saved books of the energy are those of other forces than the system has");
   Audit& a = b.audit;
   for (double* x : {&a.imbalance, &a.violation, &a.start, &a.end, &a.drives, &a.supplied, &a.dissipated}) *x = in.get();
   a.instants.clear();
@@ -165,6 +168,17 @@ void EnergyAudit::load(const Snapshot& in) {
     i.cause = in.get_text(), i.count = in.get_count();
     i.first = in.get(), i.last = in.get(), i.energy = in.get();
     a.instants.push_back(std::move(i));
+  }
+}
+
+const char* Audit::verdict() const {
+  switch (energy) {
+    case Energy::conserved:
+      return "conserved";
+    case Energy::not_conserved:
+      return "not conserved";
+    default:
+      return "not judged";
   }
 }
 

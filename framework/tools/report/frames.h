@@ -55,6 +55,7 @@ class Frames {
   const std::vector<bool>& after_jump() const { return after_jump_; }
   const std::vector<float>& rows() const { return rows_; }  ///< one after another
   std::size_t width() const { return width_; }              ///< numbers of a row
+  std::size_t stride() const { return stride_; }            ///< every so many instants one is kept
   const std::vector<Mark>& marks() const { return marks_; }
   const std::vector<Switch>& switches() const { return switches_; }
   const std::vector<bool>& modes_at_start() const { return modes_at_start_; }

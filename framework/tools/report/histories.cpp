@@ -14,26 +14,41 @@ std::size_t share(long n_runs) { return kMostOfAll / static_cast<std::size_t>(st
 
 }  // namespace
 
-Histories::Histories(long n_runs) : n_runs_(n_runs), stride_((std::max(n_runs, 1L) + kMostRuns - 1) / kMostRuns) {}
+Histories::Histories(long n_runs, std::size_t most_outlines)
+    : n_runs_(n_runs), stride_((std::max(n_runs, 1L) + kMostRuns - 1) / kMostRuns), most_outlines_(most_outlines) {}
 
 std::unique_ptr<Watcher> Histories::watcher() const { return std::make_unique<Watcher>(share(n_runs_), kFewest); }
 
-std::size_t Histories::mechanism_number(const nlohmann::ordered_json& outline) {
-  std::string text = outline.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  const auto found = std::ranges::find(mechanisms_, text);
-  const auto number = static_cast<std::size_t>(found - mechanisms_.begin());
-  if (found == mechanisms_.end()) mechanisms_.push_back(std::move(text));
-  return number;
+// None: there is no room for it.
+std::optional<std::size_t> Histories::mechanism_number(std::string outline) {
+  const auto found = mechanisms_.find(outline);
+  if (found != mechanisms_.end()) return found->second;
+  if (outline_bytes_ + outline.size() > most_outlines_) return std::nullopt;
+  outline_bytes_ += outline.size();
+  return mechanisms_.emplace(std::move(outline), mechanisms_.size()).first->second;
 }
 
 void Histories::add(long run, const Table& table, const Watcher& watcher, const Mechanism& m) {
+  std::string outline;
+  if (watcher.has_seen()) {
+    const nlohmann::ordered_json json = [&] {
+      const std::scoped_lock lock(adding_);
+      return outline_of(watcher.frames(), m.solids, m.looks, meshes_);
+    }();
+    outline = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  }
   const std::scoped_lock lock(adding_);
   nlohmann::ordered_json json{{"run", run}};
   json["table"] = table_json(table, share(n_runs_), kFewest, numbers_);
   most_rows_left_out_ = std::max(most_rows_left_out_, json["table"]["stride"].get<std::size_t>());
   if (watcher.has_seen()) {
-    json["mechanism"] = mechanism_number(outline_of(watcher.frames(), m.solids, m.looks, meshes_));
-    json.update(frames_json(watcher.frames(), numbers_));
+    if (const std::optional<std::size_t> number = mechanism_number(std::move(outline))) {
+      json["mechanism"] = *number;
+      json.update(frames_json(watcher.frames(), numbers_));
+      most_instants_left_out_ = std::max(most_instants_left_out_, watcher.frames().stride());
+    } else {
+      ++n_without_motion_;
+    }
   }
   runs_.push_back(std::move(json));
 }
@@ -46,9 +61,11 @@ long Histories::n_kept() const {
 std::string Histories::left_out() const {
   const std::scoped_lock lock(adding_);
   std::string words;
-  if (stride_ > 1) words = "1 run in " + std::to_string(stride_);
-  if (most_rows_left_out_ > 1)
-    words += (words.empty() ? "" : ", ") + ("1 row in " + std::to_string(most_rows_left_out_));
+  const auto say = [&](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
+  if (stride_ > 1) say("1 run in " + std::to_string(stride_));
+  if (most_rows_left_out_ > 1) say("1 row in " + std::to_string(most_rows_left_out_));
+  if (most_instants_left_out_ > 1) say("1 instant in " + std::to_string(most_instants_left_out_));
+  if (n_without_motion_ > 0) say("no motion of " + std::to_string(n_without_motion_) + " of them");
   return words;
 }
 
@@ -57,7 +74,9 @@ nlohmann::ordered_json Histories::json() const {
   std::vector<nlohmann::ordered_json> runs = runs_;
   std::ranges::sort(runs, {}, [](const nlohmann::ordered_json& run) { return run["run"].get<long>(); });
   nlohmann::ordered_json json{{"runs", runs}, {"mechanisms", nlohmann::ordered_json::array()}};
-  for (const std::string& text : mechanisms_) json["mechanisms"].push_back(nlohmann::ordered_json::parse(text));
+  std::vector<const std::string*> outlines(mechanisms_.size());
+  for (const auto& [text, number] : mechanisms_) outlines[number] = &text;
+  for (const std::string* text : outlines) json["mechanisms"].push_back(nlohmann::ordered_json::parse(*text));
   json["meshes"] = meshes_.list();
   return json;
 }

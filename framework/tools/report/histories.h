@@ -3,7 +3,9 @@
 
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <lockstep/export.h>
@@ -18,12 +20,14 @@ namespace lockstep::report {
 ///     runs      2000, evenly chosen
 ///     columns   4 million numbers: of each run every k-th row, at least 30 rows
 ///     motion    4 million numbers: of each run every k-th instant, at least 30 of them
+///     outlines  16 million bytes: what a mechanism looks like, once for those that look the same; a run whose outline
+///               is beyond that has its columns alone
 ///
 /// Runs may be added from several threads.
 class LOCKSTEP_API Histories {
  public:
-  /// For runs 1 to n_runs.
-  explicit Histories(long n_runs);
+  /// For runs 1 to n_runs; `most_outlines`: bytes of all outlines together.
+  explicit Histories(long n_runs, std::size_t most_outlines = 16'000'000);
 
   /// Whether this run is kept.
   bool keeps(long run) const { return (run - 1) % stride_ == 0; }
@@ -33,7 +37,8 @@ class LOCKSTEP_API Histories {
   void add(long run, const Table&, const Watcher&, const Mechanism&);
 
   long n_kept() const;  ///< runs that were added
-  /// "every 5th run, every 3rd row": what was left out; "" for nothing.
+  /// What of the runs is kept where something was left out: "1 run in 5, 1 row in 3, 1 instant in 4, no motion of 7 of
+  /// them"; "" where nothing was. Rows and instants are those of the run that has most of them left out.
   std::string left_out() const;
   /// {"runs": [{"run":, "table":, "mechanism": number, "frames":, "marks":, "switches":}], "mechanisms": [...],
   /// "meshes": [...]}, with numbers as those of numbers(). Runs in the order of their numbers.
@@ -41,15 +46,18 @@ class LOCKSTEP_API Histories {
   const Numbers& numbers() const { return numbers_; }
 
  private:
-  std::size_t mechanism_number(const nlohmann::ordered_json&);
+  std::optional<std::size_t> mechanism_number(std::string outline);
 
   long n_runs_, stride_;
+  std::size_t most_outlines_;  // bytes
   mutable std::mutex adding_;
   Numbers numbers_;
   Meshes meshes_{numbers_};
   std::vector<nlohmann::ordered_json> runs_;
-  std::vector<std::string> mechanisms_;  // as JSON text, each once
-  std::size_t most_rows_left_out_ = 1;
+  std::unordered_map<std::string, std::size_t> mechanisms_;  // numbers, by their outlines as JSON text
+  std::size_t outline_bytes_ = 0;
+  long n_without_motion_ = 0;  // beyond the limit of outlines
+  std::size_t most_rows_left_out_ = 1, most_instants_left_out_ = 1;
 };
 
 }  // namespace lockstep::report

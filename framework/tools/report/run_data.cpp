@@ -18,6 +18,7 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t k) {
 
 Json frames_of(const Frames& frames, Numbers& numbers) {
   Json json{{"n", frames.times().size()},
+            {"stride", frames.stride()},
             {"width", frames.width()},
             {"times", numbers.add(std::span<const double>(frames.times()))},
             {"rows", numbers.add(std::span<const float>(frames.rows()))},

@@ -31,6 +31,7 @@ class LOCKSTEP_API Watcher final : public Observer {
   void jumped(const Sample&) override;
   void output(const Sample&) override;
   void finish(const Sample&) override;
+  bool saves_all() const override { return false; }
   /// Whether there is a frame; and these.
   bool has_seen() const { return frames_ && !frames_->times().empty(); }
   const Frames& frames() const { return *frames_; }
@@ -43,7 +44,8 @@ class LOCKSTEP_API Watcher final : public Observer {
 /// {"rows":, "stride":, "columns": [...]}: of a table of more than `most_cells` numbers every k-th row, but at least
 /// `fewest` of them.
 nlohmann::ordered_json table_json(const Table&, std::size_t most_cells, std::size_t fewest, Numbers&);
-/// {"frames":, "marks":, "switches":}.
+/// {"frames": {"n":, "stride":, "width":, "times":, "rows":, "jumps":}, "marks":, "switches":}; of the instants every
+/// "stride"th is kept.
 nlohmann::ordered_json frames_json(const Frames&, Numbers&);
 
 }  // namespace lockstep::report

@@ -24,21 +24,10 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
-const char* word_of(Audit::Energy energy) {
-  switch (energy) {
-    case Audit::Energy::conserved:
-      return "conserved";
-    case Audit::Energy::not_conserved:
-      return "not conserved";
-    default:
-      return "not judged";
-  }
-}
-
 void judge(const Audit& audit, bool adaptive, SweepRun& run) {
-  run.energy = word_of(audit.energy), run.imbalance = audit.imbalance_share();
+  run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
   run.drifted = audit.drifted, run.violation = audit.violation;
-  run.wrong = audit.drifted || (adaptive && audit.energy == Audit::Energy::not_conserved);
+  run.wrong = audit.is_wrong(adaptive);
 }
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
@@ -78,6 +67,12 @@ std::string titled(const std::string& name, const std::string& unit) {
 }
 
 }  // namespace
+
+std::string SweepRun::outcome() const {
+  if (failed) return "failed: " + status;
+  if (!wrong) return status;
+  return status == "ok" ? "wrong" : "wrong: " + status;
+}
 
 SweepRun recorded_run(const Table& table) {
   SweepRun run;
@@ -157,8 +152,8 @@ std::string sweep_row(long run, const std::vector<Variable>& variables, const st
   const bool judged = !result.failed && !result.energy.empty();
   line += "," + result.energy + "," + (judged ? text::number(result.imbalance) : "") + "," +
           (result.failed ? "" : text::number(result.violation));
-  const std::string status = result.failed ? "failed: " + result.status : result.status;
-  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + csv_cell(status) + "\n";
+  return line + "," + std::to_string(result.steps) + "," + text::number(result.cpu) + "," + csv_cell(result.outcome()) +
+         "\n";
 }
 
 }  // namespace lockstep

@@ -15,6 +15,7 @@ export class Views {
     this.orthographic = new OrthographicCamera(-1, 1, 1, -1, -far, far);
     this.aspect = 1;
     this.followed = null;
+    this.fitted = true; // and not turned, moved or zoomed since
     this.use(frame.plane >= 0);
     this.look('home');
   }
@@ -44,6 +45,7 @@ export class Views {
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('change', this.onChange);
+    this.controls.addEventListener('start', () => (this.fitted = false));
     this.project();
     this.controls.update();
     this.onChange();
@@ -67,6 +69,7 @@ export class Views {
   // All that moves fills the picture, seen from the present direction.
   fit() {
     const { frame } = this;
+    this.fitted = true;
     const direction =
       this.direction ?? new Vector3().subVectors(this.camera.position, this.controls.target).normalize();
     this.direction = null;
@@ -128,6 +131,7 @@ export class Views {
 
   // Turns the view about its target: angles to the right and upwards, rad.
   turn(right, up) {
+    this.fitted = false;
     const { camera, controls, frame } = this;
     const arm = camera.position.clone().sub(controls.target);
     const side = new Vector3().crossVectors(frame.up, arm);
@@ -145,6 +149,7 @@ export class Views {
 
   // Moves the view by parts of its height, to the right and upwards.
   pan(right, up) {
+    this.fitted = false;
     const { camera, controls } = this;
     const height = 2 * this.metresPerPixel(2);
     const step = new Vector3(right * height, up * height, 0).applyQuaternion(camera.quaternion);
@@ -155,6 +160,7 @@ export class Views {
   }
 
   zoom(factor) {
+    this.fitted = false;
     const { camera, controls } = this;
     if (this.isOrthographic) {
       camera.zoom *= factor;
@@ -166,6 +172,7 @@ export class Views {
 
   // Keeps an object where it is in the picture; null: none.
   follow(object) {
+    this.fitted = false;
     this.followed = object;
     this.at = object ? object.getWorldPosition(new Vector3()) : null;
   }

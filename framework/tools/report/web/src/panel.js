@@ -181,7 +181,7 @@ export class Panel {
           'recorded',
           `${count(columns.columns.length - 1, 'column', 'columns')} in ${count(columns.rows, 'row', 'rows')}${columns.stride > 1 ? `; every ${columns.stride}th is in this file` : ''}`,
         ],
-        ['instants drawn', String(frames.n)],
+        ['instants drawn', `${frames.n}${frames.stride > 1 ? `; every ${frames.stride}th is in this file` : ''}`],
       ]),
       element('h3', 'Made by'),
       table([

@@ -51,6 +51,7 @@ export function slopesOf(data, index) {
   };
 }
 
+// null where too few rows have a frame: of a thinned history other rows than frames may have been kept.
 function ofFrames({ frames }, times, at) {
   const jumps = new Set(frames.jumps);
   const before = new Float64Array(times.length).fill(NaN),
@@ -62,7 +63,8 @@ function ofFrames({ frames }, times, at) {
     if (!jumps.has(k)) before[i] = after[i];
     else if (frames.times[k - 1] === times[i]) before[i] = frames.rows[(k - 1) * frames.width + at];
   }
-  return { before, after };
+  const known = after.reduce((n, slope) => n + (Number.isFinite(slope) ? 1 : 0), 0);
+  return 2 * known >= times.length ? { before, after } : null;
 }
 
 // Whether the interval before row i is a cubic.

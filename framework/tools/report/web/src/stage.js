@@ -48,6 +48,7 @@ export class Stage {
     this.renderer.setSize(this.width, this.height, false);
     this.views.resize(this.width / this.height);
     if (first) this.views.look('home');
+    else if (this.views.fitted) this.views.fit();
     this.render();
   }
 
