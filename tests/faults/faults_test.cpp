@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lockstep/recorder.h>
+#include "framework/tools/program/run_checkpoint.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -244,12 +245,17 @@ TEST_CASE("what the program adds to a run goes on with it", "[faults]") {
           "' --every 0.02s >/dev/null 2>&1 & for k in $(seq 1000); do sleep 0.01; [ -s '" + saved +
           "' ] && break; done; sleep 0.05; kill -TERM $!; wait $!");
     REQUIRE(fs::exists(saved));
+    RunCheckpoint checkpoint = RunCheckpoint::read(saved);
+    CHECK(checkpoint.seconds > 0);
+    checkpoint.seconds = 1000;  // those of the rest are added
+    checkpoint.write(saved);
     // The second without the gnuplot that may have been there when it began.
     const Called rest =
         call("resume '" + saved + "' 2>/dev/null", name == std::string("added_rk4") ? "" : "PATH=/nowhere");
     INFO(rest.text);
     CHECK(rest.exit == whole.exit);
     CHECK(numbers_of(rest) == expected);
+    CHECK(nlohmann::json::parse(rest.text)["seconds"].get<double>() > 1000);
     CHECK((bytes_of(file) == rows));
   }
 }

@@ -214,7 +214,8 @@ class LOCKSTEP_API System {
   std::string row_name(const RowTable& table, int row) const;
   /// Characteristic length, m, by which angles are turned into lengths in norms: the largest of the lever arms of
   /// markers on moving bodies, the radii of gyration of bodies that turn, and the distances of paired markers at the
-  /// start; at least 1e-6 m.
+  /// start. Where these are all less than 1e-6 m, as among particles: the distances of the points that forces join, else
+  /// of the bodies, else 1 m.
   double length() const { return length_; }
 
  private:
