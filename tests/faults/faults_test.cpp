@@ -90,6 +90,7 @@ TEST_CASE("a request for memory that fails ends by one sentence and exit code 10
     const std::string words = verb + " '" + scene + "'" + record;
     const long n = counts_of(words)[0];
     CHECK(n > 100);
+    const std::string whole = verb == "run" ? bytes_of(old) : "";
     // Some spread over the whole run, and some from each of its parts.
     const long step = all ? 1 : std::max(1L, n / 40);
     for (const std::string on : {"", "+"})
@@ -104,7 +105,8 @@ TEST_CASE("a request for memory that fails ends by one sentence and exit code 10
             r.exit == 1 && verb.starts_with("sweep") && contains(bytes_of(old), "failed: std::bad_alloc");
         CHECK((r.exit == 10 || r.exit == 0 || failed_row));
         if (r.exit == 10) CHECK(contains(r.text, "out of memory"));
-        if (verb != "check" && r.exit == 10) CHECK(bytes_of(old) == "t,old\n0,1\n");
+        // Once the new table is whole and in its place, only words and pictures are left to fail.
+        if (verb != "check" && r.exit == 10) CHECK((bytes_of(old) == "t,old\n0,1\n" || bytes_of(old) == whole));
         fs::remove(old + ".partial");
       }
   }
@@ -163,9 +165,9 @@ TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to
   };
   const Kind kinds[] = {
       {"again_rk4",
-       R"("until": 1500, "output": 0.05, "integrator": "rk4", "step": 0.01, "record": ["arm.angle_z", "energy.total"])"},
+       R"("until": 6000, "output": 0.2, "integrator": "rk4", "step": 0.01, "record": ["arm.angle_z", "energy.total"])"},
       {"again_dop853",
-       R"("until": 4000, "output": 0.1, "integrator": "dop853", "tolerance": 1e-9, "record": ["arm.angle_z", "A.force_on_p_world_y"])"}};
+       R"("until": 12000, "output": 0.4, "integrator": "dop853", "tolerance": 1e-9, "record": ["arm.angle_z", "A.force_on_p_world_y"])"}};
   const int rounds = std::getenv("LOCKSTEP_FAULTS") != nullptr ? 20 : 3;
   for (const Kind& kind : kinds) {
     const std::string scene = arm_scene(kind.name, kind.run), base = kFolder + "/" + kind.name;
@@ -177,9 +179,11 @@ TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to
     for (int k = 0; k < rounds; ++k)
       for (const char* signal : {"KILL", "TERM"}) {
         for (const std::string& name : {file, file + ".partial", saved}) fs::remove(name);
-        const std::string wait = std::to_string(0.15 + 0.11 * k);
+        // From its first checkpoint on, however fast the machine is; one that ends before has nothing to go on with.
+        const std::string wait = std::to_string(0.02 + 0.05 * k);
         const auto ended = [&](const std::string& words) {
-          return shell("lockstep " + words + " & sleep " + wait + "; kill -" + signal + " $! 2>/dev/null; wait $!");
+          return shell("lockstep " + words + " & p=$!; while [ ! -e '" + saved + "' ] && kill -0 $p 2>/dev/null; do " +
+                       "sleep 0.005; done; sleep " + wait + "; kill -" + signal + " $p 2>/dev/null; wait $p");
         };
         ended("run '" + scene + "' --no-picture --record '" + file + "' --checkpoint '" + saved + "' --every 0.02s");
         if (fs::exists(saved)) ended("resume '" + saved + "'");
@@ -301,7 +305,7 @@ TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself h
 
 TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "[faults]") {
   const std::string scene =
-      arm_scene("rest", R"("until": 2, "output": 0.01, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
+      arm_scene("rest", R"("until": 20, "output": 0.1, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
   const std::string file = kFolder + "/rest.csv", partial = file + ".partial", mark = file + ".sweep";
   const std::string words =
       "sweep '" + scene + "' --quiet --jobs 2 --vary gravity.2=-9.81:-1:60 --record '" + file + "'";
@@ -323,7 +327,9 @@ TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "
   CHECK(contains(none.text, "no sweep to go on with"));
   for (const char* signal : {"KILL", "TERM"}) {
     fs::remove(file);
-    shell("lockstep " + words + " & sleep 0.35; kill -" + signal + " $!; wait $!");
+    // As soon as rows are there.
+    shell("lockstep " + words + " & p=$!; while [ ! -s '" + partial +
+          "' ] && kill -0 $p 2>/dev/null; do sleep 0.005; " + "done; kill -" + signal + " $p; wait $p");
     INFO(signal);
     REQUIRE(fs::exists(mark));
     std::ofstream(fs::exists(partial) ? partial : file, std::ios::app) << "7,-9";  // a torn row

@@ -116,7 +116,7 @@ TEST_CASE("a start in a singular position is told with its branches", "[runner]"
 }
 
 TEST_CASE("check tells free motions in words", "[runner]") {
-  const Called r = call("check '" + std::string(paths::kScenes) + "/peaucellier.json'");
+  const Called r = call("check '" + std::string(paths::kScenes) + "/nfourbar_2.json'");
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK(contains(r.text, " turns about "));

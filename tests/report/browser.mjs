@@ -40,6 +40,7 @@ function makeReport(name, change = (scene) => scene) {
   const scene = change(JSON.parse(readFileSync(join(scenes, `${name}.json`), 'utf8')));
   delete scene.run.record;
   delete scene.run.draw;
+  for (const { scene: part } of scene.include ?? []) copyFileSync(join(scenes, part), join(folder, part));
   return runScene(name, scene);
 }
 
@@ -124,6 +125,36 @@ const boxOf = (page, selector) =>
   page.evaluate(
     `(() => { const b = document.querySelector(${JSON.stringify(selector)}).getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()`,
   );
+
+// All that moves is in the picture, whatever the window; the user's own view stays.
+async function checkFit(browser) {
+  const { url } = makeReport('path_follower');
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  const farthest = () =>
+    page.evaluate(`(() => {
+      const { stage } = globalThis.lockstepReport;
+      const { camera, frame } = stage.views;
+      camera.updateMatrixWorld();
+      return Math.max(...frame.points.map((p) => {
+        const seen = p.clone().project(camera);
+        return Math.max(Math.abs(seen.x), Math.abs(seen.y));
+      }));
+    })()`);
+  for (const [width, height] of [[1200, 700], [700, 900], [1500, 500]]) {
+    await page.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile: false });
+    await page.settle();
+    const out = await farthest();
+    check(out <= 1 && out > 0.5, `in ${width} x ${height} all is seen: the farthest point is at ${out} of the half`);
+  }
+  await page.evaluate('globalThis.lockstepReport.stage.views.zoom(3)');
+  const zoomed = await farthest();
+  await page.send('Emulation.setDeviceMetricsOverride', { width: 1501, height: 501, deviceScaleFactor: 1, mobile: false });
+  await page.settle();
+  check((await farthest()) > 0.8 * zoomed, 'a view that was zoomed stays');
+  await page.close();
+}
 
 async function checkHands(browser) {
   const { url } = makeReport('four_bar');
@@ -523,7 +554,7 @@ async function checkHistories(browser) {
     [
       'sweep',
       join(scenes, 'rod_pendulum.json'),
-      ...['--vary', 'bodies.rod.rod.to.0=0.5:1.5:3', '--until', '0.5', '--record', csv, '--report', html],
+      ...['--vary', 'length=0.5:1.5:3', '--until', '0.5', '--record', csv, '--report', html],
       ...['--histories', kept, '--quiet'],
     ],
     { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
@@ -739,6 +770,7 @@ try {
     checkQuiet(page, name);
     await page.close();
   }
+  await checkFit(browser);
   await checkHands(browser);
   await checkHostile(browser);
   await checkContrast(browser);

@@ -93,7 +93,9 @@ TEST_CASE("the row of a run says whether it failed, was wrong, and how it ended"
   CHECK(run.outcome() == "ok");
   run.wrong = true;
   CHECK(run.outcome() == "wrong");
-  CHECK(sweep_row(7, {}, {}, Table(), run).ends_with(",wrong\n"));
+  Table columns;
+  columns.add_column("t", "s");
+  CHECK(sweep_row(7, {}, {}, columns, run).ends_with(",wrong\n"));
   run.status = "stopped by 'landed'";
   CHECK(run.outcome() == "wrong: stopped by 'landed'");
   run.failed = true, run.status = "no way on";

@@ -203,8 +203,7 @@ void check_ways(const std::vector<std::string>& files, const std::vector<Way>& w
 
 }  // namespace
 
-TEST_CASE(
-    "a run that goes on from any step of a sample equals the one that was not interrupted, with every integrator") {
+TEST_CASE("a run that goes on from any step of a sample equals the one not interrupted, with every integrator") {
   std::vector<Way> ways;
   for (const char* integrator :
        {"dopri5", "dop853", "dop853:stages=manifold", "dopri5:fixed=true", "rk4", "semi_implicit_euler", "radau5",
@@ -213,8 +212,7 @@ TEST_CASE(
   check_ways(sample_files(), ways, 0.04, 1, 300);
 }
 
-TEST_CASE(
-    "a run that goes on equals the one that was not interrupted with every solver, formulation and stabilisation") {
+TEST_CASE("a run that goes on equals the one not interrupted, with every solver, formulation and stabilisation") {
   std::vector<Way> ways;
   for (const char* solver : {"dense", "sparse", "block"})
     for (const char* formulation : {"omega", "quaternion"})

@@ -78,8 +78,7 @@ void add_headers(CLI::App& verb, Arguments& a) {
       {"units", "plain"});
 }
 
-// What a run writes beside its report.
-void add_run_outputs(CLI::App& verb, Arguments& a) {
+CLI::Option* add_run_outputs(CLI::App& verb, Arguments& a) {
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
   verb.add_flag(
@@ -96,7 +95,7 @@ void add_run_outputs(CLI::App& verb, Arguments& a) {
   verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file")->excludes(pictures);
   CLI::Option* quiet =
       verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
-  add_json(verb, a)->excludes(quiet);
+  return add_json(verb, a)->excludes(quiet);
 }
 
 }  // namespace lockstep

@@ -52,7 +52,7 @@ void add_scene(CLI::App& verb, Arguments&);
 void add_settings(CLI::App& verb, Arguments&);
 /// --headers.
 void add_headers(CLI::App& verb, Arguments&);
-/// What a run writes beside its report.
-void add_run_outputs(CLI::App& verb, Arguments&);
+/// What a run writes beside its report. Returns --json.
+CLI::Option* add_run_outputs(CLI::App& verb, Arguments&);
 
 }  // namespace lockstep

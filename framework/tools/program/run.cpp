@@ -123,26 +123,40 @@ std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, 
   return std::make_unique<PictureRows>(make_recorder(m), rows, picture_spacing(loop_options(m.run), m.run.until));
 }
 
+// A failure is said: the results are worth more than their picture.
+Drawing draw_run(const std::string& csv, const std::string& title, const RowEnvelope& rows, const PictureRows* details,
+                 const RunSettings& run, const RunOutputs& outputs) {
+  try {
+    const auto with_details = [&](const Table& own) { return details != nullptr ? details->together(own) : own; };
+    const Table paths = outputs.pictures.empty() ? Table() : with_details(rows.path_table());
+    return draw_columns(csv, title, with_details(rows.table()), run.draw, outputs.pictures, paths);
+  } catch (const std::exception& error) {
+    Drawing none;
+    none.reason = what_of(error), none.failed = true;
+    return none;
+  }
+}
+
 // The table first: it is reported even if the picture fails.
 std::vector<std::string> print_files(const std::string& csv, const std::string& title, const RowEnvelope& rows,
                                      const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
                                      const Arguments& args, const Words& words) {
   words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(rows.n_rows()));
   if (args.no_picture || args.record == "-") return {csv};
-  const Table table = rows.table();
-  const bool detailed = details != nullptr && table.n_rows() > 1;
-  const auto with_details = [&](const Table& own) { return detailed ? details->together(own) : own; };
-  const Table paths = outputs.pictures.empty() ? Table() : with_details(rows.path_table());
-  const Drawing drawing = draw_columns(csv, title, with_details(table), run.draw, outputs.pictures, paths);
+  if (rows.n_rows() <= 1) details = nullptr;
+  const Drawing drawing = draw_run(csv, title, rows, details, run, outputs);
   if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
-  if (drawing.files.empty()) words.say("             no picture: {}\n", drawing.reason);
-  if (!drawing.files.empty() && detailed && details->joins_steps())
+  if (drawing.files.empty()) {
+    words.say("             no picture: {}\n", drawing.reason);
+    return {csv};
+  }
+  if (details != nullptr && details->joins_steps())
     words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
-  if (!drawing.files.empty() && !outputs.pictures.empty() && rows.path_every() > 1)
+  if (!outputs.pictures.empty() && rows.path_every() > 1)
     words.say("             paths join one row in {}\n", rows.path_every());
-  const std::size_t n = table.n_columns() - 1;
-  if (!drawing.files.empty() && run.draw.empty() && drawing.n_drawn < n)
+  const std::size_t n = rows.ranges().columns.size();
+  if (run.draw.empty() && drawing.n_drawn < n)
     words.say("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
   std::vector<std::string> files{csv};
   files.insert(files.end(), drawing.files.begin(), drawing.files.end());

@@ -8,18 +8,18 @@ namespace {
 
 void add_run(CLI::App& verb, Arguments& a) {
   add_settings(verb, a);
-  add(verb, "--report", a.report, "FILE.html", "one HTML file that shows the motion and the columns in a browser");
+  CLI::Option* report =
+      add(verb, "--report", a.report, "FILE.html", "one HTML file that shows the motion and the columns in a browser");
   CLI::Option* certify = verb.add_flag("--certify", a.certify,
                                        "repeat the run with a tighter tolerance and with a second method; report how "
                                        "many digits of each column agree");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
-  add_run_outputs(verb, a);
-  certify->excludes(verb.get_option("--json"));
+  certify->excludes(add_run_outputs(verb, a));
   CLI::Option* checkpoint = add(
       verb, "--checkpoint", a.checkpoint, "FILE",
       "write all that the run holds to this file now and then, and when it is interrupted; `lockstep resume` goes on "
       "from there. It is removed when the run is done");
-  checkpoint->excludes(certify)->excludes(verb.get_option("--report"));
+  checkpoint->excludes(certify)->excludes(report);
   add(verb, "--every", a.every, "T", "how often, by the clock; default 60 s")->needs(checkpoint);
 }
 
