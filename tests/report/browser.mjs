@@ -544,6 +544,30 @@ async function checkMarks(browser) {
   await page.close();
 }
 
+// Driven, the four-bar's first column ends at one angle in all runs: what varies is shown.
+async function checkVarying(browser) {
+  const csv = join(folder, 'driven.csv'),
+    html = join(folder, 'driven.html');
+  execFileSync(
+    lockstep,
+    [
+      'sweep',
+      join(scenes, 'four_bar.json'),
+      ...['--vary', 'crank=80 mm,90 mm,100 mm', '--until', '0.1', '--record', csv, '--report', html, '--quiet'],
+    ],
+    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  );
+  const page = await browser.page();
+  await page.open(pathToFileURL(html).href);
+  await page.settle();
+  const [title, numbers] = await page.evaluate(
+    '(() => { const p = globalThis.lockstepReport.points, c = p.table.columns[p.y]; return [c.title, [...c.numbers]]; })()',
+  );
+  check(title.includes(' final') && !title.startsWith('theta '), `the first picture of a sweep shows ${title}`);
+  check(Math.max(...numbers) - Math.min(...numbers) > 1e-6, `${title} varies: ${numbers}`);
+  await page.close();
+}
+
 // A run of a sweep, opened from its point: its columns and its motion, against its own CSV.
 async function checkHistories(browser) {
   const csv = join(folder, 'kept.csv'),
@@ -775,6 +799,7 @@ try {
   await checkHostile(browser);
   await checkContrast(browser);
   await checkSweep(browser);
+  await checkVarying(browser);
   await checkCurves(browser);
   await checkVisual(browser);
   await checkMarks(browser);

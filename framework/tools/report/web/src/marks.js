@@ -26,6 +26,9 @@ export function extentOf(values, members) {
   return [low, high];
 }
 
+// Whether more than rounding lies between two numbers.
+export const varies = (low, high) => high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+
 export function colorFor(value, [low, high]) {
   return Number.isFinite(value) ? shade((value - low) / (high - low || 1)) : theme.is.ground;
 }

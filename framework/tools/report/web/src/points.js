@@ -2,7 +2,7 @@
 import { readTable } from './csv.js';
 import { download, pngOf } from './export.js';
 import { keptRun } from './histories.js';
-import { shade } from './marks.js';
+import { extentOf, shade, varies } from './marks.js';
 import { number } from './plots.js';
 import { Scatter } from './scatter.js';
 import { theme } from './theme.js';
@@ -44,7 +44,7 @@ class Points {
     this.groups = groupsOf(this.table, this.words);
     this.numeric = this.table.columns.map((c, i) => (c.numbers ? i : -1)).filter((i) => i >= 0);
     this.x = this.find(data.x, 0);
-    this.y = this.find(data.y, 1);
+    this.y = this.varying(this.find(data.y, 1));
     this.color = this.table.columns.findIndex((c) => c.title === data.color && c.numbers); // -1: by group
     this.by = this.groups.length > MOST_GROUPS || this.words.length === 1 ? 0 : -1; // what has one colour and one button
     this.hidden = new Set();
@@ -70,6 +70,17 @@ class Points {
   find(title, n) {
     const i = this.table.columns.findIndex((c) => c.title === title && c.numbers);
     return i >= 0 ? i : (this.numeric[Math.min(n, this.numeric.length - 1)] ?? -1);
+  }
+
+  // This column, or where only rounding tells its numbers apart the next of final values that does vary.
+  varying(i) {
+    const { columns } = this.table;
+    const goes = (k) => {
+      const numbers = columns[k]?.numbers ?? [];
+      return varies(...extentOf(numbers, numbers.keys()));
+    };
+    if (goes(i)) return i;
+    return this.numeric.find((k) => k > i && columns[k].title.includes(' final') && goes(k)) ?? i;
   }
 
   addChoices() {

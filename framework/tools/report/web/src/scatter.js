@@ -1,15 +1,15 @@
 // A scatter plot: points by two columns, coloured by group or by a third column.
 import uPlot from 'uplot';
-import { cellOf, colorFor, drawLine, drawMarks, extentOf } from './marks.js';
+import { cellOf, colorFor, drawLine, drawMarks, extentOf, varies } from './marks.js';
 import { axisStyle } from './plots.js';
 
 const NEAR = 14; // pixels
 
-// A little more than the points.
+// A little more than the points. What only rounding tells apart is no range.
 function range(log) {
   if (log) return (u, low, high) => [low / 1.6, high * 1.6];
   return (u, low, high) => {
-    const more = 0.05 * (high - low) || 0.05 * Math.abs(low) || 1;
+    const more = varies(low, high) ? 0.05 * (high - low) : 0.05 * Math.abs(low) || 1;
     return [low - more, high + more];
   };
 }
