@@ -36,6 +36,8 @@ function groupsOf({ rows }, words) {
   return [...groups].map(([name, members]) => ({ name, members }));
 }
 
+const NOTHING = 1e-10; // in any SI unit
+
 class Points {
   constructor(data) {
     this.data = data;
@@ -72,12 +74,14 @@ class Points {
     return i >= 0 ? i : (this.numeric[Math.min(n, this.numeric.length - 1)] ?? -1);
   }
 
-  // This column, or where only rounding tells its numbers apart the next of final values that does vary.
+  // This column, or where only rounding tells its numbers apart the next of final values that does vary; beside zero
+  // rounding is taken for less than NOTHING.
   varying(i) {
     const { columns } = this.table;
     const goes = (k) => {
       const numbers = columns[k]?.numbers ?? [];
-      return varies(...extentOf(numbers, numbers.keys()));
+      const [low, high] = extentOf(numbers, numbers.keys());
+      return varies(low, high) && high - low > NOTHING;
     };
     if (goes(i)) return i;
     return this.numeric.find((k) => k > i && columns[k].title.includes(' final') && goes(k)) ?? i;
