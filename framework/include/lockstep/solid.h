@@ -26,9 +26,9 @@ LOCKSTEP_API TriangleMesh read_mesh(const std::string& file);
 /// Meshes of files, each read once. Copies share what was read; several threads may read.
 class LOCKSTEP_API MeshFiles {
  public:
-  MeshFiles();
-  MeshFiles(const MeshFiles&) = default;
-  MeshFiles& operator=(const MeshFiles&) = default;
+  MeshFiles();                                       ///< none is read yet
+  MeshFiles(const MeshFiles&) = default;             ///< shares what was read; so does what is moved from
+  MeshFiles& operator=(const MeshFiles&) = default;  ///< likewise
 
   /// The mesh of this file, by read_mesh() at the first call. Throws what that throws, at each call.
   std::shared_ptr<const TriangleMesh> read(const std::string& file) const;
