@@ -338,13 +338,12 @@ TEST_CASE("a scene says what its bodies look like", "[report]") {
   CHECK(m.looks[0].color == "#00Ff80");
   CHECK(m.looks[0].opacity == 0.25);
   CHECK(build_mechanism(scene_with("{}"), registry).looks[0].opacity == 1);
-  for (const auto& [visual, word] :
-       std::vector<std::pair<std::string, std::string>>{{R"({"color": "red"})", "#0072b2"},
-                                                        {R"({"color": "#12345g"})", "#0072b2"},
-                                                        {R"({"opacity": 1.5})", "0 to 1"},
-                                                        {R"({"colour": "#000000"})", "color"}})
-    check_words(message_of<SceneError>([&] { build_mechanism(scene_with(visual), registry); }),
-                {"body 'ball', visual", word});
+  for (const auto& each : std::vector<std::pair<std::string, std::string>>{{R"({"color": "red"})", "#0072b2"},
+                                                                           {R"({"color": "#12345g"})", "#0072b2"},
+                                                                           {R"({"opacity": 1.5})", "0 to 1"},
+                                                                           {R"({"colour": "#000000"})", "color"}})
+    check_words(message_of<SceneError>([&] { build_mechanism(scene_with(each.first), registry); }),
+                {"body 'ball', visual", each.second});
 }
 
 // A wavy sheet of n x n points.

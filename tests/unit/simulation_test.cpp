@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
+#include <lockstep/simulation.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
