@@ -56,6 +56,18 @@ function runScene(name, scene) {
   return { url: pathToFileURL(html).href, csv, html };
 }
 
+// A sweep of a sample with its page.
+function sweepReport(name, scene, ...words) {
+  const csv = join(folder, `${name}.csv`),
+    html = join(folder, `${name}.html`);
+  execFileSync(
+    lockstep,
+    ['sweep', join(scenes, `${scene}.json`), ...words, '--record', csv, '--report', html, '--quiet'],
+    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  );
+  return { url: pathToFileURL(html).href, csv, html };
+}
+
 function readCsv(file) {
   const [head, ...lines] = readFileSync(file, 'utf8').trim().split('\n');
   return {
@@ -359,29 +371,13 @@ async function checkContrast(browser) {
 
 // A sweep of two variables: a point for each run, a map by colour, a row of cells for the point under the mouse.
 async function checkSweep(browser) {
-  const csv = join(folder, 'sweep.csv'),
-    html = join(folder, 'sweep.html');
-  execFileSync(
-    lockstep,
-    [
-      'sweep',
-      join(scenes, 'rod_pendulum.json'),
-      '--vary',
-      'bodies.rod.rod.mass=1:3:3',
-      '--vary',
-      'gravity.1=-9.81,-1.62,-3.7',
-      '--until',
-      '0.2',
-      '--record',
-      csv,
-      '--report',
-      html,
-      '--quiet',
-    ],
-    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  const { url, csv } = sweepReport(
+    'sweep',
+    'rod_pendulum',
+    ...['--vary', 'bodies.rod.rod.mass=1:3:3', '--vary', 'gravity.1=-9.81,-1.62,-3.7', '--until', '0.2'],
   );
   const page = await browser.page();
-  await page.open(pathToFileURL(html).href);
+  await page.open(url);
   await page.settle();
   const [, ...rows] = readFileSync(csv, 'utf8').trim().split('\n');
   const points = await page.evaluate(
@@ -546,19 +542,9 @@ async function checkMarks(browser) {
 
 // Driven, the four-bar's first column ends at one angle in all runs: what varies is shown.
 async function checkVarying(browser) {
-  const csv = join(folder, 'driven.csv'),
-    html = join(folder, 'driven.html');
-  execFileSync(
-    lockstep,
-    [
-      'sweep',
-      join(scenes, 'four_bar.json'),
-      ...['--vary', 'crank=80 mm,90 mm,100 mm', '--until', '0.1', '--record', csv, '--report', html, '--quiet'],
-    ],
-    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
-  );
+  const { url } = sweepReport('driven', 'four_bar', '--vary', 'crank=80 mm,90 mm,100 mm', '--until', '0.1');
   const page = await browser.page();
-  await page.open(pathToFileURL(html).href);
+  await page.open(url);
   await page.settle();
   const [title, numbers] = await page.evaluate(
     '(() => { const p = globalThis.lockstepReport.points, c = p.table.columns[p.y]; return [c.title, [...c.numbers]]; })()',
@@ -570,21 +556,14 @@ async function checkVarying(browser) {
 
 // A run of a sweep, opened from its point: its columns and its motion, against its own CSV.
 async function checkHistories(browser) {
-  const csv = join(folder, 'kept.csv'),
-    html = join(folder, 'kept.html'),
-    kept = join(folder, 'kept');
-  execFileSync(
-    lockstep,
-    [
-      'sweep',
-      join(scenes, 'rod_pendulum.json'),
-      ...['--vary', 'length=0.5:1.5:3', '--until', '0.5', '--record', csv, '--report', html],
-      ...['--histories', kept, '--quiet'],
-    ],
-    { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] },
+  const kept = join(folder, 'kept');
+  const { url, csv } = sweepReport(
+    'kept',
+    'rod_pendulum',
+    ...['--vary', 'length=0.5:1.5:3', '--until', '0.5', '--histories', kept],
   );
   const page = await browser.page();
-  await page.open(pathToFileURL(html).href);
+  await page.open(url);
   await page.settle();
   await page.evaluate(
     "(() => { const e = document.getElementById('points-y'); e.value = '3'; e.dispatchEvent(new Event('change')); })()",

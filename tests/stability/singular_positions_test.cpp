@@ -98,6 +98,18 @@ std::vector<double> ratios(const Model& model, const BranchPoint& at, const std:
   return all;
 }
 
+// The turns of one body over those of another along the branches of a folded mechanism, in rising order.
+void check_two_branches(const std::string& scene, const char* one, const char* other, double first, double second) {
+  Model model(scene);
+  const BranchPoint at = branch_point(model.dynamics, model.state);
+  CAPTURE(at.text(model.dynamics, model.state));
+  CHECK(at.singular);
+  const std::vector<double> found = ratios(model, at, one, other);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0] == Approx(first).epsilon(1e-6).margin(1e-6 * (first == 0)));
+  CHECK(found[1] == Approx(second).epsilon(1e-6));
+}
+
 }  // namespace
 
 // x, to second order: r w1^2 + L p^2 = r w2^2, with p = r (w2 - w1)/L; so w2 = w1, or w2 (L - r) = -w1 (L + r).
@@ -132,14 +144,8 @@ TEST_CASE("three flat cranks have one branch", "[stability][analysis]") {
 // Either the slider moves, and the rod turns against the crank, or it stands, and they turn together.
 TEST_CASE("a folded slider-crank of equal arms has two branches", "[stability][analysis]") {
   const bool planar = GENERATE(true, false);
-  Model model(folded_slider_crank(planar));
-  const BranchPoint at = branch_point(model.dynamics, model.state);
-  CAPTURE(planar, at.text(model.dynamics, model.state));
-  CHECK(at.singular);
-  const std::vector<double> found = ratios(model, at, "rod", "crank");
-  REQUIRE(found.size() == 2);
-  CHECK(found[0] == Approx(-1).epsilon(1e-6));
-  CHECK(found[1] == Approx(1).epsilon(1e-6));
+  CAPTURE(planar);
+  check_two_branches(folded_slider_crank(planar), "rod", "crank", -1, 1);
 }
 
 // The loop, with turns t1 of the short side and t2, t3 of the long ones, to second order:
@@ -147,14 +153,8 @@ TEST_CASE("a folded slider-crank of equal arms has two branches", "[stability][a
 // t1 = 2 (t2 - t3): 4 (t2 - t3)^2 = 2 (t2 - t3)(t2 + t3), so t2 = t3 with t1 = 0, or t2 = 3 t3 with t1 = 4 t3.
 TEST_CASE("a folded kite has two branches", "[stability][analysis]") {
   const bool planar = GENERATE(true, false);
-  Model model(folded_kite(planar));
-  const BranchPoint at = branch_point(model.dynamics, model.state);
-  CAPTURE(planar, at.text(model.dynamics, model.state));
-  CHECK(at.singular);
-  const std::vector<double> found = ratios(model, at, "short", "other");
-  REQUIRE(found.size() == 2);
-  CHECK(std::abs(found[0]) < 1e-6);
-  CHECK(found[1] == Approx(4).epsilon(1e-6));
+  CAPTURE(planar);
+  check_two_branches(folded_kite(planar), "short", "other", 0, 4);
 }
 
 TEST_CASE("regular positions of overconstrained mechanisms are no singular ones", "[stability][analysis]") {

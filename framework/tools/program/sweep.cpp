@@ -16,7 +16,6 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
-#include "framework/description/scene/run_outputs.h"
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
@@ -27,6 +26,7 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/sweep_plan.h"
 #include "framework/tools/program/sweep_rest.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
@@ -35,56 +35,9 @@
 namespace lockstep {
 namespace {
 
-constexpr long kMostBuilt = 100;  // runs that are built to find the columns
 constexpr long kMostReasons = 5;  // failures that are printed
 constexpr long kLanes = 8;        // runs at once
 constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
-
-// Errors in the value of an option become usage errors.
-template <class F>
-auto usage(const std::string& option, F&& read) {
-  try {
-    return std::forward<F>(read)();
-  } catch (const ModelError& error) {
-    throw UsageError(option + ": " + error.what());
-  } catch (const SceneError& error) {
-    throw UsageError(option + ": " + error.what());
-  }
-}
-
-void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
-  const std::pair<const char*, const std::string*> options[] = {
-      {"integrator", &args.integrator},      {"solver", &args.solver}, {"step", &args.step},
-      {"tolerance", &args.tolerance},        {"until", &args.until},   {"formulation", &args.formulation},
-      {"stabilization", &args.stabilization}};
-  for (const Variable& v : variables) {
-    for (const auto& [name, word] : options) {
-      const std::string place = std::string("run.") + name;
-      if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
-        throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
-    }
-    if ((!args.planar.empty() || args.full) && v.place == "planar")
-      throw UsageError("--planar: \"planar\" varies; leave one of the two out");
-  }
-}
-
-/// What all runs share.
-struct Plan {
-  const Arguments& arguments;
-  Loaded loaded;
-  std::vector<Variable> variables;
-  Grid grid;
-  Shard shard;
-  Table columns;
-  bool plain_headers;
-
-  Scene scene(long run) const {
-    Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
-    override_settings(s.run, arguments, loaded.registry);
-    return s;
-  }
-  std::string setting(long run) const { return setting_text(variables, grid.at(run)); }
-};
 
 // The columns and rows of a table by their names alone.
 Table without_units(const Table& table) {
@@ -118,66 +71,6 @@ nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& vari
   return j;
 }
 
-// Refuses a variable that the scene does not have, if no run can be built with it.
-void refuse_misplaced(const Plan& plan, const std::string& reason) {
-  for (const Variable& v : plan.variables)
-    if (!v.near.empty())
-      throw UsageError(
-          fmt::format("--vary: \"{}\" is not in the scene, and no run can be built with it ({}); did you mean \"{}\"?",
-                      v.path, reason, v.near));
-}
-
-// The columns of the first run that can be built, which are the same for all shards.
-Table columns_of(const Plan& plan) {
-  std::optional<SceneError> first;
-  const long n = plan.grid.n_runs(), n_built = std::min(n, kMostBuilt);
-  for (long k = 0; k < n_built; ++k) {
-    try {
-      return recorded_columns(plan.scene(1 + k * (n - 1) / std::max(n_built - 1, 1l)), plan.loaded.registry);
-    } catch (const SceneError& error) {
-      if (!first) first = error;
-    } catch (const ModelError& error) {
-      if (!first) first = SceneError(error.what());
-    }
-  }
-  refuse_misplaced(plan, first->what());
-  throw *first;
-}
-
-// A length that is written in several places is one length to whoever varies it.
-void warn_left_behind(const std::vector<Variable>& variables, const Loaded& loaded) {
-  constexpr std::size_t kMostPlaces = 6;
-  for (const Variable& v : variables) {
-    std::vector<std::string> places = left_behind(v, loaded.scene, loaded.registry);
-    std::erase_if(places, [&](const std::string& place) {  // it varies too
-      return std::any_of(variables.begin(), variables.end(), [&](const Variable& o) { return o.place == place; });
-    });
-    if (places.empty()) continue;
-    const std::size_t n = places.size();
-    if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
-    log_warning(fmt::format(
-        "--vary: the length at {} is also written at {}, which {} not vary with it; make it one of \"parameters\" and "
-        "write \"=name\" in these places, or give a point a name",
-        v.path, text::join(places), n == 1 ? "does" : "do"));
-  }
-}
-
-Plan make_plan(const Arguments& args) {
-  Loaded loaded = read_with_plugins(args);
-  const Shard shard = args.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(args.shard); });
-  std::vector<Variable> variables =
-      usage("--vary", [&] { return read_variables(args.vary, loaded.scene, loaded.registry); });
-  refuse_varied_options(args, variables);
-  warn_left_behind(variables, loaded);
-  std::vector<std::size_t> sizes;
-  for (const Variable& v : variables) sizes.push_back(v.values.size());
-  Grid grid = usage("--vary", [&] { return Grid(sizes); });
-  const bool plain = args.headers.empty() ? !outputs_of(loaded.scene).units : args.headers == "plain";
-  Plan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
-  plan.columns = columns_of(plan);
-  return plan;
-}
-
 std::string table_path(const Arguments& args, Shard shard) {
   const std::string stem = stem_of(args.scene);
   const std::string share = args.shard.empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
@@ -202,26 +95,11 @@ int jobs_of(const Arguments& args) {
   return args.shard.empty() ? available_processors() : 1;  // whoever shares out runs has a process for each processor
 }
 
-// Whether the report shows each run by itself.
-bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !args.report.empty(); }
-
-// Why runs go one by one, by the first run of the grid; "" if groups of them are tried in lanes.
-std::string why_alone(const Plan& plan) {
-  if (plan.arguments.lanes == "off") return "as asked for";
-  if (keeps_motion(plan.arguments)) return "the report keeps their motion";
-  if (plan.grid.n_runs(plan.shard) == 0) return {};
-  try {
-    return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
-  } catch (const std::exception&) {
-    return {};  // this run cannot be built; others may
-  }
-}
-
 /// The runs of one shard: computed on several threads, eight at a time on each if the mechanism is suited; their rows
 /// are written in order.
 class Sweep {
  public:
-  Sweep(const Plan& plan, GrowingFile& rows, const Interrupt& interrupt)
+  Sweep(const SweepPlan& plan, GrowingFile& rows, const Interrupt& interrupt)
       : plan_(plan),
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
@@ -405,7 +283,7 @@ class Sweep {
     if (tally_.failed == kMostReasons) fmt::print(stderr, "lockstep: further failures stand in the table only\n");
   }
 
-  const Plan& plan_;
+  const SweepPlan& plan_;
   const long n_runs_;
   GrowingFile& rows_;
   const SweepMark mark_;
@@ -418,7 +296,7 @@ class Sweep {
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
 };
 
-void print_heading(const Plan& plan, long n, const Words& words) {
+void print_heading(const SweepPlan& plan, long n, const Words& words) {
   words.say("{}\n", plan.loaded.title());
   const std::string share =
       plan.shard.count > 1 ? fmt::format(" of {}, share {}/{}", plan.grid.n_runs(), plan.shard.index, plan.shard.count)
@@ -426,7 +304,7 @@ void print_heading(const Plan& plan, long n, const Words& words) {
   words.say("  runs       {}{}\n", n, share);
 }
 
-void print_end(const Plan& plan, const Tally& tally, const std::string& csv, const Words& words) {
+void print_end(const SweepPlan& plan, const Tally& tally, const std::string& csv, const Words& words) {
   words.say("  done       {}, {} failed\n", tally.done, tally.failed);
   if (tally.kept > 0) words.say("             {} of them before, when it was interrupted\n", tally.kept);
   if (tally.wrong > 0)
@@ -437,7 +315,7 @@ void print_end(const Plan& plan, const Tally& tally, const std::string& csv, con
   if (tally.histories > 0) words.say("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
 }
 
-void print_json(const Plan& plan, const Tally& tally, const std::string& csv) {
+void print_json(const SweepPlan& plan, const Tally& tally, const std::string& csv) {
   const nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
                                     {"title", plan.loaded.title()},
                                     {"done", tally.done},
@@ -461,7 +339,7 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
 }
 
 // The first variable of numbers against the first result.
-void write_report(const Plan& plan, const Tally& tally, const std::string& csv, const std::string& report,
+void write_report(const SweepPlan& plan, const Tally& tally, const std::string& csv, const std::string& report,
                   const report::Histories* motions, const Words& words) {
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
@@ -491,7 +369,7 @@ int sweep_command(const Arguments& args) {
   const Words words(args);
   if (args.record == "-" && !args.report.empty())
     throw UsageError("--report: it is made from the rows, which go to standard output; give --record a file");
-  const Plan plan = make_plan(args);
+  const SweepPlan plan = make_sweep_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
   make_folder(args.histories);

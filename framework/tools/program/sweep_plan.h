@@ -1,0 +1,36 @@
+// What a sweep is to do: its variables, the grid of their values, and the columns of its runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/analysis.h>
+#include <lockstep/sweep.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// What all runs share.
+struct SweepPlan {
+  const Arguments& arguments;
+  Loaded loaded;
+  std::vector<Variable> variables;
+  Grid grid;
+  Shard shard;
+  Table columns;  ///< of each run, without rows
+  bool plain_headers;
+
+  Scene scene(long run) const;
+  /// "crank = 0.1, gravity.1 = -9.81".
+  std::string setting(long run) const;
+};
+
+/// Throws UsageError, and SceneError where no run can be built. Warns of lengths that stand elsewhere too.
+SweepPlan make_sweep_plan(const Arguments&);
+
+/// Whether the report shows each run by itself.
+bool keeps_motion(const Arguments&);
+/// Why runs go one by one, by the first run of the grid; "" if groups of them are tried in lanes.
+std::string why_alone(const SweepPlan&);
+
+}  // namespace lockstep
