@@ -160,9 +160,21 @@ double Dynamics::violation_v(const State& state) {
 ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
 
 ProjectReport Dynamics::project(State& state, double goal) {
-  if (state.coordinates) {
+  if (state.coordinates && !state.coordinates->has_rows()) {
     normalize_state(state);
     return {};
+  }
+  if (state.coordinates) {
+    ++work_.projections;
+    Tree& t = tree(state.modes);
+    t.before = state;
+    const ProjectReport report = t.project(system_, state, goal, options_.stabilization.tolerance);
+    if (report.converged) return report;
+    state = t.before;  // bodies may come there where joints do not
+    to_slots(state);
+    const ProjectReport slots = projection_.project(own(state), factor_, state, goal);
+    to_formulation(state, &t.before);
+    return slots;
   }
   Evaluation& e = own(state);
   const ProjectReport report = projection_.project(e, factor_, state, goal);
@@ -171,8 +183,9 @@ ProjectReport Dynamics::project(State& state, double goal) {
 }
 
 double Dynamics::project_velocity(State& state) {
-  if (state.coordinates) return 0;
-  return projection_.project_velocity(own(state), factor_, state, 1e-3 * options_.stabilization.tolerance);
+  const double goal = 1e-3 * options_.stabilization.tolerance;
+  if (state.coordinates) return state.coordinates->has_rows() ? tree(state.modes).project_velocity(system_, state, goal) : 0;
+  return projection_.project_velocity(own(state), factor_, state, goal);
 }
 
 void Dynamics::accept(State& state) {

@@ -2,6 +2,7 @@
 #include <lockstep/dynamics.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -9,6 +10,12 @@
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
+
+namespace {
+
+constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
+
+}  // namespace
 
 Dynamics::~Dynamics() = default;
 
@@ -18,28 +25,68 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = system_.revision(), t.modes = modes;
-  t.coordinates = JointTree::of(system_, modes, t.why_not);
+  const bool asked = options_.formulation == Formulation::joint;
+  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::none);
   if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
+  t.closures = {};
+  if (t.coordinates && t.coordinates->has_rows()) {
+    std::vector<bool> shown(modes.size(), false);
+    for (const int link : t.coordinates->closures()) shown[static_cast<std::size_t>(link)] = true;
+    system_.lay_out(shown, t.closure_rows);
+    t.closures.begin(*t.coordinates, system_, t.closure_rows);
+  }
   if (t.coordinates) lay_out_reactions(t);
   return t;
 }
 
+namespace {
+
+// Whether rows of a link may have a part that time alone changes.
+bool may_have_laws(const Lock& link) {
+  if (link.jointed() == nullptr || link.jointed()->has_laws()) return true;
+  return std::ranges::any_of(link.pairs(), [](const auto& pair) {
+    return pair.first->translation_law || pair.first->rotation_law || pair.second->translation_law ||
+           pair.second->rotation_law;
+  });
+}
+
+}  // namespace
+
 // The rows that are gathered in joint coordinates: all of them if somebody reads accelerations or multipliers, those of
 // links with laws if nothing but the power of laws is read.
 void Dynamics::lay_out_reactions(Tree& t) const {
-  bool any = false, every = false;
+  bool any = false;
+  t.reads_all = false;
   for (const auto& own : system_.auxiliaries()) {
     any = any || own->reads_solution();
-    every = every || (own->reads_solution() && !own->vanishes_without_laws());
+    t.reads_all = t.reads_all || (own->reads_solution() && !own->vanishes_without_laws());
   }
   std::vector<bool> shown = t.modes;
-  if (!every) shown.assign(t.modes.size(), false);
+  if (!t.reads_all) shown.assign(t.modes.size(), false);
+  bool laws = false;
+  const auto show = [&](int link) { shown[static_cast<std::size_t>(link)] = laws = true; };
   for (const TreeNode& n : t.coordinates->nodes())
-    if (n.imposed) shown[static_cast<std::size_t>(n.link)] = true;
+    if (n.imposed) show(n.link);
+  for (const int link : t.coordinates->closures())
+    if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
   system_.lay_out(shown, t.rows);
-  t.solves = every || (any && t.coordinates->has_laws());
+  t.solves = t.reads_all || (any && laws);
   if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);
+}
+
+// Accelerations and multipliers for the states that are integrated. Where rows are redundant the multipliers of closures
+// are not those of omega, which are the smallest of all: their power is the same.
+void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
+  system_.gather_rows(in, t.rows);
+  if (t.closures.empty()) return t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.f, t.rows);
+  t.loaded = t.f;
+  t.closures.react(t.closure_rows, t.loaded);
+  for (const RowEntry& e : t.rows.entries)
+    if (const int at = t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
+      t.reactions.set(
+          e, t.closures.lambda().data() + t.closure_rows.entries[static_cast<std::size_t>(at)].first_row);
+  t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.loaded, t.rows);
 }
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
@@ -76,12 +123,19 @@ void Dynamics::to_slots(State& state) {
 
 void Dynamics::rates(const State& state, StateRate& out) {
   if (state.coordinates)
-    joint_rates(state, out);
+    joint_rates(state, out, nullptr);
   else
     rate(state, out);
 }
 
-void Dynamics::joint_rates(const State& state, StateRate& out) {
+SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
+  if (!state.coordinates) return rate(state, out).full_report();
+  SolveReport report;
+  joint_rates(state, out, &report);
+  return report;
+}
+
+void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes);
   if (state.coordinates != t.coordinates)
     throw ModelError(
@@ -93,14 +147,19 @@ void Dynamics::joint_rates(const State& state, StateRate& out) {
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
   system_.gather_forces(in, t.f);
-  t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  const Solution* solved = nullptr;
+  if (t.closures.empty())
+    t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  else
+    solved = joint_accelerations(t, state, in, out, report);
   t.coordinates->kinematic_rate(state, out.q);
   out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves) {
-      system_.gather_rows(in, t.rows);
-      t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.f, t.rows);
+    if (t.solves && (solved || (t.reads_all && !t.closures.empty()))) {
+      system_.state_rates(solved ? *solved : evaluate(state), out.s);
+    } else if (t.solves) {
+      joint_reactions(t, in);
       system_.state_rates({in, t.reactions.a(), t.reactions.lambda(), t.rows}, out.s);
     } else {
       system_.state_rates({in, t.none, t.none, t.rows}, out.s);
@@ -114,6 +173,50 @@ void Dynamics::joint_rates(const State& state, StateRate& out) {
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",
                        state.t);
+}
+
+// With closures. Where their rows cannot be met, omega answers, and names what contradicts what; its solution is then
+// returned.
+const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const Inputs& in, StateRate& out,
+                                              SolveReport* report) {
+  system_.gather_rows(in, t.closure_rows);
+  t.closures.read(*t.coordinates, t.motions, t.closure_rows);
+  if (const Stabilization& s = options_.stabilization; s.kind == Stabilization::Kind::baumgarte) {
+    t.closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);
+    t.correction = 2.0 * s.alpha * t.Cd + s.beta * s.beta * t.C;
+    t.closures.subtract(t.correction);
+  }
+  t.bodies.accelerate(*t.coordinates, t.motions, t.f, t.closures, out.v);
+  bool met = t.closures.met(t.bodies);
+  double before = HUGE_VAL;
+  while (!met && t.closures.residual() < kStalledRows * before) {
+    before = t.closures.residual();
+    t.closures.correct(*t.coordinates, t.bodies, t.correction);
+    out.v += t.correction;
+    t.bodies.add_correction(t.closures);
+    met = t.closures.met(t.bodies);
+    ++work_.corrections;
+  }
+  if (report) t.closures.complete(*report);
+  if (met) return nullptr;
+  const Solution& omega = evaluate(state);
+  --work_.evaluations;
+  t.bodies.read_off(*t.coordinates, t.motions, omega.a, out.v);
+  if (report) report->residual = omega.full_report().residual;
+  return &omega;
+}
+
+void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate& out) {
+  if (!state.coordinates) {
+    out = slots;
+    return;
+  }
+  Tree& t = tree(state.modes);
+  t.bodies.outward(*t.coordinates, state, t.motions);
+  t.bodies.read_off(*t.coordinates, t.motions, slots.v, out.v);
+  t.coordinates->kinematic_rate(state, out.q);
+  out.s = slots.s;
+  out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
 }
 
 }  // namespace lockstep

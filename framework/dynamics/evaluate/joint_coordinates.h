@@ -8,11 +8,12 @@
 #include <lockstep/dynamics.h>
 #include "framework/dynamics/tree/articulated.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/tree_reactions.h"
 
 namespace lockstep {
 
-// Joint coordinates: the tree of the links that were in force last, and the recursion on it.
+// Joint coordinates: the tree of the links that were in force last, the recursion on it, and the rows that close loops.
 struct Dynamics::Tree {
   long revision = -1;  // of the system, and the links, that the tree was made for
   std::vector<bool> modes;
@@ -22,8 +23,24 @@ struct Dynamics::Tree {
   std::vector<Motion> motions;
   VecX f, none;
   RowTable rows;        // of the links whose multipliers somebody reads, and of those with laws
-  bool solves = false;  // integrated states read accelerations or multipliers
+  bool solves = false;     // integrated states read accelerations or multipliers,
+  bool reads_all = false;  // not only those of links with laws
   TreeReactions reactions;
+  LoopClosures closures;
+  RowTable closure_rows;
+  VecX C, Cd, correction, loaded;
+  State before;  // a projection
+
+  // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
+  ProjectReport project(System&, State&, double goal, double tolerance);
+  // The velocities alone; returns what is left, m/s.
+  double project_velocity(System&, State&, double goal);
+
+ private:
+  void gather(System&, const State&);
+  void factor(const State&);
+  double velocities(State&, bool factored, double goal);
+  double largest(Vec3 Motion::*of) const;
 };
 
 }  // namespace lockstep

@@ -93,7 +93,7 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
       dynamics.rates(stage_, k);
       continue;
     }
-    const SolveReport solved = dynamics.rate(stage_, k).full_report();
+    const SolveReport solved = dynamics.rates_with_report(stage_, k);
     conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;

@@ -36,13 +36,6 @@ constexpr int kShifts = 12;          // attempted this many times; then the best
 constexpr double kCross = 100;       // with an error up to this
 constexpr double kLeast = 0.1;       // of the step: one that only leads to where the next should begin
 
-// Angular velocity of the body that turns fastest at y, rad/s.
-double fastest_turn(const State& y) {
-  double w2 = 0;
-  for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
-  return std::sqrt(w2);
-}
-
 // The part of the pivots' smallness that differences of mass may explain.
 double spread_of_masses(const System& system) {
   double lightest = HUGE_VAL, heaviest = 0;
@@ -51,12 +44,6 @@ double spread_of_masses(const System& system) {
     heaviest = std::max(heaviest, system.slot(k).mass);
   }
   return std::min(1.0, kUsualSpread * lightest / heaviest);
-}
-
-// Time in which it turns by this angle, s.
-double time_to_turn(const State& y, double angle) {
-  const double w = fastest_turn(y);
-  return w > 0 ? angle / w : HUGE_VAL;
 }
 
 // Whether the links leave nothing free: then there is one motion, however many rows are redundant. Loads in all directions
@@ -85,6 +72,37 @@ bool held(Dynamics& dynamics, const State& y) {
 
 }  // namespace
 
+// Angular velocity of the body that turns fastest at y, rad/s.
+double SingularPassage::fastest_turn(const State& y) {
+  double w2 = 0;
+  if (y.coordinates) {
+    motions_.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
+    y.coordinates->motions(y, motions_);
+    for (const Motion& O : motions_) w2 = std::max(w2, O.w.squaredNorm());
+  } else {
+    for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
+  }
+  return std::sqrt(w2);
+}
+
+// Time in which it turns by this angle, s.
+double SingularPassage::time_to_turn(const State& y, double angle) {
+  const double w = fastest_turn(y);
+  return w > 0 ? angle / w : HUGE_VAL;
+}
+
+// Rates from both sides are found with the bodies' own coordinates.
+bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
+  if (!y.coordinates) return both_sides_.find(dynamics, y, rate_);
+  State slots = y;
+  dynamics.to_slots(slots);
+  both_sides_.begin(slots);
+  StateRate rate = sized_like(slots);
+  const bool found = both_sides_.find(dynamics, slots, rate);
+  if (found) dynamics.read_rates(y, rate, rate_);
+  return found;
+}
+
 double NearSingular::limit() const { return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL); }
 
 double NearSingular::limit_from(double now) const { return std::min(kSingular, kUnusual * std::max(largest_, now)); }
@@ -96,8 +114,9 @@ void NearSingular::add(double indicator, double angle) {
 
 void SingularPassage::begin(const Tableau& tableau, const State& state, const Dynamics& dynamics) {
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
-  active_ = !state.coordinates && (when_ == StagesWhen::manifold || (when_ == StagesWhen::automatic && projects &&
-                                                                     has_loops(dynamics.system(), state.modes)));
+  const bool has_rows = !state.coordinates || state.coordinates->has_rows();
+  active_ = has_rows && (when_ == StagesWhen::manifold || (when_ == StagesWhen::automatic && projects &&
+                                                           has_loops(dynamics.system(), state.modes)));
   spread_ = spread_of_masses(dynamics.system());
   usual_ = {};
   near_ = probed_ = entered_ = false;
@@ -139,7 +158,7 @@ bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& st
   const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
   probed_ = true;
   if (!starts && !ill_conditioned(stages, 0)) return stays_redundant();
-  const bool found = both_sides_.find(dynamics, y, rate_);
+  const bool found = find_both_sides(dynamics, y);
   if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!ill_conditioned(stages, 0)) return stays_redundant();
   from_both_sides_ = found;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/dynamics/tree/column_algebra.h"
+#include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
 
@@ -159,33 +160,51 @@ LOCKSTEP_INLINE void shift(const N& b, I& IA) {
 
 }  // namespace
 
-// vd = D^-1 (u - U' a'), a' = (a_p + al_p x r + ca, al_p + cal)
+// vd = D^-1 (u - U' a') - less, a' = (a_p + al_p x r + ca, al_p + cal); less: V' lambda of closures, null without
 template <int k>
-LOCKSTEP_INLINE void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd) {
+LOCKSTEP_INLINE void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd, const double* less) {
   const Dof* dof = dofs_.data() + n.first_v;
   const double* inverse = inverse_.data() + b.D_1;
   double left[k];
   for (int i = 0; i < k; ++i) left[i] = dof[i].u - dot(dof[i].Uf, b.a) - dot(dof[i].Ut, b.al);
   for (int i = 0; i < k; ++i) {
-    double x = 0;
+    double x = less ? -less[i] : 0.0;
     for (int j = 0; j < k; ++j) x += inverse[k * i + j] * left[j];
     vd[n.first_v + i] = x;
     b.a += dof[i].l * x, b.al += dof[i].n * x;
   }
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
-                                                        const VecX& f, VecX& vd) {
+namespace {
+
+// A tree without closures.
+struct NoClosures {
+  template <class Inertia>
+  void close(std::size_t, Inertia&) {}
+  template <class Node, class Dof>
+  void pass_on(std::size_t, int, const Node&, const Dof*, const double*) {}
+  void close_at_ground() {}
+  const double* less(std::size_t, int) const { return nullptr; }
+  void find(std::size_t, const Column&, const Column&) {}
+};
+
+}  // namespace
+
+template <class Rows>
+LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, std::span<const Motion> motions,
+                                                        const VecX& f, Rows& rows, VecX& vd) {
   vd.resize(tree.n_v());
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     const TreeNode& n = tree.nodes()[k];
     const Node& b = nodes_[k];
     Inertia I = inertia_of(b, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
+    rows.close(k, I);
     if (n.n_v() > 0)  // else a weld that was kept
       for_size<1, 6>(n.n_v(), [&](auto count) {
         eliminate<count>(n, b, I);
         if (b.to >= 0) reduce<count>(n, b, I);
       });
+    rows.pass_on(k, n.n_v(), b, dofs_.data() + n.first_v, inverse_.data() + b.D_1);
     if (b.to < 0) continue;
     shift(b, I);
     Inertia& there = waiting_[static_cast<std::size_t>(b.to)];
@@ -194,6 +213,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
     else
       there.add(I);
   }
+  rows.close_at_ground();
   double a2 = 0, al2 = 0;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
@@ -203,10 +223,58 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
       const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
       b.a += p.a - Skew(b.r) * p.al, b.al += p.al;
     }
-    if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd); });
+    const double* less = rows.less(k, n.n_v());
+    if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd, less); });
+    rows.find(k, b.a, b.al);
     a2 = std::max(a2, dot(b.a, b.a)), al2 = std::max(al2, dot(b.al, b.al));
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
+}
+
+void ArticulatedBodies::find_largest() {
+  double a2 = 0, al2 = 0;
+  for (const Node& b : nodes_) a2 = std::max(a2, dot(b.a, b.a)), al2 = std::max(al2, dot(b.al, b.al));
+  largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
+}
+
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
+                                                        const VecX& f, VecX& vd) {
+  NoClosures none;
+  accelerate_with(tree, motions, f, none, vd);
+}
+
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
+                                                        const VecX& f, LoopClosures& closures, VecX& vd) {
+  accelerate_with(tree, motions, f, closures, vd);
+}
+
+void ArticulatedBodies::add_correction(const LoopClosures& closures) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    nodes_[k].a += closures.change(k).a, nodes_[k].al += closures.change(k).al;
+  find_largest();
+}
+
+void ArticulatedBodies::read_off(const JointTree& tree, std::span<const Motion> motions, const VecX& a, VecX& vd) {
+  vd.resize(tree.n_v());
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& n = tree.nodes()[k];
+    Node& b = nodes_[k];
+    b.a = column(a.segment<3>(6 * n.slot));
+    b.al = column(motions[static_cast<std::size_t>(n.slot + 1)].A * a.segment<3>(6 * n.slot + 3));
+    Column da = b.a - b.ca, dal = b.al - b.cal;  // against the parent, beyond what the velocities make
+    if (n.parent >= 0) {
+      const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
+      da -= p.a - Skew(b.r) * p.al, dal -= p.al;
+    }
+    const Dof* dof = dofs_.data() + n.first_v;
+    for (int i = n.n_slides; i < n.n_v(); ++i) {
+      const double x = dot(dof[i].n, dal);
+      vd[n.first_v + i] = x;
+      da -= dof[i].l * x;
+    }
+    for (int i = 0; i < n.n_slides; ++i) vd[n.first_v + i] = dot(dof[i].l, da);
+  }
+  find_largest();
 }
 
 void ArticulatedBodies::accelerations(const JointTree& tree, std::span<const Motion> motions, VecX& a) const {

@@ -9,6 +9,8 @@
 
 namespace lockstep {
 
+class LoopClosures;
+
 /// The recursion and its scratch. World axes; wrenches and accelerations of a slot about its mass centre.
 class ArticulatedBodies {
  public:
@@ -19,6 +21,13 @@ class ArticulatedBodies {
   /// The other two passes: accelerations of the coordinates under f, 6 per slot: N (world) and N m (slot axes), -w x J w
   /// included.
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
+  /// The same with closures, whose rows were gathered at the same motions: their first multipliers are found as well.
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, LoopClosures&, VecX& vd);
+  /// Adds to the accelerations as found last what the closures' last correction changes.
+  void add_correction(const LoopClosures&);
+  /// Takes accelerations of the slots, 6 per slot as in accelerations(), for those found last, and reads off the
+  /// coordinates' own; what the joints do not let happen is lost.
+  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
   /// Accelerations as found last, 6 per slot: m/s^2 (world), rad/s^2 (slot axes).
   void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
   /// Largest acceleration of a slot, m/s^2, and its largest angular acceleration, rad/s^2, as found last.
@@ -56,7 +65,11 @@ class ArticulatedBodies {
   template <int k>
   void reduce(const TreeNode&, const Node&, Inertia&);
   template <int k>
-  void solve(const TreeNode&, Node&, VecX& vd);
+  void solve(const TreeNode&, Node&, VecX& vd, const double* less);
+  template <class Rows>
+  void accelerate_with(const JointTree&, std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd);
+  void find_largest();
+  friend class LoopClosures;  // eliminates its rows along with the bodies
 
   std::vector<Node> nodes_;
   std::vector<Dof> dofs_;

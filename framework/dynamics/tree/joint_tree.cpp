@@ -1,8 +1,10 @@
 #include "framework/dynamics/tree/joint_tree.h"
 
 #include <cmath>
+#include <utility>
 
 #include <lockstep/lock.h>
+#include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -41,7 +43,7 @@ std::string refusal(const Lock& link) {
 }
 
 // What stands in the way of joint coordinates, but for loops; "" for nothing.
-std::string obstacle(const System& system, const std::vector<bool>& modes) {
+std::string obstacle(const System& system, const std::vector<bool>& modes, Closures closures) {
   if (system.plane()) return "the mechanism is planar";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
@@ -49,25 +51,42 @@ std::string obstacle(const System& system, const std::vector<bool>& modes) {
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
-    if (!modes[static_cast<std::size_t>(link->number())]) continue;
+    if (closures == Closures::rows || !modes[static_cast<std::size_t>(link->number())]) continue;
     if (std::string why = refusal(*link); !why.empty()) return why;
   }
   return {};
 }
 
-// Links in force as edges between slots.
+std::pair<int, int> slots_of(const Lock& link) {
+  const auto [p, s] = link.pairs().front();
+  return {p->body->slot, s->body->slot};
+}
+
+// The links in force: first those of the tree, then the others.
+std::pair<std::vector<int>, std::vector<int>> tree_and_closures(const System& system, const std::vector<bool>& modes) {
+  std::vector<GraphLink> links;
+  for (const auto& link : system.links()) {
+    if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
+    const auto [a, b] = link->pairs().empty() ? std::pair(kGround, kGround) : slots_of(*link);
+    links.push_back({link->number(), a, b, refusal(*link).empty() ? count_rows(link->jointed()->rows()) : 0});
+  }
+  const std::vector<bool> taken = spanning_tree(links, system.n_slots());
+  std::pair<std::vector<int>, std::vector<int>> out;
+  for (std::size_t i = 0; i < links.size(); ++i) (taken[i] ? out.first : out.second).push_back(links[i].number);
+  return out;
+}
+
+// Links of the tree as edges between slots.
 class Graph {
  public:
   struct Edge {
     int link, other;  // number of the link, the slot at its other end
   };
-  Graph(const System& system, const std::vector<bool>& modes) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
-    for (const auto& link : system.links()) {
-      if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
-      const auto [p, s] = link->pairs().front();
-      const int a = p->body->slot, b = s->body->slot;
-      edges_[at(a)].push_back({link->number(), b});
-      edges_[at(b)].push_back({link->number(), a});
+  Graph(const System& system, const std::vector<int>& links) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
+    for (const int link : links) {
+      const auto [a, b] = slots_of(*system.links()[static_cast<std::size_t>(link)]);
+      edges_[at(a)].push_back({link, b});
+      edges_[at(b)].push_back({link, a});
     }
   }
   const std::vector<Edge>& of(int slot) const { return edges_[at(slot)]; }
@@ -80,48 +99,45 @@ class Graph {
 }  // namespace
 
 std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::vector<bool>& modes,
-                                               std::string& why_not) {
-  why_not = obstacle(system, modes);
+                                               std::string& why_not, Closures closures) {
+  why_not = obstacle(system, modes, closures);
   if (!why_not.empty()) return nullptr;
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
-  const int closing = tree->grow(system, Graph(system, modes));
-  if (closing < 0 && tree->n_v_ > 0) return tree;
-  if (closing < 0) return why_not = "no coordinate is free, so that nothing would choose the steps", nullptr;
-  why_not = "link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop";
+  const auto [joints, others] = tree_and_closures(system, modes);
+  if (closures == Closures::none && !others.empty()) {
+    why_not = "link '" + system.links()[static_cast<std::size_t>(others.front())]->name() + "' closes a loop";
+    return nullptr;
+  }
+  tree->closures_ = others;
+  tree->grow(system, Graph(system, joints));
+  if (tree->n_v_ > 0) return tree;
+  why_not = "no coordinate is free, so that nothing would choose the steps";
   return nullptr;
 }
 
-// Depth first from the ground, then from every slot that no link has reached: it is free. Returns the number of a link
-// that closes a loop, -1 where none does.
+// Depth first from the ground, then from every slot that no link has reached: it is free.
 template <class G>
-int JointTree::grow(const System& system, const G& graph) {
+void JointTree::grow(const System& system, const G& graph) {
   struct Open {
     int slot, parent, link;  // the slot, its parent's node, the link between them
   };
   std::vector<Open> open;
-  std::vector<bool> used(system.links().size(), false);
-  const auto hang_on = [&](int slot, int node) {
+  const auto hang_on = [&](int slot, int node, int by) {
     for (auto e = graph.of(slot).rbegin(); e != graph.of(slot).rend(); ++e)
-      if (!used[static_cast<std::size_t>(e->link)]) open.push_back({e->other, node, e->link});
+      if (e->link != by) open.push_back({e->other, node, e->link});
   };
-  const auto take = [&](const Open& o) {
-    add_node(system, o.slot, o.parent, o.link);
-    hang_on(o.slot, static_cast<int>(nodes_.size()) - 1);
-  };
-  hang_on(kGround, -1);
+  hang_on(kGround, -1, -1);
   for (int next = 0;;) {
     while (!open.empty()) {
       const Open o = open.back();
       open.pop_back();
-      if (used[static_cast<std::size_t>(o.link)]) continue;
-      used[static_cast<std::size_t>(o.link)] = true;
-      if (o.slot == kGround || node_of_[static_cast<std::size_t>(o.slot)] >= 0) return o.link;
-      take(o);
+      add_node(system, o.slot, o.parent, o.link);
+      hang_on(o.slot, static_cast<int>(nodes_.size()) - 1, o.link);
     }
     while (next < system.n_slots() && node_of_[static_cast<std::size_t>(next)] >= 0) ++next;
-    if (next == system.n_slots()) return -1;
-    take({next, -1, -1});
+    if (next == system.n_slots()) return;
+    open.push_back({next, -1, -1});
   }
 }
 

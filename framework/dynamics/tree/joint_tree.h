@@ -58,18 +58,26 @@ struct TreeNode {
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
 };
 
-/// Joint coordinates of a mechanism whose links in force make a tree. Immutable.
+/// What becomes of links in force that are no joint of the tree.
+enum class Closures {
+  none,  ///< there are to be none: a mechanism that has them is refused
+  rows   ///< they stay rows
+};
+
+/// Joint coordinates of a mechanism: of the links that carry each slot from another. Immutable.
 class LOCKSTEP_API JointTree final : public Coordinates {
  public:
   /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
   /// stands in the way, by name.
-  static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not);
+  static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not,
+                                             Closures closures = Closures::none);
 
   std::string_view name() const override { return "joint"; }
   int n_q() const override { return n_q_; }
   int n_v() const override { return n_v_; }
   int n_slots() const override { return static_cast<int>(nodes_.size()); }
   bool has_laws() const override { return has_laws_; }
+  bool has_rows() const override { return !closures_.empty(); }
   void motions(const State&, std::span<Motion> out) const override;
   Motion motion(const State&, int slot) const override;
   void kinematic_rate(const State&, VecX& qd) const override;
@@ -82,10 +90,11 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void read_off(const State& slots, const State* near, State& out) const;
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
+  const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
 
  private:
   template <class G>
-  int grow(const System&, const G& graph);
+  void grow(const System&, const G& graph);
   void add_node(const System&, int slot, int parent, int link);
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
   static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
@@ -93,6 +102,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
+  std::vector<int> closures_;
   int n_q_ = 0, n_v_ = 0;
   bool has_laws_ = false;
 };

@@ -1,5 +1,7 @@
 #include "framework/dynamics/tree/tree_reactions.h"
 
+#include <algorithm>
+
 #include <Eigen/QR>
 
 namespace lockstep {
@@ -20,11 +22,14 @@ void TreeReactions::solve(const JointTree& tree, const System& system, std::span
   bodies.accelerations(tree, motions, a_);
   wrenches(tree, system, motions, f);
   for (const RowEntry& e : rows.entries) {
+    if (node_of_link_[static_cast<std::size_t>(e.link)] < 0) continue;
     const auto node = static_cast<std::size_t>(node_of_link_[static_cast<std::size_t>(e.link)]);
     const int slot = tree.nodes()[node].slot;
     multipliers(e, rows, motions[static_cast<std::size_t>(slot + 1)], carried_[node], system.slot(slot), slot);
   }
 }
+
+void TreeReactions::set(const RowEntry& e, const double* lambda) { std::copy_n(lambda, e.m, lambda_.data() + e.first_row); }
 
 // m a = F + what the joint carries - what the joints of the children carry; likewise about the mass centre:
 //   J w' + w x J w = M + ...   with f = (F, M - w x J w)

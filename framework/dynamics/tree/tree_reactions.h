@@ -17,12 +17,15 @@ class TreeReactions {
  public:
   /// Sizes everything for this tree and the rows of its links in force.
   void begin(const JointTree&, const System&, const RowTable&);
-  /// After bodies.accelerate() under the forces f, with the rows gathered at the same state.
+  /// After bodies.accelerate() under the forces f, with the rows gathered at the same state. Links of the table that are
+  /// no joints of the tree act by f, and keep the multipliers that were set.
   void solve(const JointTree&, const System&, std::span<const Motion> motions, const ArticulatedBodies& bodies,
              const VecX& f, const RowTable& rows);
 
   const VecX& a() const { return a_; }            ///< 6 per slot, as in Evaluated
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
+  /// Sets the multipliers of a link of the table that is no joint of the tree.
+  void set(const RowEntry&, const double* lambda);
 
  private:
   // What the joint of a node carries onto its slot, about the mass centre, world axes.

@@ -332,6 +332,11 @@ class LOCKSTEP_API Dynamics {
   /// d/dt of q, v and s in the state's own coordinates: what an integrator needs that takes all formulations. Throws as
   /// rate().
   void rates(const State&, StateRate& out);
+  /// The same, with the whole report of the solution: residual, pivots, detector.
+  SolveReport rates_with_report(const State&, StateRate& out);
+  /// Rates in the coordinates of `state` from the same in the slots' own, as rate() gives them; what the joints do not
+  /// let happen is lost.
+  void read_rates(const State& state, const StateRate& slots, StateRate& out);
   /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s, of a state in
   /// the slots' own coordinates. Throws NonFiniteError, SolveError.
   const Solution& rate(const State&, StateRate& out);
@@ -358,7 +363,7 @@ class LOCKSTEP_API Dynamics {
   /// Formulation::automatic that includes laws and drives.
   std::string why_not_joint(const std::vector<bool>& modes);
 
-  // -- moving a state. In joint coordinates a tree has nothing to project.
+  // -- moving a state. In joint coordinates only the closures of loops are projected; a tree has nothing to project.
   /// Moves the state onto C = 0, then onto Jh v = -Ct, by the least move in the mass metric, until |C| is a hundredth
   /// of the tolerance; quaternions are normalised first. Throws NonFiniteError, SolveError.
   ProjectReport project(State&);
@@ -414,7 +419,9 @@ class LOCKSTEP_API Dynamics {
   Evaluation& own(const State&);
   Evaluation& gathered(const State&);
   Tree& tree(const std::vector<bool>& modes);
-  void joint_rates(const State&, StateRate& out);
+  void joint_rates(const State&, StateRate& out, SolveReport*);
+  void joint_reactions(Tree&, const Inputs&);
+  const Solution* joint_accelerations(Tree&, const State&, const Inputs&, StateRate& out, SolveReport*);
 
   System& system_;
   std::unique_ptr<LinearSolver> solver_;

@@ -81,8 +81,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  protected:
   /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
-  /// Whether it takes joint coordinates, in which there are no constraints to evaluate stages on.
-  bool takes_joint() const { return passage_.when() != StagesWhen::manifold; }
   /// Whether it goes onto the constraints near singular positions.
   bool passes_singular() const { return passage_.when() != StagesWhen::plain; }
 

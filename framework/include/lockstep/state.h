@@ -57,6 +57,8 @@ class LOCKSTEP_API Coordinates {
   /// Writes the motions of all slots to out[1], out[2], ...; out[0] is the ground, at rest, which the caller sets.
   virtual void motions(const State&, std::span<MotionT<double>> out) const = 0;
   virtual bool has_laws() const = 0;  ///< whether laws in time are part of the motions
+  /// Whether links beside them stay rows (closures of loops), from which states may drift. Default: none.
+  virtual bool has_rows() const { return false; }
   /// Motion of one slot >= 0; costs as much as all that carry it.
   virtual Motion motion(const State&, int slot) const = 0;
   /// d/dt of q at the state's velocities.

@@ -350,7 +350,7 @@ class LOCKSTEP_API SingularPassage {
  public:
   /// `method`: its name, for messages; it lives as long as the program.
   SingularPassage(StagesWhen when, const char* method) : when_(when), method_(method) {}
-  /// Sizes the scratch and forgets the history. It rests in joint coordinates, whose trees have no rows, and, when
+  /// Sizes the scratch and forgets the history. It rests in joint coordinates of trees, which have no rows, and, when
   /// automatic, where no loop is closed or the dynamics does not project.
   void begin(const Tableau&, const State&, const Dynamics&);
   StagesWhen when() const { return when_; }  ///< when stages are to be evaluated on the constraints
@@ -405,6 +405,9 @@ class LOCKSTEP_API SingularPassage {
   bool ill_conditioned(const Stages&, int stage) const;
   double straddle(double h) const;
   Redundant where_redundant(Dynamics&, const State& y, const StateRate& rate) const;
+  double fastest_turn(const State&);
+  double time_to_turn(const State&, double angle);
+  bool find_both_sides(Dynamics&, const State&);
 
   StagesWhen when_;
   const char* method_;
@@ -414,6 +417,7 @@ class LOCKSTEP_API SingularPassage {
   double spread_ = 1;       // lightest over heaviest body, where they differ by more than kUsualSpread
   SingularRate both_sides_;
   StateRate rate_;
+  std::vector<Motion> motions_;  // of states in joint coordinates
   StagesOn on_ = StagesOn::plain;
   bool near_ = false;             // automatic: the next step begins with its stages on the constraints
   bool entered_ = false;          // the present step went onto the constraints

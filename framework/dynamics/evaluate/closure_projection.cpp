@@ -1,0 +1,78 @@
+// The projection in joint coordinates: onto the rows that close loops (framework/docs/solvers.md, sections 6 and 9).
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/evaluate/joint_coordinates.h"
+#include "framework/dynamics/evaluate/projection_rule.h"
+
+namespace lockstep {
+
+void Dynamics::Tree::gather(System& system, const State& state) {
+  motions.resize(static_cast<std::size_t>(system.n_slots() + 1));
+  coordinates->motions(state, motions);
+  Inputs in;
+  in.t = state.t, in.motions = motions;
+  in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
+  in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  system.gather_rows(in, closure_rows);
+  closures.residuals(motions, closure_rows, C, Cd);
+}
+
+// The recursion at the state whose rows were gathered last. The accelerations that come with it are of no interest.
+void Dynamics::Tree::factor(const State& state) {
+  bodies.outward(*coordinates, state, motions);
+  closures.read(*coordinates, motions, closure_rows);
+  f.setZero();
+  bodies.accelerate(*coordinates, motions, f, closures, correction);
+}
+
+double Dynamics::Tree::largest(Vec3 Motion::*of) const {
+  double most = 0;
+  for (const Motion& O : motions) most = std::max(most, (O.*of).lpNorm<Eigen::Infinity>());
+  return most;
+}
+
+// H d + (J T)' z = 0,  J T d = -C,  q <- q (+) d
+ProjectReport Dynamics::Tree::project(System& system, State& state, double goal, double tolerance) {
+  ProjectReport report;
+  coordinates->normalize(state);
+  gather(system, state);
+  PositionRounds rounds(goal, tolerance, system.length(), largest(&Motion::x));
+  for (;; gather(system, state)) {
+    const bool ends = rounds.ends(closures.norm(C));
+    if (rounds.round() == 0) report.before = rounds.residual();
+    if (ends) break;
+    if (!rounds.chord()) factor(state);
+    closures.correct(*coordinates, bodies, C, correction);
+    coordinates->advance(state, 1.0, correction);
+    coordinates->normalize(state);
+  }
+  report.after = rounds.residual(), report.rounds = rounds.round(), report.converged = rounds.converged();
+  report.before_v = closures.norm(Cd);
+  report.after_v = velocities(state, rounds.chord(), 0.1 * goal);
+  return report;
+}
+
+double Dynamics::Tree::project_velocity(System& system, State& state, double goal) {
+  gather(system, state);
+  return velocities(state, false, goal);
+}
+
+// Starts from Cd at this state. A factor of a position before serves while it leaves a tenth at most.
+double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
+  goal = velocity_goal(goal, largest(&Motion::v));
+  double left = closures.norm(Cd);
+  for (int round = 0; round < kVelocityRounds && !(left <= goal); ++round) {
+    if (!factored) factor(state);
+    closures.correct(*coordinates, bodies, Cd, correction);
+    state.v += correction;
+    coordinates->motions(state, motions);
+    closures.residuals(motions, closure_rows, C, Cd);
+    const double before = left;
+    left = closures.norm(Cd);
+    factored = !(round == 0 && left > 0.1 * before);
+  }
+  return left;
+}
+
+}  // namespace lockstep
