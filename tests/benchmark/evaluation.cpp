@@ -111,7 +111,7 @@ Line measure(const std::string& name, const std::function<System()>& make, bool 
   line.schur = time_of(s, true, std::make_unique<SchurSolver>(), &line.corrections);
   line.bodies = s.n_slots();
   if (line.bodies <= 1000) line.sparse = time_of(s, true, std::make_unique<SparseSolver>());
-  if (Dynamics(s, std::make_unique<SchurSolver>()).why_not_joint(s.start().modes).empty())
+  if (Dynamics(s, std::make_unique<SchurSolver>(), {Formulation::joint, {}}).why_not_joint(s.start().modes).empty())
     line.joint = time_of(s, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   if (!planar) return line;
   System flat = make();

@@ -197,12 +197,14 @@ void Dynamics::save(const State& state, Snapshot& out) {
   for (const long n : {work_.evaluations, work_.factors, work_.projections, work_.corrections})
     out.put(static_cast<double>(n));
   factor_.save(gather(state), out);
+  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).closures.save(out);
 }
 
 void Dynamics::restore(const State& state, const Snapshot& in) {
   WorkCount work;
   for (long* n : {&work.evaluations, &work.factors, &work.projections, &work.corrections}) *n = in.get_count();
   factor_.restore(gather(state), in);
+  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).closures.restore(in);
   work_ = work;  // what was done to get here was counted before
 }
 
@@ -212,6 +214,7 @@ Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics
 
 Dynamics::Aside::~Aside() {
   dynamics_.factor_.put_back(learned_);
+  if (Tree* t = dynamics_.tree_.get(); t && !t->kept.empty()) t->closures.restore(t->kept.back()), t->kept.pop_back();
   dynamics_.work_ = work_;
 }
 

@@ -30,6 +30,7 @@ struct Dynamics::Tree {
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
   State before;  // a projection
+  std::vector<Snapshot> kept;  // by looks aside that live: what the closures have learned
 
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
   ProjectReport project(System&, State&, double goal, double tolerance);

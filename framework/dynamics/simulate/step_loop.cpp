@@ -185,7 +185,8 @@ void StepLoop::make_start() {
   if (clock.output_due(state_.t)) output(sample);
   begin_method();
   stale_ = false;
-  if (state_.coordinates && dynamics_.options().stabilization.kind != Stabilization::Kind::project)
+  if (state_.coordinates && !state_.coordinates->has_rows() &&
+      dynamics_.options().stabilization.kind != Stabilization::Kind::project)
     warn(
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");

@@ -389,6 +389,24 @@ void LoopClosures::react(const RowTable& table, VecX& f) const {
   }
 }
 
+void LoopClosures::save(Snapshot& out) const {
+  out.put(static_cast<double>(sources_.size()));
+  watch_.save(out);
+  out.put(floors_known_ ? 1 : 0), out.put_all(pivot_floors_);
+}
+
+void LoopClosures::restore(const Snapshot& in) {
+  const bool ours = in.get_count() == static_cast<long>(sources_.size());
+  PivotWatch watch = watch_;
+  watch.restore(in);
+  const bool known = in.get_flag();
+  std::vector<double> floors;
+  in.get_all(floors);
+  if (!ours || floors.size() != pivot_floors_.size()) return;
+  watch_ = watch, floors_known_ = known;
+  std::ranges::copy(floors, pivot_floors_.begin());
+}
+
 void LoopClosures::complete(SolveReport& report) {
   watch_.see([&](auto&& row) {
     for (std::size_t j = 0; j < sources_.size(); ++j) {

@@ -51,6 +51,10 @@ class LoopClosures {
   /// Fills in residual, worst row, pivots and detector.
   void complete(SolveReport&);
 
+  /// Writes what was learned of the pivots, and takes it back; of other rows nothing is taken.
+  void save(Snapshot&) const;
+  void restore(const Snapshot&);
+
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
   /// Adds what the closures do to forces of the slots: f <- f - J' lambda.
   void react(const RowTable&, VecX& f) const;
@@ -99,6 +103,7 @@ class LoopClosures {
   const double* Lambda(const Front& f, int i) const { return Lambda_.data() + f.Lambda + i * f.n; }
   int row_of(const Front& f, int i) const { return row_of_[static_cast<std::size_t>(f.first + i)]; }
   int place_above(const Front& f, int i) const { return above_[static_cast<std::size_t>(f.first + i)]; }
+  template <bool kAtGround>
   void eliminate(const Front&, int j);
   void add_to_parent(std::size_t k);
   double multiplier(const Front&, int j, double with, const VecX& lambda) const;
@@ -132,18 +137,22 @@ class LoopClosures {
 
 // What the recursion is compiled with.
 
+// Lambda is symmetric: what is right of the diagonal is neither written nor read. At the ground nothing moves, and K is
+// of no interest.
+template <bool kAtGround>
 LOCKSTEP_INLINE void LoopClosures::eliminate(const Front& front, int j) {
   constexpr double kLeast = 1e-14;  // of the scale: what rounding may leave of a pivot
   const int row = row_of(front, j);
   Row* rows = rows_.data() + front.first;
   const double* at = Lambda(front, j);
-  const double d = std::max(at[j] + E_[row], kLeast * scale_[row]);
+  const double d = std::max(at[j] + E_[row], kLeast * scale_[row]), d_1 = 1.0 / d;
   d_[row] = d;
   for (int i = 0; i < j; ++i) {
-    const double x = at[i] / d;
-    rows[i].f -= rows[j].f * x, rows[i].t -= rows[j].t * x, rows[i].l -= rows[j].l * x;
+    const double x = at[i] * d_1;
+    if constexpr (!kAtGround) rows[i].f -= rows[j].f * x, rows[i].t -= rows[j].t * x;
+    rows[i].l -= rows[j].l * x;
     double* to = Lambda(front, i);
-    for (int k = 0; k < j; ++k) to[k] -= x * at[k];
+    for (int k = 0; k <= i; ++k) to[k] -= x * at[k];
   }
 }
 
@@ -151,7 +160,7 @@ template <class Inertia>
 LOCKSTEP_INLINE void LoopClosures::close(std::size_t k, Inertia& I) {
   const Front& front = fronts_[k];
   for (int j = front.n - 1; j >= front.n_open; --j) {
-    eliminate(front, j);
+    eliminate<false>(front, j);
     const Row& row = rows_[static_cast<std::size_t>(front.first + j)];
     const double w = -1.0 / d_[row_of(front, j)];
     const Column f = row.f * w, t = row.t * w;
@@ -164,16 +173,16 @@ LOCKSTEP_INLINE void LoopClosures::close(std::size_t k, Inertia& I) {
 // Adds the open rows of a front to those of its parent.
 LOCKSTEP_INLINE void LoopClosures::add_to_parent(std::size_t k) {
   const Front &front = fronts_[k], &up = fronts_[parents_[k]];
+  const int* above = above_.data() + front.first;
   for (int i = 0; i < front.n_open; ++i) {
     const Row& row = rows_[static_cast<std::size_t>(front.first + i)];
-    const int at = place_above(front, i);
-    Row& there = rows_[static_cast<std::size_t>(at)];
+    Row& there = rows_[static_cast<std::size_t>(above[i])];
     there.f += row.f, there.t += row.t, there.l += row.l;
+    const double* from = Lambda(front, i);
+    const int at = above[i] - up.first;
     for (int j = 0; j <= i; ++j) {
-      const int to = place_above(front, j);
-      const double x = Lambda(front, i)[j];
-      Lambda(up, at - up.first)[to - up.first] += x;
-      if (to != at) Lambda(up, to - up.first)[at - up.first] += x;
+      const int to = above[j] - up.first;
+      (to <= at ? Lambda(up, at)[to] : Lambda(up, to)[at]) += from[j];
     }
   }
 }
@@ -181,7 +190,7 @@ LOCKSTEP_INLINE void LoopClosures::add_to_parent(std::size_t k) {
 LOCKSTEP_INLINE void LoopClosures::close_at_ground() {
   for (std::size_t k = n_nodes_; k < fronts_.size(); ++k) {
     const Front& front = fronts_[k];
-    for (int j = front.n - 1; j >= front.n_open; --j) eliminate(front, j);
+    for (int j = front.n - 1; j >= front.n_open; --j) eliminate<true>(front, j);
     if (front.n_open > 0) add_to_parent(k);
   }
   for (std::size_t k = fronts_.size(); k-- > n_nodes_;) {

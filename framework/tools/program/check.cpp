@@ -100,16 +100,6 @@ std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& s
   return why;
 }
 
-/// The formulation of a run, and what it makes of the mechanism; `why_not_joint`: what keeps it from joint coordinates.
-std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const MobilityReport& r) {
-  const Formulation asked = m.run.formulation;
-  if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
-  if (const Plane plane = m.system.plane())
-    return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
-  return why_not_joint.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms)
-                               : "omega: " + why_not_joint;
-}
-
 /// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
 std::string owner_of(const ChannelHelp& channel, const System& system) {
   std::string owner;
@@ -316,6 +306,7 @@ struct Findings {
   std::vector<std::string> proposals;
   std::string formulation;
   std::vector<Branch> tree;
+  std::vector<std::string> closures;
   Names columns, taken;
 };
 
@@ -332,6 +323,21 @@ std::vector<std::string> all_proposals(const Arguments& args, const Loaded& load
                     "velocities and no rows instead of {} and {}",
                     r.freedoms, r.unknowns, r.rows));
   return more;
+}
+
+/// The formulation of a run, and what it makes of the mechanism; `why_not_joint`: what keeps it from joint coordinates.
+std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const MobilityReport& r,
+                           const Findings& found) {
+  const Formulation asked = m.run.formulation;
+  if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
+  if (const Plane plane = m.system.plane())
+    return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
+  if (!why_not_joint.empty()) return "omega: " + why_not_joint;
+  if (found.closures.empty()) return fmt::format("joint: {} unknown velocities, no rows", r.freedoms);
+  std::size_t unknowns = 0;
+  for (const Branch& b : found.tree) unknowns += b.coordinates.size();
+  return fmt::format("joint: {} unknown velocities, and the rows of what closes loops: {}", unknowns,
+                     first_of(found.closures));
 }
 
 Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
@@ -352,9 +358,9 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
   found.proposals = all_proposals(args, loaded, m, r, not_joint.empty());
-  found.formulation = formulation_of(m, not_joint, r);
   if (not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint))
-    found.tree = tree_of(m.system, start.modes);
+    found.tree = tree_of(m.system, start.modes), found.closures = closures_of(m.system, start.modes);
+  found.formulation = formulation_of(m, not_joint, r, found);
   found.taken = frames_taken(loaded.scene);
   return found;
 }
@@ -377,6 +383,7 @@ nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, c
                               {"singular_position", found.position_json},
                               {"formulation", found.formulation},
                               {"tree", tree_json(found.tree)},
+                              {"closures", found.closures},
                               {"violation", found.violation},
                               {"violation_v", found.violation_v},
                               {"columns", found.columns},

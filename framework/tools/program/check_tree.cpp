@@ -25,7 +25,7 @@ std::vector<std::string> free_axes(Mask held) {
 
 std::vector<Branch> tree_of(const System& system, const std::vector<bool>& modes) {
   std::string why_not;
-  const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not);
+  const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not, Closures::rows);
   std::vector<Branch> all;
   if (!tree) return all;
   for (const TreeNode& n : tree->nodes()) {
@@ -42,6 +42,14 @@ std::vector<Branch> tree_of(const System& system, const std::vector<bool>& modes
     all.push_back(std::move(b));
   }
   return all;
+}
+
+std::vector<std::string> closures_of(const System& system, const std::vector<bool>& modes) {
+  std::string why_not;
+  std::vector<std::string> names;
+  if (const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not, Closures::rows))
+    for (const int link : tree->closures()) names.push_back(system.links()[static_cast<std::size_t>(link)]->name());
+  return names;
 }
 
 std::string tree_text(const std::vector<Branch>& tree) {

@@ -20,6 +20,9 @@ struct Branch {
 /// empty if there is none.
 std::vector<Branch> tree_of(const System&, const std::vector<bool>& modes);
 
+/// The links in force that close loops of the tree: names. Empty if there is no tree.
+std::vector<std::string> closures_of(const System&, const std::vector<bool>& modes);
+
 /// One line a branch, indented by its depth, with a line end each; of long trees the first forty.
 std::string tree_text(const std::vector<Branch>&);
 nlohmann::ordered_json tree_json(const std::vector<Branch>&);
