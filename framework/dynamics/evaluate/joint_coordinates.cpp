@@ -19,7 +19,11 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = system_.revision(), t.modes = modes;
   t.coordinates = JointTree::of(system_, modes, t.why_not);
-  if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
+  t.in_plane = t.coordinates && t.coordinates->planar();
+  if (t.in_plane)
+    t.planar_bodies.begin(*t.coordinates, system_);
+  else if (t.coordinates)
+    t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
   if (t.coordinates) lay_out_reactions(t);
   return t;
@@ -87,21 +91,33 @@ void Dynamics::joint_rates(const State& state, StateRate& out) {
     throw ModelError(
         "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
         "(Dynamics::to_slots)");
-  t.bodies.outward(*t.coordinates, state, t.motions);
+  if (t.in_plane)
+    t.planar_bodies.outward(*t.coordinates, state, t.motions);
+  else
+    t.bodies.outward(*t.coordinates, state, t.motions);
   Inputs in;
   in.t = state.t, in.motions = t.motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
   system_.gather_forces(in, t.f);
-  t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  if (t.in_plane) {
+    t.planar_bodies.accelerate(*t.coordinates, t.f, out.v);
+    out.largest_a = t.planar_bodies.largest_a(), out.largest_alpha = t.planar_bodies.largest_alpha();
+  } else {
+    t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+    out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
+  }
   t.coordinates->kinematic_rate(state, out.q);
-  out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
     if (t.solves) {
       system_.gather_rows(in, t.rows);
-      t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.f, t.rows);
-      system_.state_rates({in, t.reactions.a(), t.reactions.lambda(), t.rows}, out.s);
+      if (t.in_plane)
+        t.planar_bodies.accelerations(*t.coordinates, t.a);
+      else
+        t.bodies.accelerations(*t.coordinates, t.motions, t.a);
+      t.reactions.solve(*t.coordinates, system_, t.motions, t.a, t.f, t.rows);
+      system_.state_rates({in, t.a, t.reactions.lambda(), t.rows}, out.s);
     } else {
       system_.state_rates({in, t.none, t.none, t.rows}, out.s);
     }

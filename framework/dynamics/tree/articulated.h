@@ -10,7 +10,7 @@
 namespace lockstep {
 
 /// The recursion and its scratch. World axes; wrenches and accelerations of a slot about its mass centre.
-class ArticulatedBodies {
+class LOCKSTEP_API ArticulatedBodies {
  public:
   /// Sizes everything for this tree, and reads the masses of the slots of its system.
   void begin(const JointTree&, const System&);

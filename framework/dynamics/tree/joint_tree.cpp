@@ -86,6 +86,7 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const int closing = tree->grow(system, Graph(system, modes));
+  tree->planar_ = PlanarJoints::of(tree->nodes_);
   if (closing < 0 && tree->n_v_ > 0) return tree;
   if (closing < 0) return why_not = "no coordinate is free, so that nothing would choose the steps", nullptr;
   why_not = "link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop";
@@ -171,6 +172,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
 }
 
 void JointTree::motions(const State& y, std::span<Motion> out) const {
+  if (planar_) return planar_->motions(nodes_, y, out);
   for (const TreeNode& node : nodes_) {
     const Motion& p = out[motion_of(node.parent)];
     carry(node, y, p, p.A * p.w, out[motion_of(node)]);

@@ -12,6 +12,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/state.h>
 #include <lockstep/system.h>
+#include "framework/dynamics/tree/planar_joints.h"
 
 namespace lockstep {
 
@@ -82,6 +83,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void read_off(const State& slots, const State* near, State& out) const;
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
+  /// The same joints in a plane, where they keep all slots in one; else null.
+  const PlanarJoints* planar() const { return planar_.get(); }
 
  private:
   template <class G>
@@ -93,6 +96,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
+  std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
   bool has_laws_ = false;
 };

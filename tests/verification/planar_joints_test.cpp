@@ -1,0 +1,274 @@
+// Trees whose joints keep them in a plane: the planar recursion against the one in space and against omega.
+#include <array>
+#include <cmath>
+
+#include <lockstep/forces.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include "framework/dynamics/tree/articulated.h"
+#include "framework/dynamics/tree/planar_bodies.h"
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/configuration.h"
+
+namespace planar_joints_test {
+
+using namespace lockstep;
+using oracle::Draw;
+
+namespace {
+
+double largest(const VecX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0; }
+
+Mat3 random_inertia(Draw& draw) {  // its principal axes lie anywhere
+  Mat3 J = 0.05 * Mat3::Identity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 d = draw.vector(1.0);
+    J += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
+  }
+  return J;
+}
+
+// Laws in time that say that they stay in the plane.
+class Quadratic final : public MotionLaw {
+ public:
+  explicit Quadratic(LawValue at0) : at0_(at0) {}
+  LawValue at(double t) const override {
+    return {at0_.y + t * (at0_.yd + 0.5 * t * at0_.ydd), at0_.yd + t * at0_.ydd, at0_.ydd};
+  }
+
+ private:
+  LawValue at0_;
+};
+class Move final : public TranslationLaw {
+ public:
+  Move(TranslationValue at0, const Vec3& normal) : at0_(std::move(at0)), normal_(normal) {
+    at0_.v -= normal * normal.dot(at0_.v), at0_.a -= normal * normal.dot(at0_.a);
+  }
+  TranslationValue at(double t) const override {
+    return {at0_.x + t * (at0_.v + 0.5 * t * at0_.a), at0_.v + t * at0_.a, at0_.a};
+  }
+  bool stays_in_plane(const Vec3& n) const override { return are_parallel(n, normal_); }
+
+ private:
+  TranslationValue at0_;
+  Vec3 normal_;
+};
+class Turn final : public RotationLaw {
+ public:
+  Turn(const Vec3& axis, LawValue angle) : axis_(axis), angle_(angle) {}
+  RotationValue at(double t) const override {
+    const LawValue y = angle_.at(t);
+    return {exponential(y.y * axis_), y.yd * axis_, y.ydd * axis_};
+  }
+  bool turns_about(const Vec3& n) const override { return are_parallel(n, axis_); }
+
+ private:
+  Vec3 axis_;
+  Quadratic angle_;
+};
+
+struct Options {
+  int bodies = 12, n = 2;
+  bool upright = false,  // homes and markers turned about the normal alone
+      laws = false;
+};
+
+/// Bodies each on the ground or on an earlier one by joints in the plane: any translations in it, and a hinge or none;
+/// markers, homes and mass centres anywhere, P on either side.
+System random_tree(std::uint64_t seed, Options o) {
+  Draw draw(seed);
+  System system({.gravity = draw.vector(10.0)});  // its part along the normal is taken by the joints
+  const Vec3 normal = Vec3::Unit(o.n);
+  const auto number = [&] { return LawValue{draw.number(-2, 2), draw.number(-2, 2), draw.number(-2, 2)}; };
+  const auto about_normal = [&] { return axis_angle(normal, draw.number(-3, 3)); };
+  const auto home = [&] { return Pose{draw.vector(1.0), o.upright ? about_normal() : Quat::from(draw.quaternion())}; };
+  std::vector<Body*> bodies{&system.ground()};
+  for (int k = 0; k < o.bodies; ++k) {
+    const std::string name = std::to_string(k);
+    Body& body = system.add_body("body" + name, {draw.number(0.5, 2), draw.vector(0.3), random_inertia(draw)}, home());
+    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    // Markers with one axis, number m, along the normal, in either sense.
+    const int m = o.upright ? o.n : static_cast<int>(draw.number(0, 2.999));
+    const bool down = draw.number(0, 1) < 0.5;
+    Quat axes = m == o.n ? Quat{} : axis_angle(Vec3(Vec3::Unit(3 - m - o.n)), 0.5 * kPi);
+    if (down) axes = axis_angle(Vec3(Vec3::Unit((o.n + 1) % 3)), kPi) * axes;
+    const auto marker = [&](const char* of, Body& b) -> Marker& {
+      return system.add_marker_at(of + name, b, {b.home.x + draw.vector(1.0), about_normal() * axes});
+    };
+    Marker &a = marker("a", body), &b = marker("b", on);
+    Mask mask = row_bit(m) | Mask::e123;
+    for (int i = 0; i < 3; ++i)
+      if (i != m && draw.number(0, 1) < 0.6) mask = mask | row_bit(i);
+    if (draw.number(0, 1) < 0.8) mask = Mask(unsigned(mask) & ~unsigned(row_bit(3 + m)));
+    const bool turned = draw.number(0, 1) < 0.5;
+    auto& lock = system.add<GenericLock>("link" + name, turned ? b : a, turned ? a : b, mask);
+    if (o.laws && draw.number(0, 1) < 0.7) {
+      const Vec3 axis = Vec3::Unit(m);
+      if (draw.number(0, 1) < 0.7)
+        lock.move(std::make_shared<Move>(TranslationValue{draw.vector(1.0), draw.vector(1.0), draw.vector(1.0)}, axis));
+      if (draw.number(0, 1) < 0.7) lock.turn(std::make_shared<Turn>(axis, number()));
+      for (int i = 0; i < 3; ++i)
+        if (!includes(mask, row_bit(i)) && draw.number(0, 1) < 0.3)
+          lock.drive(Axis(i), std::make_shared<Quadratic>(number()));
+      if (!includes(mask, row_bit(3 + m)) && draw.number(0, 1) < 0.3)
+        lock.drive(Axis(3 + m), std::make_shared<Quadratic>(number()));
+    }
+    if (bodies.size() > 1)
+      system.add<SpringDamper>("spring" + name, a, system.marker("a0"),
+                               SpringDamper::Options{.stiffness = 30, .damping = 2, .free_length = 0.1});
+    bodies.push_back(&body);
+  }
+  Body& bead = system.add_particle("bead", 0.7, draw.vector(1.0));
+  system.add<GenericLock>("guide", system.add_marker("bead_m", bead),
+                          system.add_marker_at("rail", system.ground(), {draw.vector(1.0), about_normal()}),
+                          row_bit(o.n));
+  return system;
+}
+
+Dynamics dynamics_of(System& system, Formulation formulation) {
+  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+}
+
+State random_state(Dynamics& dynamics, std::uint64_t seed) {
+  Draw draw(seed);
+  State state = dynamics.system().start();
+  dynamics.to_formulation(state);
+  REQUIRE(state.coordinates);
+  for (double& x : state.q) x = draw.number(-3, 3);
+  for (double& x : state.v) x = draw.number(-2, 2);
+  state.t = draw.number(-1, 1);
+  return state;
+}
+
+/// Motions, accelerations and what else the planar recursion finds are those of the recursion in space.
+void check_recursions(const System& system, const JointTree& tree, const State& state) {
+  ArticulatedBodies space;
+  PlanarBodies flat;
+  space.begin(tree, system), flat.begin(tree, system);
+  std::vector<Motion> a, b, c(static_cast<std::size_t>(system.n_slots() + 1));
+  space.outward(tree, state, a), flat.outward(tree, state, b), tree.motions(state, c);
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (const Motion& other : {b[k], c[k]}) {
+      CHECK((a[k].x - other.x).norm() < 1e-12);
+      CHECK((a[k].A - other.A).norm() < 1e-13);
+      CHECK((a[k].e.coefficients() - other.e.coefficients()).norm() < 1e-13);  // and their sign
+      CHECK((a[k].v - other.v).norm() < 1e-11);
+      CHECK((a[k].w - other.w).norm() < 1e-11);
+    }
+  Inputs in;
+  in.t = state.t, in.motions = a;
+  VecX f = VecX::Zero(6 * system.n_slots()), vd_space, vd_flat, a_space, a_flat;
+  system.gather_forces(in, f);
+  space.accelerate(tree, a, f, vd_space), flat.accelerate(tree, f, vd_flat);
+  CHECK(largest(vd_flat - vd_space) < 1e-10 * largest(vd_space));
+  space.accelerations(tree, a, a_space), flat.accelerations(tree, a_flat);
+  CHECK(largest(a_flat - a_space) < 1e-10 * largest(a_space));
+  CHECK(flat.largest_a() == Approx(space.largest_a()).epsilon(1e-10));
+  CHECK(flat.largest_alpha() == Approx(space.largest_alpha()).epsilon(1e-10));
+}
+
+/// Accelerations of the slots, slot axes, as PlanarBodies gives them, are those that omega solves for in space.
+void check_omega(Dynamics& dynamics, const JointTree& tree, const State& state) {
+  const System& system = dynamics.system();
+  PlanarBodies flat;
+  flat.begin(tree, system);
+  std::vector<Motion> motions;
+  flat.outward(tree, state, motions);
+  Inputs in;
+  in.t = state.t, in.motions = motions;
+  VecX f = VecX::Zero(6 * system.n_slots()), vd, a;
+  system.gather_forces(in, f);
+  flat.accelerate(tree, f, vd), flat.accelerations(tree, a);
+  StateRate rate;
+  dynamics.rates(state, rate);
+  CHECK(largest(rate.v - vd) == 0);  // the planar recursion is the one that runs
+  State slots = state;
+  dynamics.to_slots(slots);
+  CHECK(dynamics.violation(slots) < 1e-12);
+  CHECK(dynamics.violation_v(slots) < 1e-11);
+  const VecX& expected = dynamics.evaluate(slots).a;
+  CHECK(largest(a - expected) < 1e-10 * largest(expected));
+}
+
+}  // namespace
+
+TEST_CASE("random trees in a plane accelerate as in space and as in omega", "[verification][joint]") {
+  for (const int n : {0, 1, 2})
+    for (const bool upright : {false, true})
+      for (const bool laws : {false, true})
+        for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+          CAPTURE(n, upright, laws, seed);
+          System system = random_tree(seed, {.n = n, .upright = upright, .laws = laws});
+          Dynamics dynamics = dynamics_of(system, Formulation::joint);
+          const State state = random_state(dynamics, seed);
+          const auto& tree = static_cast<const JointTree&>(*state.coordinates);
+          REQUIRE(tree.planar());
+          CHECK(tree.planar()->plane() == Plane{n});
+          check_recursions(system, tree, state);
+          check_omega(dynamics, tree, state);
+        }
+}
+
+TEST_CASE("a tree with one joint, or one law, that leaves the plane is no planar one", "[verification][joint]") {
+  const auto is_planar = [](const std::function<void(System&, Body&, Body&)>& add) {
+    System system;
+    Body& a = system.add_body("a", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
+    Body& b = system.add_body("b", {1.0, Vec3::Zero(), Mat3::Identity()}, {{1, 0, 0}, {}});
+    system.add<Revolute>("first", a, system.ground(), pose_at(Vec3(0, 0, 0)));
+    add(system, a, b);
+    Dynamics dynamics = dynamics_of(system, Formulation::joint);
+    State state = system.start();
+    dynamics.to_formulation(state);
+    return static_cast<const JointTree&>(*state.coordinates).planar() != nullptr;
+  };
+  const Pose there = pose_at(Vec3(0.5, 0, 0));
+  CHECK(is_planar([&](System& s, Body& a, Body& b) { s.add<Revolute>("second", b, a, there); }));
+  CHECK(is_planar(
+      [&](System& s, Body& a, Body& b) { s.add<Prismatic>("second", b, a, pose_at(Vec3(0.5, 0, 0), Vec3(1, 2, 0))); }));
+  CHECK_FALSE(is_planar([](System&, Body&, Body&) {}));  // b is free
+  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) {
+    s.add<Revolute>("second", b, a, pose_at(Vec3(0.5, 0, 0), Vec3(0, 1e-9, 1)));
+  }));
+  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) { s.add<Cylindrical>("second", b, a, there); }));
+  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) { s.add<Spherical>("second", b, a, there); }));
+  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) {
+    s.add<Revolute>("second", b, a, there).turn(std::make_shared<Turn>(Vec3(1, 0, 0), LawValue{0.0, 1.0, 0.0}));
+  }));
+  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) {
+    s.add<Revolute>("second", b, a, there).move(std::make_shared<Move>(TranslationValue{}, Vec3(1, 0, 0)));
+  }));
+}
+
+TEST_CASE("a long chain in the plane keeps its energy, and its steps allocate nothing", "[verification][joint]") {
+  System system({.gravity = {0, -9.81, 0}});
+  Body* last = &system.ground();
+  const Mat3 J = Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal();
+  for (int i = 0; i < 30; ++i) {
+    Body& b = system.add_body("rod" + std::to_string(i), {1.0, Vec3::Zero(), J}, {{i + 0.5, 0, 0}, {}});
+    system.add<Revolute>("hinge" + std::to_string(i), b, *last, pose_at(Vec3(i, 0, 0)));
+    last = &b;
+  }
+  Dynamics dynamics = dynamics_of(system, Formulation::automatic);
+  StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}});
+  const auto energy = [&] {
+    double sum = 0;
+    for (int k = 0; k < system.n_slots(); ++k) {
+      const Motion m = slot_motion(loop.state(), k);
+      sum += 0.5 * m.v.squaredNorm() + 0.5 * m.w.dot(J * m.w) + 9.81 * m.x[1];
+    }
+    return sum;
+  };
+  loop.run_until(0.1);
+  REQUIRE(loop.state().coordinates);
+  REQUIRE(static_cast<const JointTree&>(*loop.state().coordinates).planar());
+  const long before = allocations();
+  for (int i = 0; i < 10; ++i) loop.step();
+  CHECK(allocations() == before);
+  loop.run_until(1.0);
+  CHECK(std::abs(energy()) < 1e-7);  // of 441 J that the rods have fallen through
+}
+
+}  // namespace planar_joints_test
