@@ -193,6 +193,78 @@ void check_omega(Dynamics& dynamics, const JointTree& tree, const State& state) 
   CHECK(largest(a - expected) < 1e-10 * largest(expected));
 }
 
+/// A mechanism in a plane by name: joints in it as above, spherical ones with axes anywhere, bodies that are free, and
+/// supports, which hold nothing in the plane and would close loops in space.
+System planar_system(std::uint64_t seed, int n, bool laws) {
+  Draw draw(seed);
+  const auto flat = [&](Vec3 a) {
+    a[n] = 0;
+    return a;
+  };
+  System system({.gravity = flat(draw.vector(10.0))});
+  const Vec3 normal = Vec3::Unit(n);
+  const auto number = [&] { return LawValue{draw.number(-2, 2), draw.number(-2, 2), draw.number(-2, 2)}; };
+  const auto about_normal = [&] { return axis_angle(normal, draw.number(-3, 3)); };
+  std::vector<Body*> bodies{&system.ground()};
+  for (int k = 0; k < 12; ++k) {
+    const std::string name = std::to_string(k);
+    const Mat3 J = Vec3(draw.number(1, 2), draw.number(1, 2), draw.number(1, 2)).asDiagonal();
+    Body& body = system.add_body("body" + name, MassProperties{draw.number(0.5, 2), flat(draw.vector(0.3)), J},
+                                 Pose{flat(draw.vector(1.0)), about_normal()});
+    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    bodies.push_back(&body);
+    const double kind = draw.number(0, 1);
+    const auto marker = [&](const std::string& of, Body& b, const Quat& axes) -> Marker& {
+      return system.add_marker_at(of + name, b, {flat(b.home.x + draw.vector(1.0)), axes});
+    };
+    const bool spherical = kind < 0.3, turned = draw.number(0, 1) < 0.5;
+    const Quat flip = axis_angle(Vec3(Vec3::Unit((n + 1) % 3)), draw.number(0, 1) < 0.5 ? kPi : 0.0);
+    const auto axes = [&](bool anywhere) { return anywhere ? Quat::from(draw.quaternion()) : about_normal() * flip; };
+    Marker &a = marker("a", body, axes(spherical && !turned)), &b = marker("b", on, axes(spherical && turned));  // P's
+    if (k > 0)
+      system.add<SpringDamper>("spring" + name, a, system.marker("a0"),
+                               SpringDamper::Options{.stiffness = 30, .damping = 2, .free_length = 0.1});
+    if (kind > 0.85) continue;  // free
+    Mask mask = spherical ? Mask::xyz : row_bit(n) | row_bit(3 + (n + 1) % 3) | row_bit(3 + (n + 2) % 3);
+    for (int i = 0; i < 3 && !spherical; ++i)
+      if (i != n && draw.number(0, 1) < 0.6) mask = mask | row_bit(i);
+    if (!spherical && draw.number(0, 1) < 0.3) mask = mask | row_bit(3 + n);
+    auto& lock = system.add<GenericLock>("link" + name, turned ? b : a, turned ? a : b, mask);
+    if (kind > 0.6)
+      system.add<GenericLock>("support" + name, marker("up", body, flip), marker("down", system.ground(), flip),
+                              row_bit(n) | row_bit(3 + (n + 1) % 3) | row_bit(3 + (n + 2) % 3));
+    const bool holds = count_rows(mask) > 3;  // something in the plane
+    if (!laws || spherical || !holds) continue;
+    TranslationValue move{flat(draw.vector(1.0)), draw.vector(1.0), draw.vector(1.0)};
+    if (draw.number(0, 1) < 0.5) lock.move(std::make_shared<Move>(move, normal));
+    if (draw.number(0, 1) < 0.5) lock.turn(std::make_shared<Turn>(normal, number()));
+    if (!includes(mask, row_bit(3 + n)) && draw.number(0, 1) < 0.3)
+      lock.drive(Axis(3 + n), std::make_shared<Quadratic>(number()));
+  }
+  system.add_particle("bead", 0.7, flat(draw.vector(1.0)));
+  system.set_planar(Plane{n});
+  return system;
+}
+
+/// What integrated states are given to read: the multipliers, by link.
+class Witness final : public Auxiliary {
+ public:
+  explicit Witness(std::shared_ptr<std::vector<VecX>> lambda) : Auxiliary("witness"), lambda_(std::move(lambda)) {}
+  int size() const override { return 1; }
+  void rates(const Evaluated& v, std::span<double> sd) const override {
+    sd[0] = 0;
+    *lambda_ = by_link(v.rows, v.lambda);
+  }
+  static std::vector<VecX> by_link(const RowTable& rows, const VecX& lambda) {
+    std::vector<VecX> all(rows.entry_of_link.size());
+    for (const RowEntry& e : rows.entries) all[static_cast<std::size_t>(e.link)] = lambda.segment(e.first_row, e.m);
+    return all;
+  }
+
+ private:
+  std::shared_ptr<std::vector<VecX>> lambda_;
+};
+
 }  // namespace
 
 TEST_CASE("random trees in a plane accelerate as in space and as in omega", "[verification][joint]") {
@@ -210,6 +282,61 @@ TEST_CASE("random trees in a plane accelerate as in space and as in omega", "[ve
           check_recursions(system, tree, state);
           check_omega(dynamics, tree, state);
         }
+}
+
+TEST_CASE("mechanisms that are planar by name accelerate in joint coordinates as in omega, reactions too",
+          "[verification][joint]") {
+  for (const int n : {0, 1, 2})
+    for (const bool laws : {false, true})
+      for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        CAPTURE(n, laws, seed);
+        System system = planar_system(seed, n, laws);
+        const auto lambda = std::make_shared<std::vector<VecX>>();
+        system.add(std::make_unique<Witness>(lambda));
+        Dynamics dynamics = dynamics_of(system, Formulation::joint);
+        REQUIRE(dynamics.why_not_joint(system.start().modes) == "");
+        const State state = random_state(dynamics, seed);
+        const auto& tree = static_cast<const JointTree&>(*state.coordinates);
+        REQUIRE(tree.planar());
+        check_recursions(system, tree, state);
+        check_omega(dynamics, tree, state);
+        State slots = state;
+        dynamics.to_slots(slots);
+        const Solution& omega = dynamics.evaluate(slots);
+        const std::vector<VecX> expected = Witness::by_link(omega.rows, omega.lambda);
+        REQUIRE(lambda->size() == expected.size());
+        for (std::size_t l = 0; l < expected.size(); ++l) {
+          REQUIRE((*lambda)[l].size() == expected[l].size());
+          CHECK(largest((*lambda)[l] - expected[l]) < 1e-10 * (1.0 + largest(omega.lambda)));  // 1 N
+        }
+        State back = slots;
+        dynamics.to_formulation(back, &state);
+        CHECK(largest(back.q - state.q) < 1e-11);
+        CHECK(largest(back.v - state.v) < 1e-11);
+      }
+}
+
+TEST_CASE("mechanisms that are planar by name move in joint coordinates as in omega", "[verification][joint]") {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    const auto run = [&](Formulation formulation) {
+      System system = planar_system(seed, 2, seed > 2);
+      Dynamics dynamics = dynamics_of(system, Formulation::joint);
+      State start = random_state(dynamics, seed);
+      start.t = 0;
+      dynamics.to_slots(start);
+      Dynamics own = dynamics_of(system, formulation);
+      StepLoop loop(own, std::make_unique<Dop853>(), {.tolerance = {1e-12, 1e-14}});
+      loop.set_state(start);
+      loop.run_until(0.1);
+      State end = loop.state();
+      CHECK((end.coordinates != nullptr) == (formulation == Formulation::joint));
+      own.to_slots(end);
+      return end;
+    };
+    const State joint = run(Formulation::joint), omega = run(Formulation::omega);
+    CHECK(largest(joint.v - omega.v) < 1e-9 * std::max(1.0, largest(omega.v)));
+  }
 }
 
 TEST_CASE("a tree with one joint, or one law, that leaves the plane is no planar one", "[verification][joint]") {

@@ -10,6 +10,8 @@ namespace lockstep {
 
 namespace {
 
+constexpr double kInPlane = 1e-9;  // sine of the angle by which an axis may lie beside the plane: see System::setup
+
 // Rows that a tree joint may hold: any translations, and none, two or all of the turns.
 bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 
@@ -27,8 +29,65 @@ std::string refusal_of_particle(const Lock& link) {
   return "";
 }
 
+// Which coordinates a lock leaves free.
+struct Free {
+  int n_slides = 0;
+  std::array<Vec3, 3> slide{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // in the axes of the slot that carries S
+  TreeTurn turn = TreeTurn::none;
+  Vec3 hinge = Vec3::Zero();  // axis of a hinge, in the axes of P and of S
+};
+
+Free free_in_space(Mask held, const MarkerFrame& S) {
+  Free f;
+  for (int k = 0; k < 3; ++k)
+    if (!includes(held, row_bit(k))) f.slide[static_cast<std::size_t>(f.n_slides++)] = S.A0.col(k);
+  if (!overlaps(held, Mask::e123)) {
+    f.turn = TreeTurn::ball;
+  } else if (!includes(held, Mask::e123)) {
+    f.turn = TreeTurn::hinge;
+    f.hinge = Vec3::Unit(!includes(held, Mask::e1) ? 0 : !includes(held, Mask::e2) ? 1 : 2);
+  }
+  return f;
+}
+
+// Of these, those in the plane, in which slot axes are the world's where no slot is turned. Of the axes of S each lies
+// in the plane or along the normal, if a row holds it.
+Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
+  const Free space = free_in_space(held, S);
+  const Vec3 normal = Vec3::Unit(plane.n), hinge = S.A0 * space.hinge;
+  Free f;
+  if (space.turn == TreeTurn::ball || (space.turn == TreeTurn::hinge && are_parallel(hinge, normal)))
+    f.turn = TreeTurn::hinge, f.hinge = space.turn == TreeTurn::ball ? Vec3(S.A0.transpose() * normal) : space.hinge;
+  Vec3 held_in = Vec3::Zero();  // a direction in the plane that is held
+  int n_held = 0;
+  for (int k = 0; k < 3; ++k)
+    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kInPlane)) held_in = S.A0.col(k), ++n_held;
+  for (int k = 0; k < space.n_slides; ++k)
+    if (const Vec3& along = space.slide[static_cast<std::size_t>(k)]; are_perpendicular(along, normal, kInPlane))
+      f.slide[static_cast<std::size_t>(f.n_slides++)] = along;
+  if (f.n_slides == 2 - n_held) return f;
+  f.n_slides = 2 - n_held;
+  f.slide[0] = n_held == 1 ? Vec3(cross(normal, held_in)) : Vec3(Vec3::Unit(plane.i()));
+  f.slide[1] = Vec3::Unit(plane.j());
+  return f;
+}
+
+// Whether a lock holds something in the plane.
+bool holds_in_plane(const Lock& link, Plane plane) {
+  const Free f = free_in_plane(link.jointed()->rows(), MarkerFrame(*link.pairs().front().second), plane);
+  return f.n_slides < 2 || f.turn == TreeTurn::none;
+}
+
+// Whether markers are turned against each other, out of the plane, by an angle that the lock leaves free.
+bool is_tilted(const Lock& link, Plane plane) {
+  if (!overlaps(link.jointed()->rows(), Mask::e123)) return false;
+  const auto [p, s] = link.pairs().front();
+  const Quat turn = MarkerFrame(*s).q0 * conjugate(MarkerFrame(*p).q0);
+  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kInPlane;
+}
+
 // Why a link is no tree joint; "" for one that is.
-std::string refusal(const Lock& link) {
+std::string refusal(const Lock& link, Plane plane) {
   const std::string who = "link '" + link.name() + "' ";
   const Jointed* joint = link.jointed();
   if (!joint) return who + "is not a lock of a mask";
@@ -37,12 +96,12 @@ std::string refusal(const Lock& link) {
       if (m->translation_law || m->rotation_law) return who + "has a marker that moves on its body";
   if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
   if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
+  if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
   return refusal_of_particle(link);
 }
 
 // What stands in the way of joint coordinates, but for loops; "" for nothing.
 std::string obstacle(const System& system, const std::vector<bool>& modes) {
-  if (system.plane()) return "the mechanism is planar";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
@@ -50,7 +109,7 @@ std::string obstacle(const System& system, const std::vector<bool>& modes) {
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
     if (!modes[static_cast<std::size_t>(link->number())]) continue;
-    if (std::string why = refusal(*link); !why.empty()) return why;
+    if (std::string why = refusal(*link, system.plane()); !why.empty()) return why;
   }
   return {};
 }
@@ -64,6 +123,7 @@ class Graph {
   Graph(const System& system, const std::vector<bool>& modes) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
     for (const auto& link : system.links()) {
       if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
+      if (system.plane() && link->jointed() && !holds_in_plane(*link, system.plane())) continue;
       const auto [p, s] = link->pairs().front();
       const int a = p->body->slot, b = s->body->slot;
       edges_[at(a)].push_back({link->number(), b});
@@ -86,7 +146,9 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const int closing = tree->grow(system, Graph(system, modes));
-  tree->planar_ = PlanarJoints::of(tree->nodes_);
+  tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
+  if (system.plane() && !tree->planar_)
+    return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
   if (closing < 0 && tree->n_v_ > 0) return tree;
   if (closing < 0) return why_not = "no coordinate is free, so that nothing would choose the steps", nullptr;
   why_not = "link '" + system.links()[static_cast<std::size_t>(closing)]->name() + "' closes a loop";
@@ -150,19 +212,19 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     P.q0 = S.q0;
   }
   node.reversed = P.slot != slot;
+  const Free free = system.plane() ? free_in_plane(held, S, system.plane()) : free_in_space(held, S);
+  if (system.plane() && !overlaps(held, Mask::e123))
+    P.q0 = S.q0, P.A0 = S.A0;  // the angle is zero where the slots' axes agree
   const MarkerFrame &near = node.reversed ? P : S, &far = node.reversed ? S : P;
   const double sign = node.reversed ? -1.0 : 1.0;
   node.near_u = near.u0, node.near_q = near.q0, node.far_u = far.u0, node.far_q = far.q0;
   node.K0 = near.q0 * conjugate(far.q0);
-  for (int k = 0; k < 3; ++k)
-    if (!includes(held, row_bit(k))) node.slide[static_cast<std::size_t>(node.n_slides++)] = sign * S.A0.col(k);
-  if (!overlaps(held, Mask::e123)) {
-    node.turn = TreeTurn::ball;
+  node.n_slides = free.n_slides, node.turn = free.turn;
+  for (std::size_t k = 0; k < 3; ++k) node.slide[k] = sign * free.slide[k];
+  if (node.turn == TreeTurn::ball) {
     node.ball = sign * P.A0;
-  } else if (!includes(held, Mask::e123)) {
-    node.turn = TreeTurn::hinge;
-    const int a = !includes(held, Mask::e1) ? 0 : !includes(held, Mask::e2) ? 1 : 2;
-    node.hinge = Vec3::Unit(a);
+  } else if (node.turn == TreeTurn::hinge) {
+    node.hinge = free.hinge;
     node.axis = sign * (near.A0 * node.hinge);
     node.K1 = near.q0 * Quat::from(0.0, Vec3(sign * node.hinge)) * conjugate(far.q0);
   }

@@ -75,14 +75,30 @@ LOCKSTEP_INLINE void PlanarBodies::Inertia::add(const Inertia& b) {
   Mii += b.Mii, Mij += b.Mij, Mjj += b.Mjj, I += b.I, tau += b.tau, h += b.h, p += b.p;
 }
 
-// One coordinate after another: U = IA S, D = S' U, u = -S' p; IA <- IA - U D^-1 U', p <- p + U D^-1 u. The turn has
-// S = (0, 0, 1): what is left has neither h nor I.
+// U = IA S, D = S' U, u = -S' p; IA <- IA - U D^-1 U', p <- p + U D^-1 u; p <- p + IA c; then all about the parent's
+// point. The turn has S = (0, 0, 1), which leaves neither h nor I: with s = n x r, about the parent's point,
+//   M <- M - D^-1 h h',  h <- M s,  I <- s' M s,  p <- p + M c + D^-1 (u - h' c) h,  tau <- s' p
+// written so that little waits for the division.
+LOCKSTEP_INLINE void PlanarBodies::pass_hinge(Node& b, Inertia& IA) {
+  const Flat s = across(b.r), h = IA.h;
+  const Flat Ms{IA.Mii * s.i + IA.Mij * s.j, IA.Mij * s.i + IA.Mjj * s.j};
+  const Flat p{IA.p.i + IA.Mii * b.ca.i + IA.Mij * b.ca.j, IA.p.j + IA.Mij * b.ca.i + IA.Mjj * b.ca.j};
+  const double hs = dot(h, s), u = -IA.tau - dot(h, b.ca), D_1 = 1.0 / IA.I;
+  b.g = D_1 * h, b.gs = D_1 * hs, b.u = D_1 * u;
+  IA.Mii -= D_1 * (h.i * h.i), IA.Mij -= D_1 * (h.i * h.j), IA.Mjj -= D_1 * (h.j * h.j);
+  IA.h = Ms - D_1 * (hs * h);
+  IA.I = dot(s, Ms) - D_1 * (hs * hs);
+  IA.p = p + D_1 * (u * h);
+  IA.tau = dot(s, p) + D_1 * (u * hs);
+}
+
+// The same for any joint, one coordinate after another, the turn first.
 LOCKSTEP_INLINE void PlanarBodies::eliminate(const PlanarNode& n, Node& b, Inertia& IA) {
   if (n.turns) {
-    b.D_1 = 1.0 / IA.I, b.h = IA.h, b.u = -IA.tau;
-    const Flat g = b.D_1 * IA.h;
-    IA.Mii -= g.i * IA.h.i, IA.Mij -= g.i * IA.h.j, IA.Mjj -= g.j * IA.h.j;
-    IA.p += b.u * g;
+    const double D_1 = 1.0 / IA.I;
+    b.g = D_1 * IA.h, b.u = -D_1 * IA.tau;
+    IA.Mii -= b.g.i * IA.h.i, IA.Mij -= b.g.i * IA.h.j, IA.Mjj -= b.g.j * IA.h.j;
+    IA.p += b.u * IA.h;
     IA.h = {}, IA.I = 0, IA.tau = 0;
   }
   for (int i = 0; i < n.n_slides; ++i) {
@@ -97,6 +113,17 @@ LOCKSTEP_INLINE void PlanarBodies::eliminate(const PlanarNode& n, Node& b, Inert
   }
 }
 
+// p <- p + IA c, then all about the parent's point: a there is less by al x r.
+LOCKSTEP_INLINE void PlanarBodies::shift(const Node& b, Inertia& IA) {
+  const Flat s = across(b.r);
+  IA.p += Flat{IA.Mii * b.ca.i + IA.Mij * b.ca.j, IA.Mij * b.ca.i + IA.Mjj * b.ca.j} + b.cal * IA.h;
+  IA.tau += dot(IA.h, b.ca) + IA.I * b.cal;
+  const Flat Ms{IA.Mii * s.i + IA.Mij * s.j, IA.Mij * s.i + IA.Mjj * s.j};
+  IA.I += dot(s, Ms) + 2.0 * dot(s, IA.h);
+  IA.h += Ms;
+  IA.tau += dot(s, IA.p);
+}
+
 // Of a slot about its joint's point: M = m 1, h = m n x d, I = J + m d^2, p = -m w^2 d - f, tau = d x p - moment.
 template <int k>
 LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, const VecX& f) {
@@ -108,53 +135,67 @@ LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, cons
     const PlanarNode& n = nodes[l];
     Node& b = nodes_[l + 1];
     const double* on = f.data() + 6 * n.slot;
-    const Flat h = b.m * across(b.d), p = -b.m * b.frame.w * b.frame.w * b.d - Flat{on[i], on[j]};
+    const Flat e = across(b.d), h = b.m * e, p = (-b.m * b.frame.w * b.frame.w) * b.d - Flat{on[i], on[j]};
     if (!b.from_next) IA = {};
     if (b.own >= 0) IA.add(waiting_[static_cast<std::size_t>(b.own)]);
+    const double moment = n.posture < 0 ? on[3 + k] : b.normal.dot(Vec3(on[3], on[4], on[5]));
     IA.Mii += b.m, IA.Mjj += b.m, IA.h += h, IA.p += p;
-    IA.I += b.J + dot(across(b.d), h);
-    IA.tau += dot(across(b.d), p) - (n.posture < 0 ? on[3 + k] : b.normal.dot(Vec3(on[3], on[4], on[5])));
-    eliminate(n, b, IA);
-    if (n.parent < 0) continue;
-    // p <- p + IA c, then all about the parent's point: a there is less by al x r, s = n x r.
-    const Flat s = across(b.r);
-    IA.p += Flat{IA.Mii * b.ca.i + IA.Mij * b.ca.j, IA.Mij * b.ca.i + IA.Mjj * b.ca.j} + b.cal * IA.h;
-    IA.tau += dot(IA.h, b.ca) + IA.I * b.cal;
-    const Flat Ms{IA.Mii * s.i + IA.Mij * s.j, IA.Mij * s.i + IA.Mjj * s.j};
-    IA.I += dot(s, Ms) + 2.0 * dot(s, IA.h);
-    IA.h += Ms;
-    IA.tau += dot(s, IA.p);
+    IA.I += b.J + dot(e, h), IA.tau += dot(e, p) - moment;
+    if (is_hinge(n)) {
+      pass_hinge(b, IA);
+    } else {
+      eliminate(n, b, IA);
+      shift(b, IA);
+    }
     if (b.to >= 0) waiting_[static_cast<std::size_t>(b.to)].add(IA);
   }
 }
 
-// a' = a_p + al_p x r + ca, al' = al_p + cal; the last that was eliminated first: qdd = D^-1 (u - U' a')
+// a' = a_p + al_p x r + ca, al' = al_p + cal; who was eliminated last comes first: qdd = D^-1 (u - U' a')
+LOCKSTEP_INLINE PlanarBodies::Found PlanarBodies::solve(const PlanarNode& n, const Node& b, const Found& p,
+                                                        VecX& vd) const {
+  Found own{p.a + (p.al * across(b.r) + b.ca), p.al + b.cal};
+  const double before = own.al;
+  if (is_hinge(n)) {
+    own.al = b.u - dot(b.g, p.a) - b.gs * p.al;
+    vd[n.first_v] = n.sign * (own.al - before);
+    return own;
+  }
+  for (int i = n.n_slides; i-- > 0;) {
+    const Slide& s = slides_[static_cast<std::size_t>(n.first_v + i)];
+    const double x = s.D_1 * (s.u - dot(s.U, own.a) - s.U_turn * own.al);
+    vd[n.first_v + i] = x;
+    own.a += x * s.l;
+  }
+  if (!n.turns) return own;
+  own.al = b.u - dot(b.g, own.a);
+  vd[n.first_v + n.n_slides] = n.sign * (own.al - before);
+  return own;
+}
+
 LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate(const JointTree& tree, const VecX& f, VecX& vd) {
   vd.resize(tree.n_v());
   const PlanarJoints& joints = *tree.planar();
-  joints.plane().n == 0   ? inward_along<0>(joints, f)
-  : joints.plane().n == 1 ? inward_along<1>(joints, f)
-                          : inward_along<2>(joints, f);
+  switch (joints.plane().n) {
+    case 0:
+      inward_along<0>(joints, f);
+      break;
+    case 1:
+      inward_along<1>(joints, f);
+      break;
+    default:
+      inward_along<2>(joints, f);
+  }
   double a2 = 0, al = 0;
+  Found last;
   for (std::size_t l = 0; l < joints.nodes().size(); ++l) {
     const PlanarNode& n = joints.nodes()[l];
-    const Node& p = nodes_[static_cast<std::size_t>(n.parent + 1)];
+    const auto parent = static_cast<std::size_t>(n.parent + 1);
     Node& b = nodes_[l + 1];
-    b.al = p.al + b.cal;
-    b.a = p.a + p.al * across(b.r) + b.ca;
-    for (int i = n.n_slides; i-- > 0;) {
-      const Slide& s = slides_[static_cast<std::size_t>(n.first_v + i)];
-      const double x = s.D_1 * (s.u - dot(s.U, b.a) - s.U_turn * b.al);
-      vd[n.first_v + i] = x;
-      b.a += x * s.l;
-    }
-    if (n.turns) {  // D (qdd + al') = u - h' a'
-      const double al_before = b.al;
-      b.al = b.D_1 * (b.u - dot(b.h, b.a));
-      vd[n.first_v + n.n_slides] = n.sign * (b.al - al_before);
-    }
-    const Flat a = b.a + b.al * across(b.d) - b.frame.w * b.frame.w * b.d;
-    a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(b.al));
+    if (parent != l) last = nodes_[parent].found;
+    b.found = last = solve(n, b, last, vd);
+    const Flat a = at_centre(b);
+    a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(last.al));
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = al;
 }
@@ -164,9 +205,9 @@ void PlanarBodies::accelerations(const JointTree& tree, VecX& a) const {
   const Plane plane = tree.planar()->plane();
   for (const PlanarNode& n : tree.planar()->nodes()) {
     const Node& b = nodes_[static_cast<std::size_t>(&n - tree.planar()->nodes().data()) + 1];
-    const Flat at_centre = b.a + b.al * across(b.d) - b.frame.w * b.frame.w * b.d;
-    a[6 * n.slot + plane.i()] = at_centre.i, a[6 * n.slot + plane.j()] = at_centre.j;
-    a.segment<3>(6 * n.slot + 3) = b.al * b.normal;
+    const Flat centre = at_centre(b);
+    a[6 * n.slot + plane.i()] = centre.i, a[6 * n.slot + plane.j()] = centre.j;
+    a.segment<3>(6 * n.slot + 3) = b.found.al * b.normal;
   }
 }
 

@@ -29,15 +29,21 @@ class LOCKSTEP_API PlanarBodies {
     Flat h, p;
     void add(const Inertia&);
   };
+  // Accelerations: of the joint's point, and of the slot about the normal.
+  struct Found {
+    Flat a;
+    double al = 0;
+  };
   static constexpr int kNext = -2;
   struct Node {
     PlanarFrame frame;
     Flat d,          // from the joint's point to the mass centre
         r,           // from the point of the parent's joint
         ca,          // acceleration of the point where the coordinates' own are zero
-        h, a;        // of IA before the turn is eliminated; acceleration of the point, found
+        g;           // al = u - g' a', by the turn's D^-1 U and D^-1 u; of a hinge al = u - g' a_p - gs al_p
     double cal = 0,  // angular acceleration by laws
-        u = 0, D_1 = 0, al = 0;
+        u = 0, gs = 0;
+    Found found;
     double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
     Vec3 normal = Vec3::Zero();  // in slot axes
     // Inward, a node takes over from the one that comes after it if that is its child; what other children pass on
@@ -55,7 +61,14 @@ class LOCKSTEP_API PlanarBodies {
   void outward_along(const JointTree&, const PlanarJoints&, const State&, std::vector<Motion>&);
   template <int k>
   void inward_along(const PlanarJoints&, const VecX& f);
+  static bool is_hinge(const PlanarNode& n) { return n.turns && n.n_slides == 0; }
+  static Flat at_centre(const Node& b) {
+    return b.found.a + (b.found.al * across(b.d) - (b.frame.w * b.frame.w) * b.d);
+  }
+  static void pass_hinge(Node&, Inertia&);
   void eliminate(const PlanarNode&, Node&, Inertia&);
+  static void shift(const Node&, Inertia&);
+  Found solve(const PlanarNode&, const Node&, const Found& parent, VecX& vd) const;
 
   std::vector<Node> nodes_;    // the ground first
   std::vector<Slide> slides_;  // by number of the velocity

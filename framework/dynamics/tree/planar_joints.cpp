@@ -30,8 +30,9 @@ PlanarJoints::Standing PlanarJoints::standing(const Quat& e) const {
   return {e, 0.0, {e, A, axis_of(A, plane_.n)}};
 }
 
-std::shared_ptr<const PlanarJoints> PlanarJoints::of(std::span<const TreeNode> tree) {
+std::shared_ptr<const PlanarJoints> PlanarJoints::of(std::span<const TreeNode> tree, Plane plane) {
   for (int n = 2; n >= 0; --n) {
+    if (plane && n != plane.n) continue;
     const auto joints = std::make_shared<PlanarJoints>();
     joints->plane_ = Plane{n};
     std::vector<Standing> standing;

@@ -62,8 +62,9 @@ struct PlanarLaw {
 /// The joints of a tree whose slots stay in a plane by its joints alone. Immutable; in the order of the tree's nodes.
 class LOCKSTEP_API PlanarJoints {
  public:
-  /// Null where a joint leaves every plane normal to an axis of the world. Laws are asked (stays_in_plane, turns_about).
-  static std::shared_ptr<const PlanarJoints> of(std::span<const TreeNode> tree);
+  /// Null where a joint leaves this plane; without one, every plane normal to an axis of the world. Laws are asked
+  /// (stays_in_plane, turns_about).
+  static std::shared_ptr<const PlanarJoints> of(std::span<const TreeNode> tree, Plane plane = {});
 
   Plane plane() const { return plane_; }
   const std::vector<PlanarNode>& nodes() const { return nodes_; }

@@ -10,7 +10,7 @@ namespace lockstep {
 
 /// The frame of a slot, and the slot's mass centre.
 struct PlanarFrame {
-  double half_c = 1, half_s = 0,  ///< cosine and sine of half the frame's angle
+  double half_c = 1, half_s = 0,  ///< cosine and sine of half the frame's angle, both by one factor near 1
       c = 1, s = 0,               ///< and of the angle
       w = 0,                      ///< angular velocity about the normal, rad/s
       height = 0;                 ///< of the mass centre along the normal, m
@@ -59,11 +59,10 @@ LOCKSTEP_INLINE PlanarCarried carry(const PlanarNode& n, const PlanarImposed* no
     c = lc * c - ls * s, s = lc * s + ls * c0;
     own.w += now->w, add.alpha = now->alpha;
   }
-  // Products of numbers of length one are of length one to round-off; along a chain that adds up: one step of Newton's.
-  const double hc = p.half_c * c - p.half_s * s, hs = p.half_s * c + p.half_c * s;
-  const double unit = 1.5 - 0.5 * (hc * hc + hs * hs);
-  own.half_c = unit * hc, own.half_s = unit * hs;
-  own.c = 1.0 - 2.0 * own.half_s * own.half_s, own.s = 2.0 * own.half_s * own.half_c;
+  own.half_c = p.half_c * c - p.half_s * s, own.half_s = p.half_s * c + p.half_c * s;
+  own.c = own.half_c * own.half_c - own.half_s * own.half_s, own.s = 2.0 * own.half_s * own.half_c;
+  const double unit = 2.0 - (own.half_c * own.half_c + own.half_s * own.half_s);
+  own.c *= unit, own.s *= unit;
   own.height = p.height + n.height;
   add.d1 = turned(p.c, p.s, n.near);
   add.d2 = turned(own.c, own.s, Flat{-n.far.i, -n.far.j});
@@ -78,8 +77,8 @@ LOCKSTEP_INLINE PlanarCarried carry(const PlanarNode& n, const PlanarImposed* no
     add.pdd = turned(cs, sn, now->pdd);
     own.height += now->height;
   }
-  own.x = p.x + add.d1 + add.d2;
-  own.v = p.v + p.w * across(add.d1) + add.slide + own.w * across(add.d2);
+  own.x = p.x + (add.d1 + add.d2);
+  own.v = p.v + (p.w * across(add.d1) + add.slide + own.w * across(add.d2));
   return add;
 }
 
@@ -95,11 +94,14 @@ LOCKSTEP_INLINE void write_motion(const PlanarFrame& f, const Posture* posture, 
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
   out.x[i] = f.x.i, out.x[j] = f.x.j, out.x[k] = f.height;
   out.v[i] = f.v.i, out.v[j] = f.v.j, out.v[k] = 0.0;
+  // Products of numbers of length one are of length one to round-off; along a chain that adds up: one step of Newton's.
+  const double unit = 1.5 - 0.5 * (f.half_c * f.half_c + f.half_s * f.half_s);
+  const Quat e = about<k>(unit * f.half_c, unit * f.half_s);
   if (posture == nullptr) {
     out.A(i, i) = f.c, out.A(i, j) = -f.s, out.A(i, k) = 0.0;
     out.A(j, i) = f.s, out.A(j, j) = f.c, out.A(j, k) = 0.0;
     out.A(k, i) = 0.0, out.A(k, j) = 0.0, out.A(k, k) = 1.0;
-    out.e = about<k>(f.half_c, f.half_s);
+    out.e = e;
     out.w[i] = 0.0, out.w[j] = 0.0, out.w[k] = f.w;
     return;
   }
@@ -107,7 +109,7 @@ LOCKSTEP_INLINE void write_motion(const PlanarFrame& f, const Posture* posture, 
     const double a = posture->A(i, l), b = posture->A(j, l);
     out.A(i, l) = f.c * a - f.s * b, out.A(j, l) = f.s * a + f.c * b, out.A(k, l) = posture->A(k, l);
   }
-  out.e = about<k>(f.half_c, f.half_s) * posture->e;
+  out.e = e * posture->e;
   out.w = f.w * posture->normal;
 }
 
@@ -118,7 +120,7 @@ LOCKSTEP_INLINE PlanarFrame read_frame(const Motion& m, const Posture* posture) 
   const Quat e = posture == nullptr ? m.e : m.e * conjugate(posture->e);
   PlanarFrame f;
   f.half_c = e.w, f.half_s = e.vec()[k];
-  f.c = 1.0 - 2.0 * f.half_s * f.half_s, f.s = 2.0 * f.half_s * f.half_c;
+  f.c = f.half_c * f.half_c - f.half_s * f.half_s, f.s = 2.0 * f.half_s * f.half_c;
   f.w = posture == nullptr ? m.w[k] : posture->normal.dot(m.w);
   f.x = {m.x[i], m.x[j]}, f.v = {m.v[i], m.v[j]}, f.height = m.x[k];
   return f;

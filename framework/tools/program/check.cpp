@@ -104,10 +104,12 @@ std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& s
 std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const MobilityReport& r) {
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
-  if (const Plane plane = m.system.plane())
-    return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
-  return why_not_joint.empty() ? fmt::format("joint: {} unknown velocities, no rows", r.freedoms)
-                               : "omega: " + why_not_joint;
+  const Plane plane = m.system.plane();
+  const std::string where =
+      plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
+  if (asked != Formulation::omega && why_not_joint.empty())
+    return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
+  return plane ? "omega" + where : "omega: " + why_not_joint;
 }
 
 /// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
