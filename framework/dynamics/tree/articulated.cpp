@@ -5,6 +5,7 @@
 #include "framework/dynamics/tree/column_algebra.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
+#include "framework/foundation/math/sin_cos.h"
 
 namespace lockstep {
 
@@ -35,11 +36,17 @@ void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
     deepest = std::max(deepest, stack.size());
   }
   waiting_.resize(deepest);
+  for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
 }
 
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
                                                      std::vector<Motion>& motions) {
   motions.resize(nodes_.size() + 1);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& n = tree.nodes()[k];
+    half_[k] = half_angle(n, y.q.data() + n.first_q);
+  }
+  sin_cos(half_.data(), half_.size(), sine_.data(), cosine_.data());
   const Vec3 still = Vec3::Zero();
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
@@ -51,7 +58,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     Node& b = nodes_[k];
     Imposed now;
     if (n.imposed) laws_at(n, y.t, y.s, now);
-    const Carried c = carry(n, now, y, p, wp, own);
+    const Carried c = carry(n, now, y, {cosine_[k], sine_[k]}, p, wp, own);
     b.w = c.w;
     b.r = column(c.d1 + c.d2);
     // al = al_p + cal,  a = a_p + al_p x r + ca

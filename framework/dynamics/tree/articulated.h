@@ -62,6 +62,7 @@ class LOCKSTEP_API ArticulatedBodies {
   std::vector<Dof> dofs_;
   std::vector<Inertia> waiting_;
   std::vector<double> inverse_;  // D^-1 of all nodes, row by row
+  std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
   double largest_a_ = 0, largest_alpha_ = 0;
 };
 
