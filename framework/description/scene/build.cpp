@@ -5,6 +5,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
+#include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
 

@@ -10,10 +10,11 @@
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/tables.h"
-#include "framework/dynamics/tree/joint_tree.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
+
+class JointTree;
 
 /// "link 'A'": kind and name as in messages.
 LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& name);

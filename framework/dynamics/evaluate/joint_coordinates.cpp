@@ -40,7 +40,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   std::vector<bool> shown = t.modes;
   if (!every) shown.assign(t.modes.size(), false);
   for (const TreeNode& n : t.coordinates->nodes())
-    if (n.imposed) shown[static_cast<std::size_t>(n.link)] = true;
+    if (n.has_laws()) shown[static_cast<std::size_t>(n.link)] = true;
   system_.lay_out(shown, t.rows);
   t.solves = every || (any && t.coordinates->has_laws());
   if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/dynamics/tree/column_algebra.h"
+#include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
 #include "framework/foundation/math/sin_cos.h"
@@ -56,6 +57,10 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     const Vec3& wp = root ? still : nodes_[parent].w;
     Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
     Node& b = nodes_[k];
+    if (n.moving) {
+      outward_moving(n, y, p, wp, own, b);
+      continue;
+    }
     Imposed now;
     if (n.imposed) laws_at(n, y.t, y.s, now);
     const Carried c = carry(n, now, y, {cosine_[k], sine_[k]}, p, wp, own);
@@ -77,6 +82,19 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
       const Vec3 axis = c.turn_axes.col(i);
       dof->n = column(axis), dof->l = column(cross(axis, c.d2));
     }
+  }
+}
+
+// The same of a node with moving markers: rare, and apart from the loop.
+void ArticulatedBodies::outward_moving(const TreeNode& n, const State& y, const Motion& p, const Vec3& wp, Motion& own,
+                                       Node& b) {
+  const MovedNode c = carry_moving(n, y, p, wp, own);
+  b.w = c.w, b.r = column(c.r), b.cal = column(c.cal), b.ca = column(c.ca);
+  Dof* dof = dofs_.data() + n.first_v;
+  for (int i = 0; i < n.n_slides; ++i, ++dof) dof->l = column(c.slide[static_cast<std::size_t>(i)]), dof->n = Column{};
+  for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof) {
+    const Vec3 axis = c.turn_axes.col(i);
+    dof->n = column(axis), dof->l = column(cross(axis, Vec3(own.x - c.X)));
   }
 }
 

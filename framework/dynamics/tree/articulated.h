@@ -50,6 +50,8 @@ class LOCKSTEP_API ArticulatedBodies {
     Column l, n, Uf, Ut;
     double u;
   };
+  [[gnu::noinline]] void outward_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& own,
+                                        Node&);
   Inertia inertia_of(const Node&, const Motion&, const double* f) const;
   template <int k>
   void eliminate(const TreeNode&, const Node&, const Inertia&);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <lockstep/lock.h>
+#include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -17,6 +18,8 @@ bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 
 bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
 
+bool is_moving(const Marker& m) { return m.translation_law || m.rotation_law; }
+
 // A particle keeps its axes: the ground alone can carry it, and it carries nothing.
 std::string refusal_of_particle(const Lock& link) {
   for (const auto& [p, s] : link.pairs())
@@ -24,7 +27,8 @@ std::string refusal_of_particle(const Lock& link) {
       if (!is_particle(*m->body)) continue;
       if (!other->body->fixed)
         return "link '" + link.name() + "' ties the particle '" + m->body->name + "' to a body that moves";
-      if (!link.jointed()->imposed().empty()) return "link '" + link.name() + "' has laws on a particle";
+      if (!link.jointed()->imposed().empty() || is_moving(*p) || is_moving(*s))
+        return "link '" + link.name() + "' has laws on a particle";
     }
   return "";
 }
@@ -91,9 +95,9 @@ std::string refusal(const Lock& link, Plane plane) {
   const std::string who = "link '" + link.name() + "' ";
   const Jointed* joint = link.jointed();
   if (!joint) return who + "is not a lock of a mask";
-  for (const auto& [p, s] : link.pairs())
-    for (const Marker* m : {p, s})
-      if (m->translation_law || m->rotation_law) return who + "has a marker that moves on its body";
+  if (plane)
+    for (const auto& [p, s] : link.pairs())
+      if (is_moving(*p) || is_moving(*s)) return who + "has a marker that moves on its body";
   if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
   if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
   if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
@@ -203,9 +207,12 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     held = lock.jointed()->rows();
     if (const ImposedMotion& laws = lock.jointed()->imposed(); !laws.empty()) {
       node.imposed = std::make_shared<const ImposedMotion>(laws);
-      node.lock = &lock, node.rows = held, has_laws_ = true;
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
     }
+    node.lock = &lock, node.rows = held;
+    has_laws_ = has_laws_ || node.imposed || is_moving(*p) || is_moving(*s);
+    if (is_moving(*p) || is_moving(*s))
+      node.moving = std::make_shared<const MovingMarkers>(P.slot == slot ? MovingMarkers{S, P} : MovingMarkers{P, S});
   }
   if (system.slot(slot).freedoms == Freedoms::particle) {  // its axes are those of the world
     held = held | Mask::e123;
@@ -237,7 +244,10 @@ void JointTree::motions(const State& y, std::span<Motion> out) const {
   if (planar_) return planar_->motions(nodes_, y, out);
   for (const TreeNode& node : nodes_) {
     const Motion& p = out[motion_of(node.parent)];
-    carry(node, y, p, p.A * p.w, out[motion_of(node)]);
+    if (node.moving)
+      carry_moving(node, y, p, p.A * p.w, out[motion_of(node)]);
+    else
+      carry(node, y, p, p.A * p.w, out[motion_of(node)]);
   }
 }
 
@@ -265,7 +275,11 @@ Motion JointTree::motion(const State& y, int slot) const {
   for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
     path.push_back(&nodes_[static_cast<std::size_t>(k)]);
   Motion p, own;
-  for (; !path.empty(); path.pop_back(), p = own) carry(*path.back(), y, p, p.A * p.w, own);
+  for (; !path.empty(); path.pop_back(), p = own)
+    if (path.back()->moving)
+      carry_moving(*path.back(), y, p, p.A * p.w, own);
+    else
+      carry(*path.back(), y, p, p.A * p.w, own);
   return p;
 }
 
@@ -310,11 +324,30 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
       const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
       p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
     }
-    const NodeVariation own = vary(node, y, d, at[motion_of(node.parent)], at[motion_of(node)], p);
+    const Motion& parent = at[motion_of(node.parent)];
+    const NodeVariation own =
+        node.moving ? vary_moving(node, y, d, parent, p) : vary(node, y, d, parent, at[motion_of(node)], p);
     dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
     dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
   }
 }
+
+namespace {
+
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`.
+void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
+  const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
+  if (node.turn == TreeTurn::hinge) {
+    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w), about = near ? near->q[at_q] : 0.0;
+    out.q[at_q] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
+    out.v[at_v] = rates[0];
+  } else if (node.turn == TreeTurn::ball) {
+    out.q.segment<4>(at_q) = r.coefficients();
+    out.v.segment<3>(at_v) = rates;
+  }
+}
+
+}  // namespace
 
 // The pose of far seen from near: r and rho of P seen from S, or their inverse.
 void JointTree::read_off(const State& slots, const State* near, State& out) const {
@@ -326,6 +359,13 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     const Motion own = slot_motion(slots, node.slot);
     const Vec3 wp = p.A * p.w, w = own.A * own.w;
     double *q = out.q.data() + node.first_q, *v = out.v.data() + node.first_v;
+    if (node.moving) {
+      const MovedCoordinates c = read_moving(node, slots.t, slots.s, p, own);
+      for (int i = 0, k = 0; i < 3; ++i)
+        if (!includes(node.rows, row_bit(i))) q[k] = c.rho[i], v[k++] = c.rhod[i];
+      write_turn(node, c.r, node.turn == TreeTurn::hinge ? Vec3(Vec3::Constant(node.hinge.dot(c.w))) : c.w, near, out);
+      continue;
+    }
     // The joint acts at the point X of the marker on the slot that does not carry the slides.
     const Vec3 X = node.reversed ? Vec3(p.x + p.A * node.near_u) : Vec3(own.x + own.A * node.far_u);
     const Motion& S = node.reversed ? own : p;
@@ -333,8 +373,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     const Vec3 rho = (node.reversed ? -1.0 : 1.0) * (S.A.transpose() * (X - S_origin));
     const Vec3 v_own = own.v + cross(w, Vec3(X - own.x)), v_parent = p.v + cross(wp, Vec3(X - p.x));
     const Vec3 rhod = S.A.transpose() * (v_own - v_parent);
-    int k = 0;
-    for (; k < node.n_slides; ++k) {
+    for (int k = 0; k < node.n_slides; ++k) {
       const Vec3& e = node.slide[static_cast<std::size_t>(k)];
       q[k] = e.dot(rho), v[k] = e.dot(rhod);
     }
@@ -345,15 +384,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     if (node.imposed) laws_at(node, slots.t, slots.s, now), r = conjugate(now.q) * r;
     const Vec3 law = node.imposed ? Vec3(slide_axes(node, p, own) * now.w) : Vec3::Zero();
     const Vec3 turn = turn_axes(node, now, p, own).transpose() * (w - wp - law);
-    if (node.turn == TreeTurn::hinge) {
-      const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
-      const double about = near ? near->q[node.first_q + k] : 0.0;
-      q[k] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
-      v[k] = turn[0];
-    } else if (node.turn == TreeTurn::ball) {
-      q[k] = r.w, q[k + 1] = r.x, q[k + 2] = r.y, q[k + 3] = r.z;
-      v[k] = turn[0], v[k + 1] = turn[1], v[k + 2] = turn[2];
-    }
+    write_turn(node, r, turn, near, out);
   }
 }
 

@@ -23,6 +23,11 @@ enum class TreeTurn {
   ball    ///< freely: a unit quaternion
 };
 
+/// The markers near and far of a node.
+struct MovingMarkers {
+  MarkerFrame near, far;
+};
+
 /// A node of the tree: a slot, and the joint that carries it. Along `near` (the marker on the parent) and `far` (the
 /// marker on the slot), P and S in one order or the other: with r = q_S' q_2' q_1 q_P the turn of P seen from S and
 /// rho the translations of P along the axes of S,
@@ -42,6 +47,8 @@ struct TreeNode {
   bool reversed = false;           ///< near is P
   /// Laws of the lock, its rows, and where its states begin in State::s; null: none. The lock itself names errors only.
   std::shared_ptr<const ImposedMotion> imposed{};
+  /// The markers, where laws move one of them on its body; else null.
+  std::shared_ptr<const MovingMarkers> moving{};
   const Lock* lock = nullptr;
   Mask rows = Mask::none;
   int first_s = 0, n_s = 0;
@@ -55,6 +62,7 @@ struct TreeNode {
   Vec3 hinge = Vec3::Zero();     ///< axis of a hinge, in the axes of P and of D
   Quat near_q, far_q;            ///< axes of near and far
 
+  bool has_laws() const { return imposed || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
 };

@@ -47,7 +47,7 @@ std::shared_ptr<const PlanarJoints> PlanarJoints::of(std::span<const TreeNode> t
 // turns about the normal alone, as its parents do.
 bool PlanarJoints::add(std::span<const TreeNode> tree, std::size_t k, std::vector<Standing>& all) {
   const TreeNode& t = tree[k];
-  if (t.turn == TreeTurn::ball || t.n_slides > 2) return false;
+  if (t.turn == TreeTurn::ball || t.n_slides > 2 || t.moving) return false;
   const Standing p = t.parent < 0 ? standing(Quat{}) : all[static_cast<std::size_t>(t.parent)];
   const Standing own = all.emplace_back(standing(normalized(p.e * t.K0)));
 
