@@ -111,10 +111,12 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
     "links": [{"name": "S", "type": "prismatic", "p": "cart", "s": "ground", "at": [0,0,0], "axis": "x",
                "drive": {"axis": "z", "law": {"type": "ramp", "slope": 1}}},
               {"name": "A", "type": "spherical", "p": "rod", "s": "cart", "at": [0,0,0]}], "run": {"until": 1})"),
-             "", "formulation         joint: 9 unknown velocities, no rows\n"));
-  CHECK(says(kRunnerFolder + "/driven_tree.json", "",
+             "--planar off", "formulation         joint: 9 unknown velocities, no rows\n"));
+  CHECK(says(kRunnerFolder + "/driven_tree.json", "--planar off",
              "  cart on ground by 'S': driven throughout, or held\n    rod on cart by 'A': rx, ry and rz\n"
              "  free on no link: x, y, z, rx, ry and rz\n"));
+  CHECK(says(kRunnerFolder + "/driven_tree.json", "",
+             "joint, in the plane with normal z: 4 unknown velocities, no rows\n"));
   const std::string omega = "\", \"formulation\": \"omega\"}",
                     proposal = "\"formulation\": \"auto\" integrates the joints'";
   CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));

@@ -113,6 +113,26 @@ void add_laws(System& system, std::uint64_t seed) {
   }
 }
 
+/// Lets markers move on their bodies, P's, S's or both, origin and axes.
+void move_markers(System& system, std::uint64_t seed) {
+  Draw draw(50 + seed);
+  for (const auto& link : system.links()) {
+    const auto [p, s] = link->pairs().front();
+    const double which = draw.number(0, 3);
+    for (const Marker* m : {which < 2 ? p : nullptr, which > 1 ? s : nullptr}) {
+      if (m == nullptr) continue;
+      Marker& marker = system.marker(m->name);
+      const double what = draw.number(0, 3);
+      if (what < 2)
+        marker.translation_law =
+            std::make_shared<Move>(TranslationValue{draw.vector(1.0), draw.vector(1.0), draw.vector(1.0)});
+      if (what > 1)
+        marker.rotation_law =
+            std::make_shared<Turn>(RotationValue{Quat::from(draw.quaternion()), draw.vector(1.0), draw.vector(1.0)});
+    }
+  }
+}
+
 /// The same with a mask of any closed form for each body, but no weld.
 System random_tree(std::uint64_t seed, int n) {
   const std::vector<Mask> masks = closed_forms();
@@ -292,6 +312,27 @@ TEST_CASE("laws and drives of the locks: every mask, both ways round, accelerate
   }
 }
 
+TEST_CASE("markers that move on their bodies: every mask, both ways round, accelerates as in omega",
+          "[verification][joint]") {
+  const std::vector<Mask> masks = closed_forms();
+  for (std::size_t m = 0; m < masks.size(); ++m)
+    for (std::uint64_t seed = 1; seed <= 6; ++seed)
+      for (const int n : {1, 3}) {
+        CAPTURE(to_string(masks[m]), seed, n);
+        System system = tree(100 * m + seed, n, [&](int) { return masks[m]; });
+        if (seed > 3) add_laws(system, 7 * seed);
+        move_markers(system, seed);
+        check_accelerations(system, seed);
+      }
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    System system = random_tree(seed, 12);
+    if (seed > 10) add_laws(system, seed);
+    move_markers(system, seed);
+    check_accelerations(system, seed);
+  }
+}
+
 TEST_CASE("slots without a link move freely", "[verification][joint]") {
   System system({.gravity = {0, 0, -9.81}});
   system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});
@@ -327,6 +368,7 @@ TEST_CASE("a state read off gives its motions back", "[verification][joint]") {
     CAPTURE(seed);
     System system = random_tree(seed, 8);
     if (seed > 10) add_laws(system, seed);
+    if (seed % 2 == 0) move_markers(system, seed);
     Dynamics dynamics = joint_dynamics(system);
     State state = random_state(dynamics, seed);
     state.q.array() *= 5;  // angles beyond half a turn
@@ -354,6 +396,7 @@ TEST_CASE("variations are the differences of motions", "[verification][joint]") 
     Draw draw(seed);
     System system = random_tree(seed, 6);
     if (seed > 10) add_laws(system, seed);
+    if (seed % 2 == 0) move_markers(system, seed);
     Dynamics dynamics = joint_dynamics(system);
     const State state = random_state(dynamics, seed);
     StateRate d = sized_like(state);

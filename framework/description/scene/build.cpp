@@ -1,11 +1,11 @@
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/integrator.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
+#include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
 
@@ -117,16 +117,14 @@ void Builder::set_merge(const std::string& how) {
   out_.system.set_merge(true, std::move(keep));
 }
 
-// Whether joint coordinates, which are cheaper, take the mechanism in space.
-bool Builder::goes_joint() const {
+// The tree of joint coordinates, if the run may take them, of the mechanism as it is set now; else null.
+std::shared_ptr<const JointTree> Builder::tree() const {
   const Formulation formulation = out_.run.formulation;
-  if (formulation == Formulation::joint) return true;
-  if (formulation != Formulation::automatic || !make_integrator(out_.run, registry_)->info().joint) return false;
-  DynamicsOptions options;
-  options.formulation = formulation;
-  return Dynamics(out_.system, make_solver(out_.run, registry_), options)
-      .why_not_joint(out_.system.start().modes)
-      .empty();
+  if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
+  if (!make_integrator(out_.run, registry_)->info().joint) return nullptr;
+  out_.system.setup();
+  std::string why_not;
+  return JointTree::of(out_.system, out_.system.start().modes, why_not);
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
@@ -138,13 +136,16 @@ const VelocityTarget* Builder::start_out_of(Plane plane) const {
   return nullptr;
 }
 
-// The plane of a mechanism that moves in one, unless coordinates or a formulation are better off in space. `asked`: the
+// The plane of a mechanism that moves in one, unless a formulation works in space, or joints alone keep it in a plane. `asked`: the
 // scene asks for it, and the plane is preferred.
 void Builder::choose_plane(bool asked) {
   System& system = out_.system;
-  if (!asked && (out_.run.formulation == Formulation::quaternion || goes_joint())) return;
+  if (!asked && out_.run.formulation == Formulation::quaternion) return;
+  const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
+  if (in_space && in_space->planar()) return;  // coordinates are as few as in a plane
   const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
   system.set_planar(found, bool(found));
+  if (found && in_space && !tree()) system.set_planar({});
 }
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.

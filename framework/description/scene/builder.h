@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "framework/mechanism/params/read.h"
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/tables.h"
-#include <lockstep/error.h>
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
+
+class JointTree;
 
 /// "link 'A'": kind and name as in messages.
 LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& name);
@@ -99,7 +101,7 @@ class Builder {
   void set_merge(const std::string& how);
   void set_up(const Params& root);
   void choose_plane(bool asked);
-  bool goes_joint() const;
+  std::shared_ptr<const JointTree> tree() const;
   const VelocityTarget* start_out_of(Plane) const;
 
   // Notes the name of a new thing; refuses names that are taken, empty or ambiguous in channels.

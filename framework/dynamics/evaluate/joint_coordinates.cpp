@@ -27,7 +27,11 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.revision = system_.revision(), t.modes = modes;
   const bool asked = options_.formulation == Formulation::joint;
   t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::none);
-  if (t.coordinates) t.bodies.begin(*t.coordinates, system_);
+  t.in_plane = t.coordinates && t.coordinates->planar() && !t.coordinates->has_rows();
+  if (t.in_plane)
+    t.planar_bodies.begin(*t.coordinates, system_);
+  else if (t.coordinates)
+    t.bodies.begin(*t.coordinates, system_);
   t.f.setZero(6 * system_.n_slots());
   t.closures = {};
   if (t.coordinates && t.coordinates->has_rows()) {
@@ -67,7 +71,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   bool laws = false;
   const auto show = [&](int link) { shown[static_cast<std::size_t>(link)] = laws = true; };
   for (const TreeNode& n : t.coordinates->nodes())
-    if (n.imposed) show(n.link);
+    if (n.has_laws()) show(n.link);
   for (const int link : t.coordinates->closures())
     if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
   system_.lay_out(shown, t.rows);
@@ -79,14 +83,17 @@ void Dynamics::lay_out_reactions(Tree& t) const {
 // are not those of omega, which are the smallest of all: their power is the same.
 void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   system_.gather_rows(in, t.rows);
-  if (t.closures.empty()) return t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.f, t.rows);
+  if (t.in_plane)
+    t.planar_bodies.accelerations(*t.coordinates, t.a);
+  else
+    t.bodies.accelerations(*t.coordinates, t.motions, t.a);
   t.loaded = t.f;
-  t.closures.react(t.closure_rows, t.loaded);
+  if (!t.closures.empty()) t.closures.react(t.closure_rows, t.loaded);
   for (const RowEntry& e : t.rows.entries)
-    if (const int at = t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
+    if (const int at = t.closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
       t.reactions.set(
           e, t.closures.lambda().data() + t.closure_rows.entries[static_cast<std::size_t>(at)].first_row);
-  t.reactions.solve(*t.coordinates, system_, t.motions, t.bodies, t.loaded, t.rows);
+  t.reactions.solve(*t.coordinates, system_, t.motions, t.a, t.loaded, t.rows);
 }
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
@@ -141,26 +148,34 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     throw ModelError(
         "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
         "(Dynamics::to_slots)");
-  t.bodies.outward(*t.coordinates, state, t.motions);
+  if (t.in_plane)
+    t.planar_bodies.outward(*t.coordinates, state, t.motions);
+  else
+    t.bodies.outward(*t.coordinates, state, t.motions);
   Inputs in;
   in.t = state.t, in.motions = t.motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
   system_.gather_forces(in, t.f);
   const Solution* solved = nullptr;
-  if (t.closures.empty())
-    t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
-  else
-    solved = joint_accelerations(t, state, in, out, report);
+  if (t.in_plane) {
+    t.planar_bodies.accelerate(*t.coordinates, t.f, out.v);
+    out.largest_a = t.planar_bodies.largest_a(), out.largest_alpha = t.planar_bodies.largest_alpha();
+  } else {
+    if (t.closures.empty())
+      t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
+    else
+      solved = joint_accelerations(t, state, in, out, report);
+    out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
+  }
   t.coordinates->kinematic_rate(state, out.q);
-  out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
     if (t.solves && (solved || (t.reads_all && !t.closures.empty()))) {
       system_.state_rates(solved ? *solved : evaluate(state), out.s);
     } else if (t.solves) {
       joint_reactions(t, in);
-      system_.state_rates({in, t.reactions.a(), t.reactions.lambda(), t.rows}, out.s);
+      system_.state_rates({in, t.a, t.reactions.lambda(), t.rows}, out.s);
     } else {
       system_.state_rates({in, t.none, t.none, t.rows}, out.s);
     }
@@ -212,6 +227,7 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
     return;
   }
   Tree& t = tree(state.modes);
+  if (t.in_plane) t.bodies.begin(*t.coordinates, system_);  // that of the plane is another
   t.bodies.outward(*t.coordinates, state, t.motions);
   t.bodies.read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);

@@ -9,6 +9,7 @@
 #include "framework/dynamics/tree/articulated.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/loop_closures.h"
+#include "framework/dynamics/tree/planar_bodies.h"
 #include "framework/dynamics/tree/tree_reactions.h"
 
 namespace lockstep {
@@ -19,9 +20,11 @@ struct Dynamics::Tree {
   std::vector<bool> modes;
   std::shared_ptr<const JointTree> coordinates;  // null: there is no tree
   std::string why_not;
+  bool in_plane = false;  // the recursion is that of the plane
   ArticulatedBodies bodies;
+  PlanarBodies planar_bodies;
   std::vector<Motion> motions;
-  VecX f, none;
+  VecX f, a, none;
   RowTable rows;        // of the links whose multipliers somebody reads, and of those with laws
   bool solves = false;     // integrated states read accelerations or multipliers,
   bool reads_all = false;  // not only those of links with laws

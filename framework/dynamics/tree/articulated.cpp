@@ -4,8 +4,10 @@
 
 #include "framework/dynamics/tree/column_algebra.h"
 #include "framework/dynamics/tree/loop_closures.h"
+#include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
+#include "framework/foundation/math/sin_cos.h"
 
 namespace lockstep {
 
@@ -36,11 +38,17 @@ void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
     deepest = std::max(deepest, stack.size());
   }
   waiting_.resize(deepest);
+  for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
 }
 
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
                                                      std::vector<Motion>& motions) {
   motions.resize(nodes_.size() + 1);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& n = tree.nodes()[k];
+    half_[k] = half_angle(n, y.q.data() + n.first_q);
+  }
+  sin_cos(half_.data(), half_.size(), sine_.data(), cosine_.data());
   const Vec3 still = Vec3::Zero();
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
@@ -50,9 +58,13 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     const Vec3& wp = root ? still : nodes_[parent].w;
     Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
     Node& b = nodes_[k];
+    if (n.moving) {
+      outward_moving(n, y, p, wp, own, b);
+      continue;
+    }
     Imposed now;
     if (n.imposed) laws_at(n, y.t, y.s, now);
-    const Carried c = carry(n, now, y, p, wp, own);
+    const Carried c = carry(n, now, y, {cosine_[k], sine_[k]}, p, wp, own);
     b.w = c.w;
     b.r = column(c.d1 + c.d2);
     // al = al_p + cal,  a = a_p + al_p x r + ca
@@ -71,6 +83,19 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
       const Vec3 axis = c.turn_axes.col(i);
       dof->n = column(axis), dof->l = column(cross(axis, c.d2));
     }
+  }
+}
+
+// The same of a node with moving markers: rare, and apart from the loop.
+void ArticulatedBodies::outward_moving(const TreeNode& n, const State& y, const Motion& p, const Vec3& wp, Motion& own,
+                                       Node& b) {
+  const MovedNode c = carry_moving(n, y, p, wp, own);
+  b.w = c.w, b.r = column(c.r), b.cal = column(c.cal), b.ca = column(c.ca);
+  Dof* dof = dofs_.data() + n.first_v;
+  for (int i = 0; i < n.n_slides; ++i, ++dof) dof->l = column(c.slide[static_cast<std::size_t>(i)]), dof->n = Column{};
+  for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof) {
+    const Vec3 axis = c.turn_axes.col(i);
+    dof->n = column(axis), dof->l = column(cross(axis, Vec3(own.x - c.X)));
   }
 }
 

@@ -12,7 +12,7 @@ namespace lockstep {
 class LoopClosures;
 
 /// The recursion and its scratch. World axes; wrenches and accelerations of a slot about its mass centre.
-class ArticulatedBodies {
+class LOCKSTEP_API ArticulatedBodies {
  public:
   /// Sizes everything for this tree, and reads the masses of the slots of its system.
   void begin(const JointTree&, const System&);
@@ -59,6 +59,8 @@ class ArticulatedBodies {
     Column l, n, Uf, Ut;
     double u;
   };
+  [[gnu::noinline]] void outward_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& own,
+                                        Node&);
   Inertia inertia_of(const Node&, const Motion&, const double* f) const;
   template <int k>
   void eliminate(const TreeNode&, const Node&, const Inertia&);
@@ -75,6 +77,7 @@ class ArticulatedBodies {
   std::vector<Dof> dofs_;
   std::vector<Inertia> waiting_;
   std::vector<double> inverse_;  // D^-1 of all nodes, row by row
+  std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
   double largest_a_ = 0, largest_alpha_ = 0;
 };
 

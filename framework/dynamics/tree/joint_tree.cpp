@@ -5,6 +5,7 @@
 
 #include <lockstep/lock.h>
 #include "framework/dynamics/tree/spanning_tree.h"
+#include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -12,10 +13,14 @@ namespace lockstep {
 
 namespace {
 
+constexpr double kInPlane = 1e-9;  // sine of the angle by which an axis may lie beside the plane: see System::setup
+
 // Rows that a tree joint may hold: any translations, and none, two or all of the turns.
 bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
 
 bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
+
+bool is_moving(const Marker& m) { return m.translation_law || m.rotation_law; }
 
 // A particle keeps its axes: the ground alone can carry it, and it carries nothing.
 std::string refusal_of_particle(const Lock& link) {
@@ -24,27 +29,85 @@ std::string refusal_of_particle(const Lock& link) {
       if (!is_particle(*m->body)) continue;
       if (!other->body->fixed)
         return "link '" + link.name() + "' ties the particle '" + m->body->name + "' to a body that moves";
-      if (!link.jointed()->imposed().empty()) return "link '" + link.name() + "' has laws on a particle";
+      if (!link.jointed()->imposed().empty() || is_moving(*p) || is_moving(*s))
+        return "link '" + link.name() + "' has laws on a particle";
     }
   return "";
 }
 
+// Which coordinates a lock leaves free.
+struct Free {
+  int n_slides = 0;
+  std::array<Vec3, 3> slide{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // in the axes of the slot that carries S
+  TreeTurn turn = TreeTurn::none;
+  Vec3 hinge = Vec3::Zero();  // axis of a hinge, in the axes of P and of S
+};
+
+Free free_in_space(Mask held, const MarkerFrame& S) {
+  Free f;
+  for (int k = 0; k < 3; ++k)
+    if (!includes(held, row_bit(k))) f.slide[static_cast<std::size_t>(f.n_slides++)] = S.A0.col(k);
+  if (!overlaps(held, Mask::e123)) {
+    f.turn = TreeTurn::ball;
+  } else if (!includes(held, Mask::e123)) {
+    f.turn = TreeTurn::hinge;
+    f.hinge = Vec3::Unit(!includes(held, Mask::e1) ? 0 : !includes(held, Mask::e2) ? 1 : 2);
+  }
+  return f;
+}
+
+// Of these, those in the plane, in which slot axes are the world's where no slot is turned. Of the axes of S each lies
+// in the plane or along the normal, if a row holds it.
+Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
+  const Free space = free_in_space(held, S);
+  const Vec3 normal = Vec3::Unit(plane.n), hinge = S.A0 * space.hinge;
+  Free f;
+  if (space.turn == TreeTurn::ball || (space.turn == TreeTurn::hinge && are_parallel(hinge, normal)))
+    f.turn = TreeTurn::hinge, f.hinge = space.turn == TreeTurn::ball ? Vec3(S.A0.transpose() * normal) : space.hinge;
+  Vec3 held_in = Vec3::Zero();  // a direction in the plane that is held
+  int n_held = 0;
+  for (int k = 0; k < 3; ++k)
+    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kInPlane)) held_in = S.A0.col(k), ++n_held;
+  for (int k = 0; k < space.n_slides; ++k)
+    if (const Vec3& along = space.slide[static_cast<std::size_t>(k)]; are_perpendicular(along, normal, kInPlane))
+      f.slide[static_cast<std::size_t>(f.n_slides++)] = along;
+  if (f.n_slides == 2 - n_held) return f;
+  f.n_slides = 2 - n_held;
+  f.slide[0] = n_held == 1 ? Vec3(cross(normal, held_in)) : Vec3(Vec3::Unit(plane.i()));
+  f.slide[1] = Vec3::Unit(plane.j());
+  return f;
+}
+
+// Whether a lock holds something in the plane.
+bool holds_in_plane(const Lock& link, Plane plane) {
+  const Free f = free_in_plane(link.jointed()->rows(), MarkerFrame(*link.pairs().front().second), plane);
+  return f.n_slides < 2 || f.turn == TreeTurn::none;
+}
+
+// Whether markers are turned against each other, out of the plane, by an angle that the lock leaves free.
+bool is_tilted(const Lock& link, Plane plane) {
+  if (!overlaps(link.jointed()->rows(), Mask::e123)) return false;
+  const auto [p, s] = link.pairs().front();
+  const Quat turn = MarkerFrame(*s).q0 * conjugate(MarkerFrame(*p).q0);
+  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kInPlane;
+}
+
 // Why a link is no tree joint; "" for one that is.
-std::string refusal(const Lock& link) {
+std::string refusal(const Lock& link, Plane plane) {
   const std::string who = "link '" + link.name() + "' ";
   const Jointed* joint = link.jointed();
   if (!joint) return who + "is not a lock of a mask";
-  for (const auto& [p, s] : link.pairs())
-    for (const Marker* m : {p, s})
-      if (m->translation_law || m->rotation_law) return who + "has a marker that moves on its body";
+  if (plane)
+    for (const auto& [p, s] : link.pairs())
+      if (is_moving(*p) || is_moving(*s)) return who + "has a marker that moves on its body";
   if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
   if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
+  if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
   return refusal_of_particle(link);
 }
 
 // What stands in the way of joint coordinates, but for loops; "" for nothing.
 std::string obstacle(const System& system, const std::vector<bool>& modes, Closures closures) {
-  if (system.plane()) return "the mechanism is planar";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
@@ -52,7 +115,7 @@ std::string obstacle(const System& system, const std::vector<bool>& modes, Closu
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
     if (closures == Closures::rows || !modes[static_cast<std::size_t>(link->number())]) continue;
-    if (std::string why = refusal(*link); !why.empty()) return why;
+    if (std::string why = refusal(*link, system.plane()); !why.empty()) return why;
   }
   return {};
 }
@@ -67,8 +130,9 @@ std::pair<std::vector<int>, std::vector<int>> tree_and_closures(const System& sy
   std::vector<GraphLink> links;
   for (const auto& link : system.links()) {
     if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
+    if (system.plane() && link->jointed() && !holds_in_plane(*link, system.plane())) continue;
     const auto [a, b] = link->pairs().empty() ? std::pair(kGround, kGround) : slots_of(*link);
-    links.push_back({link->number(), a, b, refusal(*link).empty() ? count_rows(link->jointed()->rows()) : 0});
+    links.push_back({link->number(), a, b, refusal(*link, system.plane()).empty() ? count_rows(link->jointed()->rows()) : 0});
   }
   const std::vector<bool> taken = spanning_tree(links, system.n_slots());
   std::pair<std::vector<int>, std::vector<int>> out;
@@ -105,12 +169,18 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  if (closures == Closures::none && !others.empty()) {
-    why_not = "link '" + system.links()[static_cast<std::size_t>(others.front())]->name() + "' closes a loop";
+  if (!others.empty() && (closures == Closures::none || system.plane())) {
+    const Lock& link = *system.links()[static_cast<std::size_t>(others.front())];
+    why_not = refusal(link, system.plane());
+    if (why_not.empty()) why_not = "link '" + link.name() + "' closes a loop";
+    if (closures == Closures::rows) why_not += ", which in the plane is not taken";
     return nullptr;
   }
   tree->closures_ = others;
   tree->grow(system, Graph(system, joints));
+  tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
+  if (system.plane() && !tree->planar_)
+    return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
   if (tree->n_v_ > 0) return tree;
   why_not = "no coordinate is free, so that nothing would choose the steps";
   return nullptr;
@@ -156,28 +226,31 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     held = lock.jointed()->rows();
     if (const ImposedMotion& laws = lock.jointed()->imposed(); !laws.empty()) {
       node.imposed = std::make_shared<const ImposedMotion>(laws);
-      node.lock = &lock, node.rows = held, has_laws_ = true;
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
     }
+    node.lock = &lock, node.rows = held;
+    has_laws_ = has_laws_ || node.imposed || is_moving(*p) || is_moving(*s);
+    if (is_moving(*p) || is_moving(*s))
+      node.moving = std::make_shared<const MovingMarkers>(P.slot == slot ? MovingMarkers{S, P} : MovingMarkers{P, S});
   }
   if (system.slot(slot).freedoms == Freedoms::particle) {  // its axes are those of the world
     held = held | Mask::e123;
     P.q0 = S.q0;
   }
   node.reversed = P.slot != slot;
+  const Free free = system.plane() ? free_in_plane(held, S, system.plane()) : free_in_space(held, S);
+  if (system.plane() && !overlaps(held, Mask::e123))
+    P.q0 = S.q0, P.A0 = S.A0;  // the angle is zero where the slots' axes agree
   const MarkerFrame &near = node.reversed ? P : S, &far = node.reversed ? S : P;
   const double sign = node.reversed ? -1.0 : 1.0;
   node.near_u = near.u0, node.near_q = near.q0, node.far_u = far.u0, node.far_q = far.q0;
   node.K0 = near.q0 * conjugate(far.q0);
-  for (int k = 0; k < 3; ++k)
-    if (!includes(held, row_bit(k))) node.slide[static_cast<std::size_t>(node.n_slides++)] = sign * S.A0.col(k);
-  if (!overlaps(held, Mask::e123)) {
-    node.turn = TreeTurn::ball;
+  node.n_slides = free.n_slides, node.turn = free.turn;
+  for (std::size_t k = 0; k < 3; ++k) node.slide[k] = sign * free.slide[k];
+  if (node.turn == TreeTurn::ball) {
     node.ball = sign * P.A0;
-  } else if (!includes(held, Mask::e123)) {
-    node.turn = TreeTurn::hinge;
-    const int a = !includes(held, Mask::e1) ? 0 : !includes(held, Mask::e2) ? 1 : 2;
-    node.hinge = Vec3::Unit(a);
+  } else if (node.turn == TreeTurn::hinge) {
+    node.hinge = free.hinge;
     node.axis = sign * (near.A0 * node.hinge);
     node.K1 = near.q0 * Quat::from(0.0, Vec3(sign * node.hinge)) * conjugate(far.q0);
   }
@@ -187,9 +260,13 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
 }
 
 void JointTree::motions(const State& y, std::span<Motion> out) const {
+  if (planar_) return planar_->motions(nodes_, y, out);
   for (const TreeNode& node : nodes_) {
     const Motion& p = out[motion_of(node.parent)];
-    carry(node, y, p, p.A * p.w, out[motion_of(node)]);
+    if (node.moving)
+      carry_moving(node, y, p, p.A * p.w, out[motion_of(node)]);
+    else
+      carry(node, y, p, p.A * p.w, out[motion_of(node)]);
   }
 }
 
@@ -217,7 +294,11 @@ Motion JointTree::motion(const State& y, int slot) const {
   for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
     path.push_back(&nodes_[static_cast<std::size_t>(k)]);
   Motion p, own;
-  for (; !path.empty(); path.pop_back(), p = own) carry(*path.back(), y, p, p.A * p.w, own);
+  for (; !path.empty(); path.pop_back(), p = own)
+    if (path.back()->moving)
+      carry_moving(*path.back(), y, p, p.A * p.w, own);
+    else
+      carry(*path.back(), y, p, p.A * p.w, own);
   return p;
 }
 
@@ -262,11 +343,30 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
       const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
       p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
     }
-    const NodeVariation own = vary(node, y, d, at[motion_of(node.parent)], at[motion_of(node)], p);
+    const Motion& parent = at[motion_of(node.parent)];
+    const NodeVariation own =
+        node.moving ? vary_moving(node, y, d, parent, p) : vary(node, y, d, parent, at[motion_of(node)], p);
     dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
     dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
   }
 }
+
+namespace {
+
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`.
+void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
+  const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
+  if (node.turn == TreeTurn::hinge) {
+    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w), about = near ? near->q[at_q] : 0.0;
+    out.q[at_q] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
+    out.v[at_v] = rates[0];
+  } else if (node.turn == TreeTurn::ball) {
+    out.q.segment<4>(at_q) = r.coefficients();
+    out.v.segment<3>(at_v) = rates;
+  }
+}
+
+}  // namespace
 
 // The pose of far seen from near: r and rho of P seen from S, or their inverse.
 void JointTree::read_off(const State& slots, const State* near, State& out) const {
@@ -278,6 +378,13 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     const Motion own = slot_motion(slots, node.slot);
     const Vec3 wp = p.A * p.w, w = own.A * own.w;
     double *q = out.q.data() + node.first_q, *v = out.v.data() + node.first_v;
+    if (node.moving) {
+      const MovedCoordinates c = read_moving(node, slots.t, slots.s, p, own);
+      for (int i = 0, k = 0; i < 3; ++i)
+        if (!includes(node.rows, row_bit(i))) q[k] = c.rho[i], v[k++] = c.rhod[i];
+      write_turn(node, c.r, node.turn == TreeTurn::hinge ? Vec3(Vec3::Constant(node.hinge.dot(c.w))) : c.w, near, out);
+      continue;
+    }
     // The joint acts at the point X of the marker on the slot that does not carry the slides.
     const Vec3 X = node.reversed ? Vec3(p.x + p.A * node.near_u) : Vec3(own.x + own.A * node.far_u);
     const Motion& S = node.reversed ? own : p;
@@ -285,8 +392,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     const Vec3 rho = (node.reversed ? -1.0 : 1.0) * (S.A.transpose() * (X - S_origin));
     const Vec3 v_own = own.v + cross(w, Vec3(X - own.x)), v_parent = p.v + cross(wp, Vec3(X - p.x));
     const Vec3 rhod = S.A.transpose() * (v_own - v_parent);
-    int k = 0;
-    for (; k < node.n_slides; ++k) {
+    for (int k = 0; k < node.n_slides; ++k) {
       const Vec3& e = node.slide[static_cast<std::size_t>(k)];
       q[k] = e.dot(rho), v[k] = e.dot(rhod);
     }
@@ -297,15 +403,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     if (node.imposed) laws_at(node, slots.t, slots.s, now), r = conjugate(now.q) * r;
     const Vec3 law = node.imposed ? Vec3(slide_axes(node, p, own) * now.w) : Vec3::Zero();
     const Vec3 turn = turn_axes(node, now, p, own).transpose() * (w - wp - law);
-    if (node.turn == TreeTurn::hinge) {
-      const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
-      const double about = near ? near->q[node.first_q + k] : 0.0;
-      q[k] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
-      v[k] = turn[0];
-    } else if (node.turn == TreeTurn::ball) {
-      q[k] = r.w, q[k + 1] = r.x, q[k + 2] = r.y, q[k + 3] = r.z;
-      v[k] = turn[0], v[k + 1] = turn[1], v[k + 2] = turn[2];
-    }
+    write_turn(node, r, turn, near, out);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/state.h>
 #include <lockstep/system.h>
+#include "framework/dynamics/tree/planar_joints.h"
 
 namespace lockstep {
 
@@ -20,6 +21,11 @@ enum class TreeTurn {
   none,   ///< not at all
   hinge,  ///< about one axis of both: an angle, rad, unwrapped
   ball    ///< freely: a unit quaternion
+};
+
+/// The markers near and far of a node.
+struct MovingMarkers {
+  MarkerFrame near, far;
 };
 
 /// A node of the tree: a slot, and the joint that carries it. Along `near` (the marker on the parent) and `far` (the
@@ -41,6 +47,8 @@ struct TreeNode {
   bool reversed = false;           ///< near is P
   /// Laws of the lock, its rows, and where its states begin in State::s; null: none. The lock itself names errors only.
   std::shared_ptr<const ImposedMotion> imposed{};
+  /// The markers, where laws move one of them on its body; else null.
+  std::shared_ptr<const MovingMarkers> moving{};
   const Lock* lock = nullptr;
   Mask rows = Mask::none;
   int first_s = 0, n_s = 0;
@@ -54,6 +62,7 @@ struct TreeNode {
   Vec3 hinge = Vec3::Zero();     ///< axis of a hinge, in the axes of P and of D
   Quat near_q, far_q;            ///< axes of near and far
 
+  bool has_laws() const { return imposed || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
 };
@@ -91,6 +100,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
   const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
+  /// The same joints in a plane, where they keep all slots in one; else null.
+  const PlanarJoints* planar() const { return planar_.get(); }
 
  private:
   template <class G>
@@ -103,6 +114,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
   std::vector<int> closures_;
+  std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
   bool has_laws_ = false;
 };

@@ -59,18 +59,31 @@ struct Carried {
       w;           ///< angular velocity of the slot, rad/s
 };
 
+/// Cosine and sine of half the angle of a hinge; of another joint not read.
+struct HalfTurn {
+  double c = 1, s = 0;
+};
+LOCKSTEP_INLINE double half_angle(const TreeNode& n, const double* q) {
+  return n.turn == TreeTurn::hinge ? 0.5 * q[n.n_slides] : 0.0;
+}
+LOCKSTEP_INLINE HalfTurn half_turn(const TreeNode& n, const double* q) {
+  const double half = half_angle(n, q);
+  return {std::cos(half), std::sin(half)};
+}
+
 /// Writes the orientation of a node at its coordinates q.
-LOCKSTEP_INLINE void orient(const TreeNode& n, const Imposed& now, const double* q, const Motion& p, Motion& out) {
+LOCKSTEP_INLINE void orient(const TreeNode& n, const Imposed& now, const double* q, const HalfTurn& half,
+                            const Motion& p, Motion& out) {
   const double* a = q + n.n_slides;
   if (n.imposed) {
     Quat r = now.q;
     if (n.turn == TreeTurn::hinge)
-      r = r * Quat::from(std::cos(0.5 * a[0]), Vec3(std::sin(0.5 * a[0]) * n.hinge));
+      r = r * Quat::from(half.c, Vec3(half.s * n.hinge));
     else if (n.turn == TreeTurn::ball)
       r = r * normalized(Quat{a[0], a[1], a[2], a[3]});
     out.e = p.e * (n.near_q * (n.reversed ? conjugate(r) : r) * conjugate(n.far_q));
   } else if (n.turn == TreeTurn::hinge) {
-    const double c = std::cos(0.5 * a[0]), s = std::sin(0.5 * a[0]);
+    const auto [c, s] = half;
     out.e = p.e * Quat{c * n.K0.w + s * n.K1.w, c * n.K0.x + s * n.K1.x, c * n.K0.y + s * n.K1.y,
                        c * n.K0.z + s * n.K1.z};
   } else if (n.turn == TreeTurn::none) {
@@ -116,10 +129,10 @@ LOCKSTEP_INLINE Carried carried(const TreeNode& n, const Imposed& now, const dou
 
 /// Writes the motion of a node at a state, and returns what its joint adds. `p`, `wp`: motion of the parent, its angular
 /// velocity in world axes, rad/s.
-LOCKSTEP_INLINE Carried carry(const TreeNode& n, const Imposed& now, const State& y, const Motion& p, const Vec3& wp,
-                              Motion& out) {
+LOCKSTEP_INLINE Carried carry(const TreeNode& n, const Imposed& now, const State& y, const HalfTurn& half,
+                              const Motion& p, const Vec3& wp, Motion& out) {
   const double *q = y.q.data() + n.first_q, *v = y.v.data() + n.first_v;
-  orient(n, now, q, p, out);
+  orient(n, now, q, half, p, out);
   const Carried c = carried(n, now, q, v, p, wp, out);
   out.w = out.A.transpose() * c.w;
   out.x = p.x + c.d1 + c.d2;
@@ -130,7 +143,7 @@ LOCKSTEP_INLINE Carried carry(const TreeNode& n, const Imposed& now, const State
 LOCKSTEP_INLINE Carried carry(const TreeNode& n, const State& y, const Motion& p, const Vec3& wp, Motion& out) {
   Imposed now;
   if (n.imposed) laws_at(n, y.t, y.s, now);
-  return carry(n, now, y, p, wp, out);
+  return carry(n, now, y, half_turn(n, y.q.data() + n.first_q), p, wp, out);
 }
 
 /// Variation of a node's motion, world axes.

@@ -12,15 +12,13 @@ void TreeReactions::begin(const JointTree& tree, const System& system, const Row
   for (std::size_t k = 0; k < tree.nodes().size(); ++k)
     if (const int link = tree.nodes()[k].link; link >= 0)
       node_of_link_[static_cast<std::size_t>(link)] = static_cast<int>(k);
-  a_.setZero(6 * tree.n_slots());
   lambda_.setZero(rows.n_rows);
   length_ = system.length();
 }
 
-void TreeReactions::solve(const JointTree& tree, const System& system, std::span<const Motion> motions,
-                          const ArticulatedBodies& bodies, const VecX& f, const RowTable& rows) {
-  bodies.accelerations(tree, motions, a_);
-  wrenches(tree, system, motions, f);
+void TreeReactions::solve(const JointTree& tree, const System& system, std::span<const Motion> motions, const VecX& a,
+                          const VecX& f, const RowTable& rows) {
+  wrenches(tree, system, motions, a, f);
   for (const RowEntry& e : rows.entries) {
     if (node_of_link_[static_cast<std::size_t>(e.link)] < 0) continue;
     const auto node = static_cast<std::size_t>(node_of_link_[static_cast<std::size_t>(e.link)]);
@@ -34,15 +32,15 @@ void TreeReactions::set(const RowEntry& e, const double* lambda) { std::copy_n(l
 // m a = F + what the joint carries - what the joints of the children carry; likewise about the mass centre:
 //   J w' + w x J w = M + ...   with f = (F, M - w x J w)
 void TreeReactions::wrenches(const JointTree& tree, const System& system, std::span<const Motion> motions,
-                             const VecX& f) {
+                             const VecX& a, const VecX& f) {
   for (Wrench& w : carried_) w = {};
   for (std::size_t k = carried_.size(); k-- > 0;) {
     const TreeNode& n = tree.nodes()[k];
     const Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
     const Slot& slot = system.slot(n.slot);
     Wrench& w = carried_[k];
-    w.force += slot.mass * a_.segment<3>(6 * n.slot) - f.segment<3>(6 * n.slot);
-    w.moment += own.A * (slot.J * a_.segment<3>(6 * n.slot + 3) - f.segment<3>(6 * n.slot + 3));
+    w.force += slot.mass * a.segment<3>(6 * n.slot) - f.segment<3>(6 * n.slot);
+    w.moment += own.A * (slot.J * a.segment<3>(6 * n.slot + 3) - f.segment<3>(6 * n.slot + 3));
     if (n.parent < 0) continue;
     const int parent = tree.nodes()[static_cast<std::size_t>(n.parent)].slot;
     Wrench& p = carried_[static_cast<std::size_t>(n.parent)];

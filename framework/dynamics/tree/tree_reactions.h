@@ -1,4 +1,4 @@
-// TreeReactions: accelerations of the slots of a tree, and the multipliers of its joints.
+// TreeReactions: the multipliers of the joints of a tree.
 #pragma once
 
 #include <span>
@@ -6,7 +6,6 @@
 
 #include <lockstep/rows.h>
 #include <lockstep/system.h>
-#include "framework/dynamics/tree/articulated.h"
 #include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
@@ -17,12 +16,11 @@ class TreeReactions {
  public:
   /// Sizes everything for this tree and the rows of its links in force.
   void begin(const JointTree&, const System&, const RowTable&);
-  /// After bodies.accelerate() under the forces f, with the rows gathered at the same state. Links of the table that are
-  /// no joints of the tree act by f, and keep the multipliers that were set.
-  void solve(const JointTree&, const System&, std::span<const Motion> motions, const ArticulatedBodies& bodies,
-             const VecX& f, const RowTable& rows);
+  /// With the accelerations a under the forces f, 6 per slot, as in Evaluated, and the rows gathered at the same state.
+  /// Links of the table that are no joints of the tree act by f, and keep the multipliers that were set.
+  void solve(const JointTree&, const System&, std::span<const Motion> motions, const VecX& a, const VecX& f,
+             const RowTable& rows);
 
-  const VecX& a() const { return a_; }            ///< 6 per slot, as in Evaluated
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
   /// Sets the multipliers of a link of the table that is no joint of the tree.
   void set(const RowEntry&, const double* lambda);
@@ -32,12 +30,12 @@ class TreeReactions {
   struct Wrench {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   };
-  void wrenches(const JointTree&, const System&, std::span<const Motion> motions, const VecX& f);
+  void wrenches(const JointTree&, const System&, std::span<const Motion> motions, const VecX& a, const VecX& f);
   void multipliers(const RowEntry&, const RowTable&, const Motion&, const Wrench&, const Slot&, int slot);
 
   std::vector<Wrench> carried_;    // by node
   std::vector<int> node_of_link_;  // by number of the link; -1: none
-  VecX a_, lambda_;
+  VecX lambda_;
   double length_ = 1;
 };
 

@@ -82,11 +82,16 @@ void System::setup_merge() {
   std::unordered_map<const Body*, std::size_t> numbers;
   for (const Body& body : bodies_) numbers.emplace(&body, numbers.size());
   const auto number_of = [&](const Body* body) { return numbers.at(body); };
+  // While parts are joined, part_of_ leads to the first body in several steps, which are shortened on the way.
+  const auto first_of = [&](std::size_t k) {
+    for (; part_of_[k] != k; k = part_of_[k]) part_of_[k] = part_of_[part_of_[k]];
+    return k;
+  };
   const auto join = [&](std::size_t a, std::size_t b) {
-    std::size_t first = std::min(part_of_[a], part_of_[b]), second = std::max(part_of_[a], part_of_[b]);
+    a = first_of(a), b = first_of(b);
+    std::size_t first = std::min(a, b), second = std::max(a, b);
     if (bodies_[second].fixed && !bodies_[first].fixed) std::swap(first, second);
-    for (std::size_t& p : part_of_)
-      if (p == second) p = first;
+    part_of_[second] = first;
   };
   const auto meet = [](const Marker& p, const Marker& s) {  // same pose at the start, and same velocity
     const Pose P = p.body->home * p.local, S = s.body->home * s.local;
@@ -112,6 +117,7 @@ void System::setup_merge() {
     merged_[l] = true;
     join(number_of(p->body), number_of(s->body));
   }
+  for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = first_of(k);
   const auto dissolve = [&](std::size_t part) {
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;

@@ -330,10 +330,11 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
                            const Findings& found) {
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
-  if (const Plane plane = m.system.plane())
-    return fmt::format("omega, in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]);
-  if (!why_not_joint.empty()) return "omega: " + why_not_joint;
-  if (found.closures.empty()) return fmt::format("joint: {} unknown velocities, no rows", r.freedoms);
+  const Plane plane = m.system.plane();
+  const std::string where =
+      plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
+  if (asked == Formulation::omega || !why_not_joint.empty()) return plane ? "omega" + where : "omega: " + why_not_joint;
+  if (found.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
   std::size_t unknowns = 0;
   for (const Branch& b : found.tree) unknowns += b.coordinates.size();
   return fmt::format("joint: {} unknown velocities, and the rows of what closes loops: {}", unknowns,

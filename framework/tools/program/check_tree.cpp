@@ -13,11 +13,30 @@ namespace {
 
 constexpr std::size_t kMostLines = 40;
 
-// The coordinates that a lock leaves free and nothing drives.
-std::vector<std::string> free_axes(Mask held) {
+// The coordinates that a lock leaves free and nothing drives; in a plane those in it, by the axes of S that lie in it or
+// along its normal, else of the world.
+std::vector<std::string> free_axes(Mask held, const TreeNode& n, Plane plane) {
   std::vector<std::string> free;
-  for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
-    if (!includes(held, row_of(axis))) free.emplace_back(to_string(axis));
+  if (!plane) {
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
+      if (!includes(held, row_of(axis))) free.emplace_back(to_string(axis));
+    return free;
+  }
+  const Mat3 S = rotation(n.reversed ? n.far_q : n.near_q);
+  const auto axis_of = [](const Mat3& axes, const Vec3& along) -> std::string {
+    for (int k = 0; k < 3; ++k)
+      if (are_parallel(axes.col(k), along, 1e-9)) return std::string(1, "xyz"[k]);
+    return "";
+  };
+  for (int k = 0; k < n.n_slides; ++k) {
+    const Vec3& along = n.slide[static_cast<std::size_t>(k)];
+    const std::string own = axis_of(S, along), world = axis_of(Mat3::Identity(), along);
+    free.push_back(!own.empty() ? own : !world.empty() ? "the world's " + world : "across what is held");
+  }
+  if (n.turn != TreeTurn::none) {
+    const std::string own = axis_of(Mat3::Identity(), n.hinge);
+    free.push_back(own.empty() ? "about the normal" : "r" + own);
+  }
   return free;
 }
 
@@ -38,7 +57,7 @@ std::vector<Branch> tree_of(const System& system, const std::vector<bool>& modes
     }
     const Lock* link = n.link >= 0 ? system.links()[static_cast<std::size_t>(n.link)].get() : nullptr;
     if (link != nullptr) b.link = link->name();
-    b.coordinates = free_axes(link != nullptr ? link->jointed()->rows() : Mask::none);
+    b.coordinates = free_axes(link != nullptr ? link->jointed()->rows() : Mask::none, n, system.plane());
     all.push_back(std::move(b));
   }
   return all;
