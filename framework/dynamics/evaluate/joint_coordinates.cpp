@@ -26,7 +26,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = system_.revision(), t.modes = modes;
   const bool asked = options_.formulation == Formulation::joint;
-  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::none);
+  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::couplings);
   t.in_plane = t.coordinates && t.coordinates->planar() && !t.coordinates->has_rows();
   if (t.in_plane)
     t.planar_bodies.begin(*t.coordinates, system_);

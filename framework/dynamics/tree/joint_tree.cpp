@@ -114,7 +114,7 @@ std::string obstacle(const System& system, const std::vector<bool>& modes, Closu
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
-    if (closures == Closures::rows || !modes[static_cast<std::size_t>(link->number())]) continue;
+    if (closures != Closures::none || !modes[static_cast<std::size_t>(link->number())]) continue;
     if (std::string why = refusal(*link, system.plane()); !why.empty()) return why;
   }
   return {};
@@ -169,20 +169,36 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  if (!others.empty() && (closures == Closures::none || system.plane())) {
-    const Lock& link = *system.links()[static_cast<std::size_t>(others.front())];
-    why_not = refusal(link, system.plane());
-    if (why_not.empty()) why_not = "link '" + link.name() + "' closes a loop";
+  tree->closures_ = others;
+  tree->grow(system, Graph(system, joints));
+  if (const Lock* link = tree->not_taken(system, closures)) {
+    why_not = refusal(*link, system.plane());
+    if (why_not.empty()) why_not = "link '" + link->name() + "' closes a loop";
     if (closures == Closures::rows) why_not += ", which in the plane is not taken";
     return nullptr;
   }
-  tree->closures_ = others;
-  tree->grow(system, Graph(system, joints));
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
     return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
   if (tree->n_v_ > 0) return tree;
   why_not = "no coordinate is free, so that nothing would choose the steps";
+  return nullptr;
+}
+
+// The first closure that is not to be one; null: none.
+const Lock* JointTree::not_taken(const System& system, Closures closures) const {
+  const bool none = closures == Closures::none || system.plane();
+  for (const int number : closures_) {
+    const Lock& link = *system.links()[static_cast<std::size_t>(number)];
+    if (none) return &link;
+    if (closures == Closures::rows) continue;
+    if (link.row_count() != 1) return &link;
+    for (const auto& [p, s] : link.pairs())
+      for (const Marker* m : {p, s})
+        if (const int slot = m->body->slot;
+            slot != kGround && nodes_[static_cast<std::size_t>(node_of_[static_cast<std::size_t>(slot)])].n_v() != 1)
+          return &link;
+  }
   return nullptr;
 }
 

@@ -18,6 +18,15 @@ constexpr int kSearch = 24;           // halvings by the golden section: 1e-5 of
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kOnConstraints = 1e-12;  // m, times the length
 
+bool has_no_rows(const Sample& sample) { return sample.state.coordinates && !sample.state.coordinates->has_rows(); }
+
+// The state of a sample in the bodies' own coordinates.
+State in_slots(const Sample& sample) {
+  State state = sample.state;
+  sample.dynamics().to_slots(state);
+  return state;
+}
+
 // The turn of the fastest body in a time, rad; translations over the length of the mechanism.
 double turn_in(const State& state, double h, double length) {
   double w2 = 0;
@@ -75,9 +84,10 @@ bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, cons
 void SingularWatch::start(const Sample& sample) {
   passed_.clear();
   forget();
-  if (sample.state.coordinates) return;
-  eye_ = std::make_unique<Eye>(system_, sample.state);
-  look(sample, 0);
+  if (has_no_rows(sample)) return;
+  const State state = in_slots(sample);
+  eye_ = std::make_unique<Eye>(system_, state);
+  look(state, 0);
 }
 
 void SingularWatch::jumped(const Sample&) { forget(); }
@@ -128,17 +138,22 @@ void SingularWatch::forget() {
 }
 
 void SingularWatch::step(const Sample& sample) {
-  if (sample.state.coordinates || sample.report.manifold) return forget();
-  if (!eye_) eye_ = std::make_unique<Eye>(system_, sample.state);
-  const double turn = turn_in(sample.state, sample.report.h, system_.length());
+  if (has_no_rows(sample) || sample.report.manifold) return forget();
+  if (sample.state.coordinates) return follow(in_slots(sample), sample.report.h);
+  follow(sample.state, sample.report.h);
+}
+
+void SingularWatch::follow(const State& state, double h) {
+  if (!eye_) eye_ = std::make_unique<Eye>(system_, state);
+  const double turn = turn_in(state, h, system_.length());
   turned_ += turn;
   if (turned_ < kLook) return;
   turned_ = 0;
-  look(sample, turn);
+  look(state, turn);
 }
 
-void SingularWatch::look(const Sample& sample, double turn) {
-  Look now{sample.state, 0, turn};
+void SingularWatch::look(const State& state, double turn) {
+  Look now{state, 0, turn};
   try {
     now.root = eye_->root_at(now.state);
   } catch (const Error&) {
