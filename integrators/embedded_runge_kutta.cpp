@@ -71,7 +71,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   stages_.begin(scheme_.tableau, state, passage_.active());
   watch_.begin(state.v.size());
   h_ = h_followed_ = 0;
-  dense_ready_ = false;
+  dense_ready_ = stays_ = counted_ = false;
   if (!scheme_.error) return;
   error_ = gap_ = sized_like(state);
   const int n = scheme_.tableau.n_stages, n_all = scheme_.tableau.n_all;
@@ -92,11 +92,24 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   h_ = h_followed_ = 0;
   dense_ready_ = false;
   passage_.start_step();
-  first_done_ = passage_.first_stage(dynamics, start_, stages_);
+  first_done_ = follows && is_at_end_stage(start_);
+  if (first_done_) {
+    stages_.put(0, stages_.k(scheme_.end_stage));
+  } else {
+    first_done_ = passage_.first_stage(dynamics, start_, stages_);
+    if (counted_) --dynamics.work().evaluations;
+  }
+  counted_ = false;
   if (follows && first_done_ && !fixed())
     watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
                    start_.coordinates ? 1.0 : dynamics.system().length());
   return fixed() ? h : passage_.longest(start_, h);
+}
+
+// Whether a state is that of the stage at the end of the last step: its rates are known then.
+bool EmbeddedRungeKutta::is_at_end_stage(const State& y) const {
+  return scheme_.error && scheme_.end_stage < scheme_.tableau.n_stages && !passage_.active() && y.z.size() == 0 &&
+         y.t == end_.t && y.q == end_.q && y.v == end_.v && y.s == end_.s;
 }
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
@@ -124,6 +137,7 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
 void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   h_ = h_followed_ = report.h;
   landed_t_ = landed_.t;
+  stays_ = is_at_end_stage(landed_);
   report.manifold = passage_.stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
   passage_.finish_step(stages_, report);
@@ -196,6 +210,7 @@ void EmbeddedRungeKutta::save(Snapshot& out) const {
   passage_.save(out);
   if (fixed()) return;
   watch_.save(out);
+  out.put(stays_ ? 1 : 0);
   out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
 }
 
@@ -205,6 +220,7 @@ void EmbeddedRungeKutta::restore(const Snapshot& in) {
   h_ = h_followed_ = 0;
   if (fixed()) return;
   watch_.restore(in);
+  counted_ = in.get_flag();
   h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
   StateRate late = stages_.k(scheme_.late_stage);
   in.get_all(late.v);

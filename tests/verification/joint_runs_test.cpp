@@ -210,6 +210,29 @@ TEST_CASE("gains of a stabilisation have nothing to act on in joint coordinates,
   CHECK(warnings(Formulation::joint, Kind::project).empty());
 }
 
+TEST_CASE("where nothing moves the end of a step, its last stage is the first of the next", "[verification][joint]") {
+  const auto evaluations = [](Formulation formulation, bool ball, State& end) {
+    System system({.gravity = {0, -9.81, 0}});
+    const Vec3 tip = add_chain(system, 3);
+    if (ball) {
+      Body& bob = system.add_body("bob", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()}, {tip, {}});
+      system.add<Spherical>("ball", bob, system.body("rod2"), pose_at(tip));
+      bob.start.w = {1, 2, 3};
+    }
+    Dynamics dynamics = dynamics_of(system, formulation);
+    StepLoop loop(dynamics, std::make_unique<Dopri5>(true), {.step = 0.01});
+    loop.run_until(0.1);
+    end = loop.state();
+    dynamics.to_slots(end);
+    return dynamics.work().evaluations;
+  };
+  State joint, ball, omega;
+  const long reused = evaluations(Formulation::joint, false, joint);
+  CHECK(evaluations(Formulation::joint, true, ball) - reused == 9);    // a quaternion is normalised after each step
+  CHECK(evaluations(Formulation::omega, false, omega) - reused == 9);  // and so it is there
+  CHECK((joint.v - omega.v).lpNorm<Eigen::Infinity>() < 1e-6);
+}
+
 TEST_CASE("a step in joint coordinates allocates nothing", "[verification][joint]") {
   for (const bool driven : {false, true}) {  // driven: the work of the drive takes the joint's reactions
     CAPTURE(driven);

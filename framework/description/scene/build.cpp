@@ -124,7 +124,8 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   if (!make_integrator(out_.run, registry_)->info().joint) return nullptr;
   out_.system.setup();
   std::string why_not;
-  return JointTree::of(out_.system, out_.system.start().modes, why_not);
+  return JointTree::of(out_.system, out_.system.start().modes, why_not,
+                       formulation == Formulation::joint ? Closures::rows : Closures::couplings);
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
@@ -142,7 +143,7 @@ void Builder::choose_plane(bool asked) {
   System& system = out_.system;
   if (!asked && out_.run.formulation == Formulation::quaternion) return;
   const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
-  if (in_space && in_space->planar()) return;  // coordinates are as few as in a plane
+  if (in_space && (in_space->planar() || in_space->has_rows())) return;  // coordinates are as few as in a plane
   const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
   system.set_planar(found, bool(found));
   if (found && in_space && !tree()) system.set_planar({});
