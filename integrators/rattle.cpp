@@ -11,6 +11,7 @@
 
 #include <lockstep/stepping.h>
 #include <lockstep/error.h>
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -45,7 +46,7 @@ VecX any_velocities(Eigen::Index n, double sign) {
 VecX pushed_by(const Force& force, const Inputs& in, Eigen::Index n) {
   VecX f = VecX::Zero(n);
   WrenchSum sum(in.motions, f);
-  force.apply(in, sum);
+  named(force, in.t, [&] { force.apply(in, sum); });
   return f;
 }
 

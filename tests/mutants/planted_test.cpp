@@ -7,8 +7,10 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
+#include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/sweep.h>
 #include <lockstep/system.h>
@@ -225,6 +227,26 @@ TEST_CASE("off the constraints a turn that is imposed is as far off in the plane
       CHECK(angle[1] == Approx(0.3).epsilon(1e-9));
       CHECK(angle[0] == Approx(0.3).epsilon(1e-9));
     }
+}
+
+TEST_CASE("a condition that is zero at first is met when it comes back to zero, not before", "[mutants]") {
+  for (const double up : {5.0, -5.0}) {  // from z = 0, and back there after 1 s
+    System system(System::Options{{0, 0, up > 0 ? -10.0 : 10.0}});
+    system.add_particle("stone", 1, {0, 0, 0});
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    StepLoop run(dynamics, std::make_unique<Dopri5>(), {.output = 0.05});
+    std::vector<double> met;
+    run.add_event({.name = "level",
+                   .value = [](const Sample& s) { return s.state.q[2]; },
+                   .change = [&](State& s) { met.push_back(s.t); }});
+    State start = run.state();
+    start.v[2] = up;
+    run.set_state(start);
+    run.run_until(1.5);
+    INFO(up << " m/s, met " << met.size() << " times");
+    REQUIRE(met.size() == 1);
+    CHECK(met[0] == Approx(1.0).epsilon(1e-9));
+  }
 }
 
 }  // namespace planted_test

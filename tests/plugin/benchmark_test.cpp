@@ -1,10 +1,13 @@
 // The verbs that measure, called as a person calls them: chart, advise, run --certify.
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <lockstep/recorder.h>
+#include <lockstep/version.h>
+#include "framework/tools/charts/gnuplot.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -36,6 +39,14 @@ std::string advised(const std::string& text) {
   const std::size_t begin = text.find("lockstep run ");
   REQUIRE(begin != std::string::npos);
   return text.substr(begin + 9, text.find('\n', begin) - begin - 9);
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  char date[16];
+  std::tm day{};
+  gmtime_r(&now, &day);
+  return {date, std::strftime(date, sizeof date, "%Y-%m-%d", &day)};
 }
 
 double error_of(const Table& table) {
@@ -125,6 +136,33 @@ TEST_CASE("chart leaves every error of every combination in its table", "[benchm
   if (contains(r.text, "ring_chart.png"))
     for (const char* picture : {"", "_evaluations", "_formulations", "_stabilizations", "_solvers"})
       CHECK(fs::file_size(kFolder + "/charts/ring_chart" + picture + ".png") > 10000);
+}
+
+TEST_CASE("a chart says in its picture on which machine, by which version and when it was measured", "[benchmark]") {
+  if (find_gnuplot().empty()) {
+    WARN("skipped: gnuplot is not installed");
+    return;
+  }
+  const std::string svg = kFolder + "/caption/ring_chart.svg",
+                    words = "chart '" + ring("") +
+                            "' --integrators dopri5 --formulations omega --stabilizations project "
+                            "--solvers schur --tolerances 1e-3:1e-4 --budget 5 --quiet --out caption";
+  const auto picture = [&](const std::string& more) {
+    fs::remove_all(kFolder + "/caption");
+    const Result r = call(words + more);
+    INFO(r.text);
+    REQUIRE(r.exit == 0);
+    std::ifstream file(svg);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const auto measured = [&] { return "lockstep " + std::string(library_version()) + ", " + today(); };
+  const std::string before = measured(), usual = picture("");
+  CHECK((contains(usual, before) || contains(usual, measured())));
+  CHECK(contains(usual, ", Linux "));
+  const std::string own = picture(" --caption 'measured at home'"), none = picture(" --caption ''");
+  CHECK(contains(own, "measured at home"));
+  CHECK_FALSE(contains(own, ", Linux "));
+  CHECK_FALSE(contains(none, ", Linux "));
 }
 
 TEST_CASE("the certificate's digits are those of the closed form", "[benchmark]") {

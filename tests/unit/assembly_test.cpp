@@ -196,6 +196,42 @@ TEST_CASE("freedoms of a tree are counted link by link, however large it is", "[
   CHECK(off.redundant_links == std::vector<std::string>{"hinge"});
 }
 
+namespace {
+
+// Holds x at 0.2 m, in numbers that say little of metres.
+struct Faint {
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return 1e-6 * (y.x - 0.2);
+  }
+};
+class FaintLink final : public PhiLock<Faint> {
+ public:
+  FaintLink(std::string name, Marker& p, Marker& s)
+      : PhiLock<Faint>(std::move(name), p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2 | Mask::e3, Faint{}) {}
+  std::string_view type() const override { return "faint"; }
+};
+
+}  // namespace
+
+TEST_CASE("a start is as far off as the nearest pose that fits, however small the gradient of a function",
+          "[unit][analysis]") {
+  System sys;
+  Body& body = sys.add_body("slider", shapes::box(1.0, {1, 1, 1}));
+  sys.add<FaintLink>("faint", sys.add_marker("p", body), sys.add_marker("s", sys.ground()));
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  State state = sys.start();
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  CHECK(says(message_of<AssemblyError>([&] { run.run_until(0.1); }),
+             {"violates the constraints by 0.2 m", "row phi of link 'faint'", "assemble it first"}));
+  const AssemblyReport report = assemble(dynamics, state);
+  CHECK(report.before == Approx(0.2).epsilon(1e-9));
+  CHECK(report.after < 1e-9);
+  CHECK(report.largest_move == Approx(0.2).epsilon(1e-9));
+  CHECK(report.is_notable());
+  CHECK(state.q[0] == Approx(0.2).epsilon(1e-9));
+}
+
 TEST_CASE("a system that grew is set up anew, and a state of before is refused", "[unit][dynamics]") {
   System sys = four_bar();
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());

@@ -2,6 +2,7 @@
 #include <lockstep/recorder.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -102,6 +103,26 @@ TEST_CASE("a run that leaves its constraints has drifted", "[unit][record]") {
   CHECK(audit.result().drifted);
   CHECK(audit.result().violation > 1e-4);
   CHECK(audit.result().limits.violation == 1e-4);
+}
+
+TEST_CASE("a violation that is no number is a drift, whatever follows", "[unit][record]") {
+  RodPendulum pendulum;
+  EnergyAudit audit(pendulum.system);
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  const State state = pendulum.system.start();
+  StepReport report;
+  const auto after = [&](double violation) {
+    report.violation_after = violation;
+    audit.step(Sample(dynamics, state, report));
+  };
+  audit.start(Sample(dynamics, state, report));
+  after(1e-12);
+  CHECK(audit.result().violation == 1e-12);
+  CHECK_FALSE(audit.result().drifted);
+  after(std::numeric_limits<double>::quiet_NaN());
+  after(1e-12);
+  CHECK(std::isnan(audit.result().violation));
+  CHECK(audit.result().drifted);
 }
 
 TEST_CASE("a mechanism at rest, and one that turns for ever, are conserved", "[unit][record]") {

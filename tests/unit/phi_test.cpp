@@ -309,6 +309,77 @@ TEST_CASE("A gear counts both its turns on a carrier that turns", "[unit][phi]")
   }
 }
 
+namespace {
+
+/// Turns about z of one pair that tells its rotation alone, and where another is that tells its translation alone.
+template <bool rotation_first>
+struct Winch {
+  static constexpr int kPairs = 2;
+  static constexpr bool kCountsTurns = true;
+  static constexpr std::array<Reads, 2> kReads = {rotation_first ? Reads::rotation : Reads::translation,
+                                                  rotation_first ? Reads::translation : Reads::rotation};
+  template <class T>
+  T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
+    if constexpr (rotation_first)
+      return b.z - 0.1 * a.angle_z();
+    else
+      return a.z - 0.1 * b.angle_z();
+  }
+};
+template <bool rotation_first>
+class WinchLink final : public PhiCoupling<Winch<rotation_first>> {
+ public:
+  using PhiCoupling<Winch<rotation_first>>::PhiCoupling;
+  std::string_view type() const override { return "winch"; }
+};
+
+/// A drum that turns a load up, through many turns: the largest |C| on the way, and the state at its end.
+template <bool rotation_first>
+State wound(double& worst) {
+  System system;
+  const MassProperties mass{1.0, Vec3::Zero(), Mat3::Identity()};
+  Body &drum = system.add_body("drum", mass), &load = system.add_body("load", mass);
+  using MarkerPair = std::pair<Marker*, Marker*>;
+  const MarkerPair turning{&system.add_marker("d", drum), &system.add_marker("g", system.ground())},
+      rising{&system.add_marker("l", load), &system.add_marker("h", system.ground())};
+  auto& link = system.add(std::make_unique<WinchLink<rotation_first>>(
+      Attachment{"winch", rotation_first ? std::vector{turning, rising} : std::vector{rising, turning}},
+      Winch<rotation_first>{}));
+  system.setup();
+  CHECK(link.n_own_memory() == 3);
+  Dynamics dynamics(system, std::make_unique<DenseSolver>());
+  State s = system.start();
+  worst = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const double angle = 1.3 * i, dt = 0.1;
+    s.t += dt;
+    set(s, drum.slot, angle, 0, 1.3 / dt, 0);
+    set(s, load.slot, 0, 0.1 * angle, 0, 0.13 / dt);
+    const Evaluation& here = dynamics.gather(s);
+    const double c = std::abs(here.rows().block(here.rows().entries.front()).C(0));
+    worst = c <= worst ? worst : c;
+    dynamics.accept(s);
+  }
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("Turns are counted of a pair whose translation is not read, before or after one whose rotation is not",
+          "[unit][phi]") {
+  double first = 0, last = 0;
+  const State a = wound<true>(first), b = wound<false>(last);
+  CHECK(first <= 1e-11);
+  CHECK(last <= 1e-11);
+  for (const State* s : {&a, &b}) {
+    CHECK(s->q.allFinite());
+    CHECK(s->v.allFinite());
+    REQUIRE(s->z.size() == 3);
+    CHECK(s->z.allFinite());
+    CHECK(s->z[0] == Approx(130.0).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]") {
   const auto error = [](const std::function<void(Bodies&)>& act) {
     Bodies b(3);

@@ -18,6 +18,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
+#include <lockstep/registry.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
@@ -146,6 +147,36 @@ TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {
     message_of<StepError>([&] { run.run_until(1); });
     REQUIRE(run.report().warnings.size() == 1);
     check_words(run.report().warnings[0], {"the run is slow", "1e+08 steps"});
+  }
+}
+
+TEST_CASE("what a force throws has its name, whichever call of whichever method it is", "[unit][dynamics]") {
+  const Registry registry = builtin_registry();
+  for (const std::string& method : registry.integrators.names()) {
+    long n_named = 0, n = 0;
+    const auto said_at = [&](long call) {
+      System system;
+      Body& body = system.add_body("bob", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+      Marker& at = system.add_marker("at", body);
+      n = 0;
+      system.add(function_force("pull", {&at}, [&](const Inputs& in, WrenchSum& out) {
+        if (++n == call) throw "a text";
+        out.force(body.slot, {1, 0, 0}, in.slot(body.slot).x);
+      }));
+      Dynamics dynamics = dynamics_of(system);
+      StepLoop run(dynamics, make_integrator(MethodSpec{method}, registry, "integrator"), {.step = 0.01});
+      return message_of<UserCodeError>([&] { run.run_until(0.03); });
+    };
+    for (long call = 1; call < 60; ++call) {
+      const std::string said = said_at(call);
+      if (n < call) break;               // the run makes no more calls
+      if (said == "no error") continue;  // one that set-up tries things out by
+      INFO(method << ", call " << call);
+      check_words(said, {"force 'pull'"});
+      ++n_named;
+    }
+    INFO(method);
+    CHECK(n_named > 3);
   }
 }
 

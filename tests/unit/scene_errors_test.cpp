@@ -1,12 +1,15 @@
 // Every kind of bad scene: refused at its place, with the name of the thing, the value and the next move.
 #include <algorithm>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include <lockstep/error.h>
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
-#include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/paths.h"
 
 namespace scene_errors_test {
 
@@ -255,6 +258,39 @@ TEST_CASE("units that fit what a law drives are read", "[unit][scene]") {
   CHECK(accepted(sliding(
             R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "b.vz", "crosses": "5 mm/s"}}])")) ==
         "accepted");
+}
+
+TEST_CASE("a column in a unit that does not fit what it drives is refused with file, column and what is expected",
+          "[unit][scene]") {
+  const std::string file = std::string(paths::kBuild) + "/scene_errors_columns.csv";
+  std::ofstream(file) << "t [ms],lift [mm],turn [deg],plain,speed [mm/s],late [deg],x [mm],y [m],z [-]\n"
+                         "0,0,0,0,0,0,0,0,0\n500,1,2,3,4,5,6,7,8\n1000,2,4,6,8,10,12,14,16\n";
+  const auto spline = [&](const std::string& y, const std::string& t = "t") {
+    return R"({"type": "spline", "file": ")" + file + R"(", "t_column": ")" + t + R"(", "y_column": ")" + y + R"("})";
+  };
+  const auto refusal = [](const std::string& line) { return refusal_of("{\"lockstep\": 1,\n" + line + "\n}"); };
+  const auto along = [&](const std::string& law, const char* key = "law") {
+    return refusal(sliding(R"(, "drive": {"axis": "z", ")" + std::string(key) + R"(": )" + law + "}}]"));
+  };
+  using lockstep::testing::check_words;
+  check_words(refusal(turning(spline("lift"))),
+              {"bad.json:2:", "link 'A', drive.law.y_column: column 'lift' of " + file, "in [mm]",
+               "a length; here an angle is expected"});
+  check_words(along(spline("turn")), {"link 'B', drive.law.y_column: column 'turn'", "[deg]", "an angle", "a length"});
+  check_words(along(spline("lift"), "speed"),
+              {"drive.speed.y_column: column 'lift'", "a length", "a speed is expected"});
+  check_words(along(spline("lift", "late")), {"drive.law.t_column: column 'late'", "an angle", "a time is expected"});
+  check_words(along(R"({"type": "sum", "laws": [1, )" + spline("3") + "]}"),
+              {"drive.law.laws[1].y_column: column 'turn'"});
+  const std::string path =
+      R"(}], "markers": [{"name": "m", "body": "b", "translation": {"type": "path", "file": ")" + file;
+  check_words(refusal(sliding(path + R"(", "y_column": "turn"}}])")), {"marker 'm', translation.y_column", "an angle"});
+
+  CHECK(refusal(turning(spline("turn"))) == "accepted");
+  CHECK(refusal(turning(spline("plain"))) == "accepted");
+  CHECK(along(spline("lift")) == "accepted");
+  CHECK(along(spline("speed"), "speed") == "accepted");
+  CHECK(refusal(sliding(path + "\"}}]")) == "accepted");
 }
 
 TEST_CASE("a scene that is none says so", "[unit][scene]") {

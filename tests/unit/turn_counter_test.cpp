@@ -42,6 +42,15 @@ TEST_CASE("the rates lead over several turns a step, and back inside a step", "[
   for (double t : {9.3, 10.0, 10.9}) CHECK(turns.at(wrapped(angle(t)), t, rate(t)) == Approx(angle(t)));
 }
 
+TEST_CASE("the mean of both rates leads where a step begins at rest and ends fast", "[unit][record]") {
+  TurnCounter turns;
+  for (int i = 0; i <= 6; ++i) {  // 10 t^2: up to 110 rad a step
+    const double angle = 10.0 * i * i, rate = 20.0 * i;
+    turns.accept(wrapped(angle), i, rate);
+    CHECK(turns.at(wrapped(angle), i, rate) == Approx(angle));
+  }
+}
+
 TEST_CASE("without a rate the nearest branch is taken", "[unit][record]") {
   TurnCounter turns;
   const double none = std::nan("");

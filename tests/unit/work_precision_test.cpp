@@ -245,6 +245,48 @@ TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
   }
 }
 
+// A method that is a hundred times as dear as the others, of which there are many forms: it has its first hits before
+// their forms are tried, and only half of the budget goes into that.
+TEST_CASE("every integrator has its first hits before forms have their turn", "[unit][work_precision]") {
+  long n_steps = 0;
+  struct Dear final : public Integrator {
+    Dear(long* n, long cost) : n_(n), cost_(cost) {}
+    IntegratorInfo info() const override { return method_.info(); }
+    void begin(Dynamics& dynamics, const State& state) override { method_.begin(dynamics, state); }
+    StepReport step(Dynamics& dynamics, State& state, double h) override {
+      *n_ += cost_;
+      return method_.step(dynamics, state, h);
+    }
+    Rk4 method_;
+    long *n_, cost_;
+  };
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {{"cheap", [&] { return std::make_unique<Dear>(&n_steps, 1); }},
+                         {"dear", [&] { return std::make_unique<Dear>(&n_steps, 100); }}};
+  options.formulations = {Formulation::omega, Formulation::quaternion};
+  options.stabilizations = {Stabilization::Kind::project, Stabilization::Kind::baumgarte, Stabilization::Kind::none};
+  options.steps = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384};
+  options.clock = options.cpu = [&] { return 1e-3 * static_cast<double>(n_steps); };
+  options.reference_tolerance = 1e-9;
+  options.budget = 20;
+  std::vector<std::string> order;
+  options.measured = [&](const WorkPrecisionRun& run) {
+    order.push_back(run.integrator +
+                    (run.formulation == Formulation::omega && run.stabilization == Stabilization::Kind::project
+                         ? ""
+                         : ", another form"));
+  };
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 10}, options);
+  const auto hit = [&](const WorkPrecisionRun& run) {
+    return run.integrator == "dear" && run.done() && run.error.position < 1e-3 * result.size.position;
+  };
+  CHECK(std::any_of(result.runs.begin(), result.runs.end(), hit));
+  const auto other = std::find_if(order.begin(), order.end(), [](const auto& o) { return o.ends_with("form"); });
+  CHECK(std::count(order.begin(), other, "dear") >= 1);
+  CHECK(other != order.end());
+  CHECK(1e-3 * static_cast<double>(n_steps) <= options.budget + 0.2);
+}
+
 TEST_CASE("a combination that cannot win any more ends", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Dopri5>("dopri5"), choice<Rk4>("rk4")};

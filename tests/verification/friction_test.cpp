@@ -2,6 +2,7 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -202,6 +203,58 @@ TEST_CASE("friction that jams is an error that names force and link", "[verifica
     dynamics.evaluate(block.system.start());
   });
   testing::check_words(message, {"guide.friction", "joint_friction", "link 'guide'", "reduce the coefficient"});
+}
+
+namespace {
+
+/// Pushes the block along its guide by what `law` says of the guide's normal force.
+class Answer final : public Force, public Reacting {
+ public:
+  Answer(const Lock& link, std::function<double(double)> law)
+      : Force("answer"), Reacting(static_cast<const Force&>(*this)), link_(&link), law_(std::move(law)) {}
+  std::string_view type() const override { return "answer"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum&) const override {}
+  const Reacting* reacting() const override { return this; }
+  std::vector<const Lock*> reads() const override { return {link_}; }
+  void react(const Inputs& in, const Reactions& reactions, WrenchSum& out) const override {
+    const double normal = reactions.on_body_of(MarkerFrame(*link_->pairs().front().first), *link_, in).force[2];
+    out.force(0, {0, 0, law_(normal)}, in.slot(0).x);
+  }
+
+ private:
+  const Lock* link_;
+  std::function<double(double)> law_;
+};
+
+std::string refusal_of(const std::function<double(double)>& law) {
+  System system{{{0, 0, -kG}}};
+  Body& body = system.add_body("block", MassProperties{2.0, Vec3::Zero(), Mat3::Identity()});
+  auto& guide = system.add<Prismatic>("guide", body, system.ground(), pose_at(Vec3::Zero(), Vec3::UnitX()));
+  system.add(std::make_unique<Answer>(guide, law));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  return testing::message_of<SolveError>([&] { dynamics.evaluate(system.start()); });
+}
+
+}  // namespace
+
+TEST_CASE("a force on its own reactions that does not settle is told by its cause", "[verification][friction]") {
+  // N = m g - F(N): it settles for slopes below one, and Anderson's line meets a straight one of any slope at once.
+  testing::check_words(refusal_of([](double normal) { return normal > 10 ? 15.0 : -15.0; }),
+                       {"force 'answer'", "link 'guide'", "jumps as a function of them", "over a range of reactions"});
+  double calls = 0;
+  testing::check_words(
+      refusal_of([&](double) { return ++calls; }),
+      {"force 'answer'", "another force each time", "function of its inputs and of the reactions alone"});
+  JointFriction::Options o;
+  o.mu = 0.8, o.bending_length = 0.2;
+  Block block(o, 1.0, 0.3);  // mu h/b = 1.2: each change comes back 1.2 times as large
+  testing::check_words(testing::message_of<SolveError>([&] {
+                         Dynamics dynamics(block.system, std::make_unique<SchurSolver>());
+                         dynamics.evaluate(block.system.start());
+                       }),
+                       {"1.2 times as much", "jams its joint", "reduce the coefficient"});
 }
 
 TEST_CASE("rattle and lanes refuse friction", "[verification][friction]") {

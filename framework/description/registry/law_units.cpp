@@ -1,6 +1,7 @@
 #include "framework/description/registry/law_units.h"
 
 #include <lockstep/registry.h>
+#include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -33,6 +34,26 @@ void check_numbers(const Value& v, const Key& key, const LawDimension& law, cons
   }
 }
 
+// A column of the file that a law reads: keys "t_column", the argument, and others, the values. A unit in the header is
+// converted to SI, so it must be of the dimension that the law has here.
+void check_column(const Value& law, const Key& key, const LawDimension& dimension, const std::string& owner) {
+  const bool argument = key.name == "t_column";
+  if (argument && !dimension.of_time) return;
+  const Value* given = law.find(key.name);
+  const Value* column = given != nullptr ? given : key.default_value();
+  if (column == nullptr || column->text() == nullptr) return;
+  const std::string file = path_of_file(*law.find("file"));
+  const CsvReader reader(file);
+  const CsvColumn& found = reader.columns()[reader.find(*column->text())];
+  if (found.unit.empty() || found.unit == "-") return;
+  const Measured read =
+      read_quantity("1 " + found.unit, argument ? Unit::time : dimension.unit, argument ? 0 : dimension.per_second);
+  if (read.problem.empty()) return;
+  const Value& place = given != nullptr ? *given : *law.find("file");
+  refuse(place.where, part_of(owner, key.name),
+         "column '" + found.name + "' of " + file + " is in [" + found.unit + "]: " + read.problem);
+}
+
 const TypeInfo* info_of(const std::string& type, Form form, const Registry& registry) {
   const auto in = [&](const auto& shelf) {
     const auto* entry = shelf.find(type);
@@ -59,7 +80,9 @@ void check_law_units(const Value& law, Form form, LawDimension dimension, const 
   const Value* type = law.object() != nullptr ? law.find("type") : nullptr;
   const TypeInfo* info = type != nullptr ? info_of(*type->text(), form, registry) : nullptr;
   if (info == nullptr) return;
+  const bool reads = law.find("file") != nullptr && law.find("file")->text() != nullptr;
   for (const Key& key : info->keys) {
+    if (reads && key.name.ends_with("_column")) check_column(law, key, dimension, owner);
     const Value* v = law.find(key.name);
     if (v == nullptr) continue;
     const std::string place = part_of(owner, key.name);

@@ -50,7 +50,7 @@ Params checked_params(const Params& params, const TypeInfo& info, const std::str
       std::vector<LawPtr<MotionLaw>> list;
       for (const Value& item : *v.list())
         list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
-      all.put_law(key.name, std::move(list));
+      all.put_law(key.name, std::make_shared<const std::vector<LawPtr<MotionLaw>>>(std::move(list)));
     }
     if (key.unit != Unit::none && key.unit != Unit::any)  // else it is part of a law, or its user knows
       check_law_units(v, key.form, {key.unit, 0, key.of_time}, *laws, place);

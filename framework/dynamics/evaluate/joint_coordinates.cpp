@@ -119,8 +119,10 @@ void Dynamics::to_slots(State& state) {
   if (!state.coordinates) return;
   std::vector<Motion> motions;
   system_.motions(state, motions);
+  // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
+  VecX q(7 * system_.n_slots()), v(6 * system_.n_slots());
+  state.q = std::move(q), state.v = std::move(v);
   state.coordinates = nullptr;
-  state.q.resize(7 * system_.n_slots()), state.v.resize(6 * system_.n_slots());
   for (int k = 0; k < system_.n_slots(); ++k) {
     const Motion& O = motions[static_cast<std::size_t>(k + 1)];
     state.set_slot_pose(k, {O.x, normalized(O.e)});

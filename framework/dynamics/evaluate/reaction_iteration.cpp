@@ -66,6 +66,24 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
   }
 }
 
+// How a change grows from one solution to the next when each takes what the forces give at the one before: without
+// limit where they answer a change of reactions by a larger one, not at all where they jump to and fro.
+double ReactionIteration::last_gain(const Unsettled& u) {
+  constexpr int kRounds = 5;
+  const double length = u.e.system().length();
+  double gain = 0;
+  for (int k = 0; k < kRounds; ++k) {
+    const double before = largest_force(change_, length);
+    added_ += change_;
+    loaded_ = u.e.force() + added_;
+    u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
+    change_ = -added_;
+    u.e.react(u.lambda, change_);
+    gain = largest_force(change_, length) / before;
+  }
+  return gain;
+}
+
 // Names the force whose share still changes most between two solutions.
 void ReactionIteration::diagnose(const Unsettled& u, double left) {
   u.factor.check(u.e, u.a, u.lambda, u.report);
@@ -73,16 +91,23 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   const auto share = [&](const Force& force) {
     VecX one = VecX::Zero(u.e.force().size());
     WrenchSum sum(in.motions, one);
-    force.reacting()->react(in, Reactions(u.e.rows(), {u.lambda.data(), static_cast<std::size_t>(u.lambda.size())}), sum);
+    const Reactions reactions(u.e.rows(), {u.lambda.data(), static_cast<std::size_t>(u.lambda.size())});
+    named(force, in.t, [&] { force.reacting()->react(in, reactions, sum); });
     return one;
   };
   std::vector<VecX> first;
   for (const Force* force : u.e.reacting()) {
     first.push_back(share(*force));
+    const Thing thing = thing_of(*force);
     if (!first.back().allFinite())
-      throw NonFiniteError(at_time(in.t) + thing_of(*force).label() +
-                               " is not finite at the present reactions; look at its parameters",
-                           {.thing = thing_of(*force), .t = in.t});
+      throw NonFiniteError(
+          at_time(in.t) + thing.label() + " is not finite at the present reactions; look at its parameters",
+          {.thing = thing, .t = in.t});
+    if (share(*force) != first.back())
+      throw SolveError(at_time(in.t) + thing.label() +
+                           " gives another force each time it is asked at the same reactions; let react() be a "
+                           "function of its inputs and of the reactions alone",
+                       {.thing = thing, .t = in.t});
   }
   loaded_ = u.e.force() + added_ + change_;
   u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
@@ -95,12 +120,17 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   const Thing culprit = thing_of(force);
   std::string links;
   for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
-  throw SolveError(
-      at_time(in.t) + culprit.label() + " and the reactions of " + links + "' that it reads do not settle (after " +
-          std::to_string(kMostSolutions) + " solutions " + text::brief(100 * left) +
-          " % of the friction still changes): with its coefficient the friction raises its own load without limit, "
-          "so the joint would jam; reduce the coefficient, or the lever arm of the load",
-      {.thing = culprit, .t = in.t});
+  const double gain = last_gain(u);
+  const std::string cause =
+      gain < 1 + 1e-6
+          ? "it jumps as a function of them; let it pass from one value to the other over a range of reactions"
+          : "a change of it changes the reactions so that it changes by " + text::brief(gain) +
+                " times as much, without limit: friction jams its joint in this way; reduce the coefficient, or the "
+                "lever arm of the load";
+  throw SolveError(at_time(in.t) + culprit.label() + " and the reactions of " + links +
+                       "' that it reads do not settle (after " + std::to_string(kMostSolutions) + " solutions " +
+                       text::brief(100 * left) + " % of it still changes): " + cause,
+                   {.thing = culprit, .t = in.t});
 }
 
 }  // namespace lockstep

@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -32,8 +33,11 @@ Said listen(Dynamics& dynamics, const State& state) {
   for (const auto& force : system.forces()) {
     VecX f = VecX::Zero(6 * system.n_slots());
     WrenchSum sum(e.inputs().motions, f);
-    if (force->acts(e.inputs())) force->apply(e.inputs(), sum);
-    if (force->acts(e.inputs()) && force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
+    if (force->acts(e.inputs()))
+      named(*force, state.t, [&] {
+        force->apply(e.inputs(), sum);
+        if (force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
+      });
     said.forces.push_back(std::move(f));
   }
   said.asked.resize(e.rows().n_rows);

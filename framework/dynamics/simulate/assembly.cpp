@@ -55,7 +55,7 @@ class Assembler {
     VecX d, lambda;
     double now = residual();
     check_gradients(*now_);
-    report.before = now;
+    report.before = start_distance(*now_, C_);
     const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
     int stalls = 0;  // in a row
     for (report.iterations = 0; now > goal; ++report.iterations) {
@@ -79,7 +79,8 @@ class Assembler {
       }
       now = next;
     }
-    report.after = now;
+    residual();
+    report.after = start_distance(*now_, C_);
   }
 
   /// M dv + Jh^T mu = 0 with Jh v = -Ct and T v = targets: the targets' rows are added to the mechanism's own.

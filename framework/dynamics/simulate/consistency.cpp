@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include <lockstep/error.h>
@@ -13,27 +14,24 @@ namespace lockstep {
 
 namespace {
 
-// The name of the row whose number is largest, in the norm of the dynamics. For error messages.
-std::string largest_row(const Evaluation& at, const VecX& c) {
-  const RowTable& rows = at.rows();
-  VecX one = VecX::Zero(rows.n_rows);
-  int worst = 0;
-  double most = -1;
-  for (int row = 0; row < rows.n_rows; ++row) {
-    one[row] = c[row];
-    const double size = at.norm(one);
-    one[row] = 0;
-    if (size > most) most = size, worst = row;
-  }
-  return rows.n_rows > 0 ? at.system().row_name(rows, worst) : "no row";
+// The name of the row whose number is largest. For error messages.
+std::string largest_row(const Evaluation& at, const VecX& sizes) {
+  Eigen::Index worst = 0;
+  if (sizes.size() > 0) sizes.maxCoeff(&worst);
+  return sizes.size() > 0 ? at.system().row_name(at.rows(), static_cast<int>(worst)) : "no row";
 }
 
-// The name of the row that is violated most.
-std::string worst_row(Dynamics& dynamics, const State& state) {
-  const Evaluation& at = dynamics.gather(state);
-  VecX C, Cd;
-  at.residuals(C, Cd);
-  return largest_row(at, C);
+// Each row as Evaluation::norm counts it.
+VecX norms(const Evaluation& at, const VecX& c) {
+  VecX sizes = VecX::Zero(c.size());
+  const double L = at.system().length();
+  for (const RowEntry& e : at.rows().entries)
+    for (int k = 0; k < e.m; ++k) {
+      const RowKind kind = e.kind[static_cast<std::size_t>(k)];
+      const double scale = kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * L : L;
+      sizes[e.first_row + k] = scale * std::abs(c[e.first_row + k]);
+    }
+  return sizes;
 }
 
 }  // namespace
@@ -55,14 +53,41 @@ void check_gradients(const Evaluation& e) {
   }
 }
 
+VecX start_distances(const Evaluation& e, const VecX& C) {
+  VecX off = norms(e, C);
+  const double L = e.system().length();
+  for (const RowEntry& entry : e.rows().entries) {
+    const RowView block = e.rows().block(entry);
+    for (int k = 0; k < entry.m; ++k) {
+      const int row = entry.first_row + k;
+      if (entry.kind[static_cast<std::size_t>(k)] == RowKind::rotation || C[row] == 0) continue;
+      double square = 0;  // of the gradient, by m; turns count as lengths
+      for (int i = 0; i < entry.slots.n; ++i) {
+        const auto J = block.J(i, k);
+        for (std::size_t c = 0; c < 6; ++c) square += J[c] * J[c] / (c < 3 ? 1.0 : L * L);
+      }
+      if (square > 0) off[row] = std::max(off[row], std::abs(C[row]) / std::sqrt(square));
+    }
+  }
+  return off;
+}
+
+double start_distance(const Evaluation& e, const VecX& C) {
+  const VecX off = start_distances(e, C);
+  return off.hasNaN() ? std::numeric_limits<double>::quiet_NaN() : off.size() > 0 ? off.maxCoeff() : 0.0;
+}
+
 void check_start(Dynamics& dynamics, const State& s, double limit) {
-  check_gradients(dynamics.gather(s));
-  const double c = dynamics.violation(s);
+  const Evaluation& at = dynamics.gather(s);
+  check_gradients(at);
+  VecX C, Cd;
+  at.residuals(C, Cd);
+  const double c = start_distance(at, C);
   if (!(c <= limit))
     throw AssemblyError(
         fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
                     "all {}; assemble it first",
-                    s.t, c, limit, worst_row(dynamics, s)));
+                    s.t, c, limit, largest_row(at, start_distances(at, C))));
   const double cv = dynamics.violation_v(s);
   if (!(cv <= limit))
     throw AssemblyError(
@@ -138,7 +163,7 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   return fmt::format(
       "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
       "let it pass from one value to the other in a time (types ramp, cycloidal, spline)",
-      state.t, largest_row(at, C), jump, limit);
+      state.t, largest_row(at, norms(at, C)), jump, limit);
 }
 
 }  // namespace lockstep

@@ -12,6 +12,12 @@ namespace lockstep {
 /// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: nothing
 /// can be said of which way its bodies move.
 void check_gradients(const Evaluation&);
+/// How far each row is from being met, m: its residual C as Evaluation::norm counts it, or |C| / |grad C|, the distance to
+/// the nearest pose that meets it, where that is more. A function with a small gradient is off by far more than it says.
+/// Rotations are as they are, for a half turn has no gradient. C: one number a row, of this evaluation.
+VecX start_distances(const Evaluation&, const VecX& C);
+/// The largest of them; NaN where one is.
+double start_distance(const Evaluation&, const VecX& C);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 void check_start(Dynamics&, const State&, double limit);
 /// Initialises the own states of links that are activated: a driven speed starts from the present coordinate.

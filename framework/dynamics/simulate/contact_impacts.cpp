@@ -15,6 +15,7 @@
 
 #include "framework/dynamics/simulate/contact_manager.h"
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/keep_state.h"
 
 namespace lockstep {
 namespace {
@@ -27,7 +28,7 @@ std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
 
 // What a row or a force throws leaves the state and the contacts as they were: they are settled when the run goes on.
 ContactManager::Settled ContactManager::settle(State& state) {
-  before_ = state, released_before_ = released_;
+  keep_state(state, before_), released_before_ = released_;
   clear_before_.clear();
   for (std::size_t i = 0; i < contacts_.size(); ++i) clear_before_.push_back(contacts_[i].clear);
   const double contact_time = contact_time_;
@@ -106,7 +107,7 @@ void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
   for (std::size_t k = 0; k < touching_.size(); ++k)
     if (active_[k]) C_[contacts_.row(touching_[k], rows)] += contacts_[touching_[k]].sign * aim_[k];
   if (rows.n_rows > 0) dynamics_.factor(e).solve(e, no_force_, C_, kick_, impulse_);
-  trial_ = state;
+  keep_state(state, trial_);
   trial_.v += kick_;
   const Inputs& in = dynamics_.inputs(trial_);
   double speed = 0;

@@ -3,22 +3,23 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/keep_state.h"
 
 namespace lockstep {
 
 void StepInterval::start(const State& state) {
-  from_ = inside_ = state;
+  keep_state(state, from_), keep_state(state, inside_);
   report_ = {};
 }
 
 void StepInterval::begin(const State& state) {
   named(method_, state.t, [&] { method_.begin(dynamics_, state); });
-  from_ = inside_ = state;
+  keep_state(state, from_), keep_state(state, inside_);
   has_dense_ = named(method_, state.t, [&] { return method_.dense(state.t, inside_); });
 }
 
 void StepInterval::make(State& state, double h) {
-  from_ = state;
+  keep_state(state, from_);
   if (!has_dense_) before_.clear(), method_.save(before_);
   try {
     report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });

@@ -9,6 +9,7 @@
 #include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/detail_observer.h"
+#include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
@@ -156,7 +157,7 @@ void StepLoop::start_run() {
   try {
     make_start();
   } catch (...) {
-    state_ = state, report_ = report, begun_ = false;
+    keep_state(state, state_), report_ = report, begun_ = false;
     throw;
   }
 }
@@ -245,7 +246,7 @@ void StepLoop::advance(double limit, double largest) {
     dynamics_.accept(state_);
     cause = touched ? "an impact" : jump ? "the jump of a law" : "";
   } catch (...) {
-    state_ = interval.from();
+    keep_state(interval.from(), state_);
     throw;
   }
   ++report_.steps;
@@ -322,7 +323,7 @@ void StepLoop::conclude() {
 // the laws of a tree do on that side becomes the bodies' own.
 void StepLoop::cross_jump(double t) {
   if (state_.coordinates && state_.coordinates->has_laws()) {
-    parts_->before_change = state_;
+    keep_state(state_, parts_->before_change);
     dynamics_.to_slots(state_);
   }
   const double h = t - state_.t;

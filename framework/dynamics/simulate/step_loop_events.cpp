@@ -3,6 +3,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
@@ -14,12 +15,12 @@ bool StepLoop::fire_events() {
   std::size_t first = 0;
   while (first < events.size() && !due(first)) ++first;
   if (first == events.size()) return false;
-  parts_->before_events = state_;
+  keep_state(state_, parts_->before_events);
   bool changed = false;
   try {
     changed = apply_events(first);
   } catch (...) {
-    state_ = parts_->before_events;
+    keep_state(parts_->before_events, state_);
     throw;
   }
   bool rewound = false;
@@ -44,7 +45,7 @@ bool StepLoop::apply_events(std::size_t first) {
     const Event& e = events[i];
     if (events.due(i, state_.t) == EventLocator::Due::no) continue;
     if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
-    if (state_.coordinates) parts_->before_change = state_, dynamics_.to_slots(state_);
+    if (state_.coordinates) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
     apply(e);
     names += (names.empty() ? "event '" : ", '") + e.name + "'";
   }

@@ -35,8 +35,10 @@ struct PoseWeight {
 
 /// What assembling a start changed.
 struct AssemblyReport {
-  double before = 0,        ///< |C| of the start as given, m
-      after = 0;            ///< |C| of the assembled start, m
+  /// How far the start as given is from its constraints, m: the largest |C|, or |C| / |grad C| of a function with a
+  /// smaller gradient.
+  double before = 0;
+  double after = 0;         ///< the same of the assembled start, m
   double before_v = 0,      ///< |Jh v + Ct| at the assembled position with the velocities as given, m/s
       after_v = 0;          ///< |Jh v + Ct| of the assembled start, m/s
   int iterations = 0;       ///< of the positions

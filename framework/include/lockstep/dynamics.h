@@ -286,6 +286,7 @@ class LOCKSTEP_API ReactionIteration {
     SolveReport& report;
   };
   [[noreturn]] void diagnose(const Unsettled&, double left);
+  double last_gain(const Unsettled&);
 
   VecX added_, added_before_, change_, change_before_, loaded_;  // x, g(x) - x, f + x: 6 per slot
 };

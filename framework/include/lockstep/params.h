@@ -209,9 +209,11 @@ struct TypeInfo {
   Keys keys;         ///< the keys of its parameters
 };
 
-/// A law that was made from the value of a key, or the laws of a list.
-using MadeLaw =
-    std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, std::vector<LawPtr<MotionLaw>>>;
+/// The laws of a list, shared: a copy takes no memory.
+using LawList = std::shared_ptr<const std::vector<LawPtr<MotionLaw>>>;
+/// A law that was made from the value of a key, or the laws of a list. No copy throws: where one does, std::variant of
+/// libstdc++ 12 destroys what it has not made.
+using MadeLaw = std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, LawList>;
 
 /// The members of one object, checked against a table of keys. Checking throws SceneError with place, owner, key, value
 /// and advice: an unknown key (with the closest known one), a key given twice, a missing key, a wrong form, a unit of

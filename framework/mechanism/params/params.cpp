@@ -323,9 +323,7 @@ LawPtr<TranslationLaw> Params::translation_law(std::string_view key) const { ret
 
 LawPtr<RotationLaw> Params::rotation_law(std::string_view key) const { return made<LawPtr<RotationLaw>>(key); }
 
-std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view key) const {
-  return made<std::vector<LawPtr<MotionLaw>>>(key);
-}
+std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view key) const { return *made<LawList>(key); }
 
 const Value& Params::value(std::string_view key) const {
   static const Value kAbsent;

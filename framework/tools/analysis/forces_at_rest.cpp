@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include <lockstep/error.h>
+#include "framework/mechanism/system/diagnose.h"
+
 namespace lockstep {
 
 void ForcesAtRest::look(const State& state) {
@@ -42,7 +45,7 @@ double ForcesAtRest::largest_force() {
   WrenchSum sum(in.motions, one_);
   for (const auto& each : system.forces()) {
     if (!each->acts(in)) continue;
-    each->apply(in, sum);
+    named(*each, in.t, [&] { each->apply(in, sum); });
     for (const int slot : each->slots()) {
       most = std::max(most, size_of(one_.segment<6>(6 * slot)));
       one_.segment<6>(6 * slot).setZero();

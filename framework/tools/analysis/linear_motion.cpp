@@ -17,6 +17,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
@@ -267,7 +268,7 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
     if (force->reacting() == nullptr || !force->acts(solution.in)) continue;
     one.setZero();
     WrenchSum sum(solution.in.motions, one);
-    force->reacting()->react(solution.in, reactions, sum);
+    named(*force, solution.in.t, [&] { force->reacting()->react(solution.in, reactions, sum); });
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kStill * load_of(at, k))
         throw ModelError(

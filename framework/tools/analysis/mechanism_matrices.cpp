@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include <lockstep/error.h>
 #include <lockstep/newton.h>
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
@@ -122,7 +124,7 @@ void write_loads(const System& system, const Evaluation& e, const Unknowns& at, 
     if (!force->acts(e.inputs())) continue;
     one.setZero();
     WrenchSum wrench(e.inputs().motions, one);
-    force->apply(e.inputs(), wrench);
+    named(*force, e.inputs().t, [&] { force->apply(e.inputs(), wrench); });
     sum += one.cwiseAbs();
   }
   const VecX reactions = at.to_slots(VecX(m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs()));

@@ -19,6 +19,7 @@ constexpr double kFalls = 0.8;     // an error that falls at all is below this p
 constexpr double kWrong = 1e-2;    // relative error of a useless run
 constexpr double kSettled = 1e-7;  // relative error below which a combination that stops falling is at its floor
 constexpr long kManySteps = 10;    // steps per output, from which on the cost of outputs is negligible
+constexpr double kFirstHits = 0.5;  // part of the budget that the first hits of all integrators may take
 constexpr double kPatience = 4;    // handicap of each item of the form that differs from the base's, and of a time-out
 constexpr double kOther = 2;       // handicap of another integrator than the base's
 constexpr double kTooDear = 10;    // times the cheapest run that met the target
@@ -30,6 +31,7 @@ struct Combination {
   Formulation formulation;
   Stabilization::Kind kind;
   bool adaptive;
+  bool base_form;          // only the integrator differs from the base
   double handicap;         // factor on the expected cost when the next run is chosen
   std::size_t rung = 0;    // the next setting
   double expected = 0;     // s that it will take
@@ -52,6 +54,7 @@ class Benchmark {
   WorkPrecision run() {
     take_reference();
     plan();
+    first_end_ = left() * (1 - kFirstHits);
     while (Combination* c = next()) climb(*c);
     for (const Combination& c : combinations_)
       if (c.given_up) keep(*c.given_up);
@@ -87,7 +90,7 @@ class Benchmark {
             const int n = in_form + differs(&method != &o.integrators.front());
             if (o.separately && n > 1) continue;
             const double handicap = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
-            all.emplace_back(n, Combination{&method, &solver, formulation, kind, *adaptive, handicap});
+            all.emplace_back(n, Combination{&method, &solver, formulation, kind, *adaptive, in_form == 0, handicap});
           }
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -114,12 +117,32 @@ class Benchmark {
     const bool begun = c.rung > 0 || c.given_up;
     return c.handicap * (begun ? c.expected : first_);
   }
+  // Whether an integrator has not yet come near the truth in the base's form, and there is time for that.
+  bool seeks_first_hit(const Combination& c) const {
+    return options_.target <= 0 && c.base_form && !c.over && !(c.best <= options_.first_hit) && left() > first_end_;
+  }
   Combination* next() {
     const double time = left();
+    const bool first = std::any_of(combinations_.begin(), combinations_.end(), [&](const Combination& c) {
+      return seeks_first_hit(c) && c.expected <= time - first_end_;
+    });
     Combination* best = nullptr;
     for (Combination& c : combinations_)
-      if (!c.over && c.expected <= time && (best == nullptr || weight(c) < weight(*best))) best = &c;
+      if (!c.over && c.expected <= (first ? time - first_end_ : time) && (!first || seeks_first_hit(c)) &&
+          (best == nullptr || weight(c) < weight(*best)))
+        best = &c;
     return time > 0 ? best : nullptr;
+  }
+  // The time of a combination for its next run: its equal share, or more where the run before says so. A run that fits by
+  // that may go beyond the time of the first hits, as far as half more than it is thought to need.
+  double turn_of(const Combination& c) const {
+    const bool seeks = seeks_first_hit(c);
+    const auto n = std::count_if(combinations_.begin(), combinations_.end(),
+                                 [&](const Combination& other) { return seeks_first_hit(other); });
+    const double time = seeks ? left() - first_end_ : left();
+    const double share = time / static_cast<double>(seeks ? static_cast<std::size_t>(n) : n_open());
+    const double likely = std::min(4 * c.expected, std::max(time, 1.5 * c.expected));
+    return std::min(left(), std::max(likely, kFirstTurn * share));
   }
 
   WorkPrecisionRun run_of(const Combination& c) const {
@@ -134,8 +157,8 @@ class Benchmark {
   void climb(Combination& c) {
     WorkPrecisionRun run = run_of(c);
     if (options_.progress) options_.progress(label(run));
-    const double share = left() / static_cast<double>(n_open()), begin = clocks_.clock();
-    const Outcome last = measure(c, run, std::min(left(), std::max(4 * c.expected, kFirstTurn * share)));
+    const double begin = clocks_.clock();
+    const Outcome last = measure(c, run, turn_of(c));
     if (last.unsuited) {
       result_.unsuited.push_back({way(run), run.failure});
       c.over = true;
@@ -261,6 +284,7 @@ class Benchmark {
   Clocks clocks_;
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
+  double first_end_ = 0;  // s that are left of the budget when the time of the first hits is over
   double first_ = 0;  // s of the very first run: the expected cost of a combination that has not begun
   History reference_;
   std::vector<Combination> combinations_;

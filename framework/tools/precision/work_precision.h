@@ -89,6 +89,9 @@ struct WorkPrecisionOptions {
   double budget = 60;                  ///< s of CPU time; combinations that do not fit are listed in left_out
   int repeats = 3;                     ///< of runs below `quick`; the least time counts
   double quick = 0.02;                 ///< s
+  /// Relative error of a first hit. Until each integrator in the base's form has one, the others wait, for half of the
+  /// budget at most. Without a target.
+  double first_hit = 1e-3;
   double hopeless = 100;               ///< a combination ends if it costs this many times another of the same error
 
   ErrorKind target_kind = ErrorKind::position;

@@ -12,6 +12,7 @@
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/report/machine.h"
 
 namespace lockstep {
 namespace {
@@ -82,11 +83,12 @@ std::vector<std::string> shown_integrators(const WorkPrecision& result, const Wo
   return names;
 }
 
-std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result,
-                                  const SceneBenchmark& benchmark) {
+std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark,
+                                  const std::string& caption) {
   std::vector<std::string> files;
-  const auto write = [&](const std::string& name, const GridSpec& chart) {
+  const auto write = [&](const std::string& name, GridSpec chart) {
     if (chart.panels.empty()) return;
+    if (!caption.empty()) chart.remarks.push_back(caption);
     write_grid(base + name, chart);
     files.push_back(base + name + ".png");
   };
@@ -123,7 +125,8 @@ struct ChartFiles {
   std::string no_pictures{};
 };
 
-ChartFiles write_files(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark) {
+ChartFiles write_files(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark,
+                       const std::string& caption) {
   ChartFiles files{base + ".csv"};
   write_runs(files.table, result);
   if (result.runs.empty())
@@ -131,7 +134,7 @@ ChartFiles write_files(const std::string& base, const WorkPrecision& result, con
   else if (find_gnuplot().empty())
     files.no_pictures = "gnuplot is not installed (apt install gnuplot-nox)";
   else
-    files.pictures = draw_all(base, result, benchmark);
+    files.pictures = draw_all(base, result, benchmark, caption);
   return files;
 }
 
@@ -174,7 +177,7 @@ int chart_command(const Arguments& args) {
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
-  const ChartFiles files = write_files(base, *result, benchmark);
+  const ChartFiles files = write_files(base, *result, benchmark, args.caption.value_or(report::measured_words()));
   if (args.json) {
     print_json(loaded, *result, benchmark, files);
   } else {

@@ -1,6 +1,7 @@
 // The verbs of the program `lockstep`: one function each over the public interface.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct Arguments {
   bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
   bool floating = false;          ///< the first link of an imported robot is not held
   bool no_picture = false;        ///< CSV alone
+  std::optional<std::string> caption;  ///< below pictures of what was measured; none: machine, version and date
   bool strict = false;            ///< a doubtful result is an error
   std::vector<std::string> pictures;  ///< X:Y, columns
   std::string headers;                ///< "units" or "plain"; "": the scene's

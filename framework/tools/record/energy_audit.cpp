@@ -82,7 +82,8 @@ void EnergyAudit::start(const Sample& s) {
 void EnergyAudit::step(const Sample& s) {
   Books& b = *books_;
   b.before = b.balance(s);
-  if (!(s.report.violation_after <= b.audit.violation)) b.audit.violation = s.report.violation_after;
+  double& most = b.audit.violation;  // once it is no number it stays none
+  if (!std::isnan(most) && !(s.report.violation_after <= most)) most = s.report.violation_after;
 }
 
 // The same instant after an event, an impact or a jump.

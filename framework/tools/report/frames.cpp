@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include <lockstep/error.h>
 #include <lockstep/relative.h>
 #include <lockstep/system.h>
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep::report {
 namespace {
@@ -21,8 +23,10 @@ Pose pose_of(const Body& body, const Inputs& in) {
 LinkWrench wrench_of(const Force& force, const Marker& at, const Evaluated& v) {
   VecX f = VecX::Zero(6 * static_cast<Eigen::Index>(v.in.motions.size() - 1));
   WrenchSum sum(v.in.motions, f);
-  force.apply(v.in, sum);
-  if (force.reacting()) force.reacting()->react(v.in, Reactions(v), sum);
+  named(force, v.in.t, [&] {
+    force.apply(v.in, sum);
+    if (force.reacting()) force.reacting()->react(v.in, Reactions(v), sum);
+  });
   const int slot = at.body->slot;
   const Motion& O = v.in.slot(slot);
   const Vec3 F = f.segment<3>(6 * slot), M = O.A * f.segment<3>(6 * slot + 3);

@@ -2,11 +2,13 @@
 
 #include <sys/utsname.h>
 
+#include <ctime>
 #include <fstream>
 #include <string_view>
 #include <thread>
 
 #include <lockstep/text.h>
+#include <lockstep/version.h>
 
 namespace lockstep::report {
 namespace {
@@ -31,6 +33,15 @@ std::string machine_words() {
   if (const unsigned n = std::thread::hardware_concurrency(); n > 0)
     words += ", " + std::to_string(n) + (n == 1 ? " processor" : " processors");
   return words;
+}
+
+std::string measured_words() {
+  const std::time_t now = std::time(nullptr);
+  std::tm day{};
+  gmtime_r(&now, &day);
+  char date[16];
+  const std::size_t n = std::strftime(date, sizeof date, "%Y-%m-%d", &day);
+  return "lockstep " + std::string(library_version()) + ", " + std::string(date, n) + ", " + machine_words();
 }
 
 }  // namespace lockstep::report

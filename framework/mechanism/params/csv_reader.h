@@ -1,0 +1,50 @@
+// The header of a CSV file, and its rows as texts.
+#pragma once
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/params.h>
+
+namespace lockstep {
+
+/// A column as the header has it: "x [mm]". Without a header its name is empty, without "[unit]" its unit: SI.
+struct CsvColumn {
+  std::string name, unit;
+};
+
+/// Reads a file line by line; blank lines and those that begin with # are skipped. Throws FileError, with file and line,
+/// as read_columns() of splines.h says.
+class LOCKSTEP_API CsvReader {
+ public:
+  /// Opens the file and reads its first line, which names the columns or is the first row.
+  explicit CsvReader(const std::string& path);
+  const std::vector<CsvColumn>& columns() const { return columns_; }
+  /// Which column that is, by name or by number from 1.
+  std::size_t find(const std::string& name) const;
+  /// The cells of the next row; false where there is none. Every row has as many as there are columns.
+  bool next(std::vector<std::string>& cells);
+  /// A cell as a number, its decimal comma a point where commas separate nothing; false if it is none.
+  bool number(std::string cell, double& value) const;
+  /// What separates the cells.
+  char separator() const { return separator_; }
+  /// Throws FileError with file and line.
+  [[noreturn]] void refuse(const std::string& why) const;
+
+ private:
+  bool next_line(std::vector<std::string>& cells);
+  void read_header();
+  std::string path_;
+  std::ifstream file_;
+  int number_ = 0;
+  char separator_ = 0;
+  std::vector<CsvColumn> columns_;
+  std::vector<std::string> first_;  // the first row, where there is no header
+};
+
+/// The path of a file that a description names: a relative one starts at the folder of the description.
+LOCKSTEP_API std::string path_of_file(const Value& name);
+
+}  // namespace lockstep
